@@ -1,4 +1,4 @@
-"""International Standard Atmosphere up to 32 km, and the air and wind that a mission's file gives.
+"""International Standard Atmosphere up to 32 km, and air and wind from a mission's file.
 
 Altitude is geometric altitude above mean sea level. Pressure follows the standard day; on a
 hotter or colder day the density changes with the temperature at unchanged pressure, which is how
@@ -40,7 +40,7 @@ _SUTHERLAND_K = 110.4
 
 
 def plain_number(value: Any) -> Any:
-    """Number without an axis as a float; arrays and symbols as they are."""
+    """Convert a number without an axis to a float; return arrays and symbols as they are."""
     single = isinstance(value, np.generic | np.ndarray) and value.ndim == 0
     return float(value) if single else value
 
@@ -62,20 +62,20 @@ class Air(NamedTuple):
         return self.temperature_k - ZERO_CELSIUS_K
 
     @property
-    def sound_m_per_s(self) -> FloatArray:
-        """Speed of sound, ``sqrt(1.4 R T)`` [m/s]; of a symbol as well."""
+    def speed_of_sound_m_per_s(self) -> FloatArray:
+        """Speed of sound, ``sqrt(1.4 R T)`` [m/s]; also of a symbol."""
         speed: FloatArray = (HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * self.temperature_k) ** 0.5
         return speed
 
 
 def geopotential_altitude_m(altitude_m: ArrayLike) -> FloatArray:
-    """Geopotential altitude [m] of a geometric one."""
+    """Return the geopotential altitude [m] of a geometric altitude [m]."""
     z = np.asarray(altitude_m, float)
     return np.asarray(_EARTH_RADIUS_M * z / (_EARTH_RADIUS_M + z))
 
 
 def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -> Air:
-    """Air at a geometric altitude on a standard day, or on one hotter by an offset.
+    """Return the air at a geometric altitude on a standard day with a temperature offset.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
 
 
 def pressure_altitude_m(pressure_pa: ArrayLike) -> FloatArray:
-    """Altitude at which the standard atmosphere has a pressure [m]; infinite outside of its table.
+    """Return the standard atmosphere's altitude of a pressure, infinite outside.
 
     Parameters
     ----------
@@ -119,13 +119,13 @@ def pressure_altitude_m(pressure_pa: ArrayLike) -> FloatArray:
     """
     heights = np.arange(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M + 50.0, 50.0)
     logs = np.log(standard_air(heights).pressure_pa)
-    wanted = np.log(np.asarray(pressure_pa, float))
-    outside = (wanted < logs[-1]) | (wanted > logs[0] + 1e-12)
-    return np.where(outside, np.inf, np.interp(-wanted, -logs, heights))
+    log_pressure = np.log(np.asarray(pressure_pa, float))
+    outside = (log_pressure < logs[-1]) | (log_pressure > logs[0] + 1e-12)
+    return np.where(outside, np.inf, np.interp(-log_pressure, -logs, heights))
 
 
 def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
-    """Air of a given temperature [K] and pressure [Pa]: ideal gas, Sutherland viscosity.
+    """Return the air of a temperature and pressure: ideal gas, Sutherland viscosity.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
 
 
 class AirConditions(Record):
-    """Air at flight altitude: standard, standard with an offset, or of a given temperature.
+    """Air at flight altitude: standard, standard with an offset, or of a set temperature.
 
     ``albedo``: share of the light that the earth and its clouds send back up; given, it lights
     modules that face down (VM, FM).
@@ -164,7 +164,7 @@ class AirConditions(Record):
         return self
 
     def state(self, altitude_m: float) -> Air:
-        """Air at the altitude that the temperatures hold for."""
+        """Return the air at the altitude that the temperatures hold for."""
         offset_k = self.temperature_offset_k
         standard = standard_air(altitude_m, 0.0 if offset_k is None else offset_k)
         if self.ambient_temperature_c is None:
@@ -172,14 +172,14 @@ class AirConditions(Record):
         return air_at(self.ambient_temperature_c + ZERO_CELSIUS_K, standard.pressure_pa)
 
     def modules_c(self, altitude_m: float) -> float:
-        """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
+        """Return the constant module temperature of CDM and CAM [C], by default the air's."""
         if self.module_temperature_c is not None:
             return self.module_temperature_c
         air_c: float = plain_number(self.state(altitude_m).temperature_c)
         return air_c
 
     def moved(self, from_m: float, to_m: float) -> AirConditions:
-        """Same weather at another altitude.
+        """Return the same weather at another altitude.
 
         Air warmer than standard stays so by as many kelvin at every altitude, and modules of a
         given temperature stay as much warmer than the air.
@@ -195,21 +195,21 @@ class AirConditions(Record):
 
 @dataclass(frozen=True)
 class SteadyWind:
-    """Wind that is the same everywhere and all year; answers as wind statistics do."""
+    """Constant wind, everywhere and all year, with the interface of wind statistics."""
 
     speed_m_per_s: float
     hold_station: ClassVar[bool] = False
 
     def speeds(self, latitude_deg: FloatArray, *_elsewhere: object) -> FloatArray:
-        """Wind speed in each scenario [m/s]."""
+        """Return the wind speed in each scenario [m/s]."""
         return np.full(len(latitude_deg), self.speed_m_per_s)
 
     def strongest_m_per_s(self, _winds_m_per_s: object) -> float:
-        """Strongest of the winds of scenarios [m/s]."""
+        """Return the strongest of the scenarios' winds [m/s]."""
         return self.speed_m_per_s
 
     def known_between_deg(self, _longitude_deg: float | None) -> tuple[float, float]:
-        """Latitudes between which the wind is known [deg]."""
+        """Return the latitudes between which the wind is known [deg]."""
         return -90.0, 90.0
 
 
@@ -219,14 +219,14 @@ _GROUND_UP_TO_M, _THIN_FROM_M = 3000.0, 4000.0
 
 
 def thin_air_share(altitude_m: ArrayLike) -> FloatArray:
-    """How much of a battery's heater is assumed: 0 up to 3 km, 1 from 4 km, without a kink."""
+    """Return the assumed share of a battery's heater: 0 up to 3 km, 1 from 4 km, smooth."""
     way = (np.asarray(altitude_m, float) - _GROUND_UP_TO_M) / (_THIN_FROM_M - _GROUND_UP_TO_M)
     way = np.clip(way, 0.0, 1.0)
     return np.asarray(way * way * (3.0 - 2.0 * way))
 
 
 def gust_speed_fraction(altitude_m: ArrayLike) -> FloatArray:
-    """Gust speed at an altitude over that up to 6096 m [-], CS 23.333 (c).
+    """Return the gust speed over its value up to 6096 m [-], CS 23.333 (c).
 
     Both gust speeds fall linearly from 20 000 ft to half at 50 000 ft; above they are held.
     """
@@ -237,7 +237,7 @@ def gust_speed_fraction(altitude_m: ArrayLike) -> FloatArray:
 def plate_convection_w_per_m2k(
     air: Air, airspeed_m_per_s: ArrayLike, chord_m: ArrayLike, transition_reynolds: float = 5e5
 ) -> FloatArray:
-    """Mean forced convection of one face of a wing, as of a flat plate along the flow.
+    """Return the mean forced convection on one face of a wing, a flat plate.
 
     ``Nu = 0.664 Re^0.5 Pr^(1/3)`` where the flow is laminar to the trailing edge, and ``(0.037
     Re^0.8 - A) Pr^(1/3)`` beyond, with ``A`` such that both agree at the transition.

@@ -1,4 +1,4 @@
-"""Calendar days of a year of 365 days, and ranges of them that may wrap the year's end."""
+"""Calendar of a year of 365 days; ranges may wrap the year's end."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 DAYS_PER_YEAR = 365
 MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 _MONTHS = (
-    *("January", "February", "March", "April", "May", "June"),
-    *("July", "August", "September", "October", "November", "December"),
-)
+    "January", "February", "March", "April", "May", "June",
+    "July", "August", "September", "October", "November", "December",
+)  # fmt: skip
 # Day of the year with which each month begins.
 MONTH_STARTS = tuple(1 + sum(MONTH_LENGTHS[:month]) for month in range(12))
 MONTH_NAMES = tuple(name[:3] for name in _MONTHS)
@@ -23,9 +23,9 @@ _WORDS = re.compile(r"([0-9]{1,2})\.?[ -]*([a-z]{3,9})|([a-z]{3,9}) *([0-9]{1,2}
 
 
 def day_of_year(date: str) -> int:
-    """Day of year, 1 to 365, of a date written ``MM-DD``, ``YYYY-MM-DD`` or ``21 Jun``.
+    """Return the day of year, 1 to 365, of a date ``MM-DD``, ``YYYY-MM-DD`` or ``21 Jun``.
 
-    A year is read and plays no part.
+    The year is ignored.
 
     Raises
     ------
@@ -45,29 +45,29 @@ def day_of_year(date: str) -> int:
 
 
 def days_of_year(days: Any) -> NDArray[Any]:
-    """Days of year of days however they are given, one or many.
+    """Convert days to days of year, shape ``(day,)``.
 
-    ``days``: numbers, which stay as they are, dates as :func:`day_of_year` reads them, dates of
-    Python, NumPy or pandas, such as a ``DatetimeIndex``. Returns an array of one dimension.
+    ``days``: numbers, which stay as they are, texts as :func:`day_of_year` reads them, or dates of
+    Python, NumPy or pandas, such as a ``DatetimeIndex``.
     """
     import numpy as np  # dates are read for --help as well
 
-    given = np.atleast_1d(np.asarray(days))
-    if given.dtype.kind == "M":
-        given = np.datetime_as_string(given, unit="D")
-    if given.dtype.kind not in "UO":
-        return given
-    return np.array([_one_day(day) for day in given])
+    values = np.atleast_1d(np.asarray(days))
+    if values.dtype.kind == "M":
+        values = np.datetime_as_string(values, unit="D")
+    if values.dtype.kind not in "UO":
+        return values
+    return np.array([_day_number(day) for day in values])
 
 
-def _one_day(day: Any) -> Any:
+def _day_number(day: Any) -> Any:
     if isinstance(day, datetime.date):
         return day_of_year(f"{day:%m-%d}")
     return day_of_year(str(day)) if isinstance(day, str) else day
 
 
 def _month_and_day_written(date: str) -> tuple[int, int] | None:
-    """Month and day of month as written, None where the text is in no form of a date."""
+    """Return month and day of month as written, None if no date."""
     if match := _FORM.fullmatch(date):
         return int(match[1]), int(match[2])
     if match := _WORDS.fullmatch(date):
@@ -80,7 +80,7 @@ def _month_and_day_written(date: str) -> tuple[int, int] | None:
 
 
 def month_and_day(day: int) -> tuple[int, int]:
-    """Month and day of month of a day of year; days beyond a year's end wrap."""
+    """Return month and day of month of a day of year; days beyond the year's end wrap."""
     rest = (int(day) - 1) % DAYS_PER_YEAR
     for month, length in enumerate(MONTH_LENGTHS, start=1):
         if rest < length:
@@ -90,21 +90,18 @@ def month_and_day(day: int) -> tuple[int, int]:
 
 
 def date_label(day: int) -> str:
-    """Readable date, for instance ``21 Jun``."""
+    """Return a readable date, for instance ``21 Jun``."""
     month, day_of_month = month_and_day(day)
     return f"{day_of_month} {MONTH_NAMES[month - 1]}"
 
 
 def date_code(day: int) -> str:
-    """Date as ``MM-DD``, the form that mission files use."""
+    """Return a date as ``MM-DD``, the form that mission files use."""
     month, day_of_month = month_and_day(day)
     return f"{month:02d}-{day_of_month:02d}"
 
 
 def days_in_range(first: int, last: int) -> list[int]:
-    """All days from the first to the last, both included, across the year's end if need be.
-
-    Returns days of year in the order of the calendar.
-    """
+    """Return the days of year from first to last, both included, across the year's end."""
     span = (last - first) % DAYS_PER_YEAR
     return [(first - 1 + i) % DAYS_PER_YEAR + 1 for i in range(span + 1)]

@@ -1,9 +1,8 @@
 """Loiter paths in steady wind: the attitude of the aircraft along one closed orbit.
 
-Paths are held over the ground at constant airspeed: that of the design that flies them, unless they
-have one of their own (:func:`at_airspeed`). North-East-Down; angles are radians inside and
-degrees in fields that end in ``_deg``. Yaw counts from north, clockwise; roll is positive with the
-right wing down. Turns are coordinated and legs are flown without bank.
+Paths are held over the ground at constant airspeed, by default the design's (:func:`at_airspeed`).
+North-East-Down; angles in radians, in degrees in fields that end in ``_deg``. Yaw counts from
+north, clockwise; roll is positive with the right wing down. Turns are coordinated, legs level.
 
 Sources: see :mod:`missions.ground_track`, which moves the aircraft.
 """
@@ -40,7 +39,7 @@ _SIDES: dict[Direction, tuple[int, ...]] = {
 
 
 class Wind(Record):
-    """Steady horizontal wind, named like a meteorologist does by where it comes from.
+    """Steady horizontal wind, named by the direction it comes from.
 
     An easterly wind has ``from_deg`` 90 and blows towards west.
     """
@@ -50,7 +49,7 @@ class Wind(Record):
 
 
 class Circle(Record):
-    """A circle over the ground.
+    """Circle over the ground.
 
     ``both`` is the average over one orbit in each direction.
     """
@@ -89,7 +88,7 @@ class Racetrack(Record):
 
 
 class StraightLegs(Record):
-    """Out along ``heading_deg`` over the ground and back, the turns left out.
+    """Leg along ``heading_deg`` over the ground and back, without turns.
 
     Both legs are equally long, so the one against the wind takes longer. Their length sets
     positions and duration, never the attitude.
@@ -103,7 +102,7 @@ class StraightLegs(Record):
 
 
 class Level(Record):
-    """An aircraft that is always horizontal, whose heading is irrelevant: that of CDM and CAM."""
+    """Horizontal flight without a heading, as CDM and CAM assume."""
 
     kind: Literal["level"] = "level"
 
@@ -148,7 +147,7 @@ class Orbit:
 
 
 def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
-    """Attitude of the aircraft along one closed orbit in steady wind.
+    """Compute the attitude of the aircraft along one closed orbit in steady wind.
 
     Parameters
     ----------
@@ -196,7 +195,7 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
 
 
 def at_airspeed(path: FlightPath, airspeed_m_per_s: float) -> FlightPath:
-    """Same path at an airspeed [m/s], unless it has one of its own."""
+    """Return the path at an airspeed [m/s], unless its file sets one."""
     if isinstance(path, Level) or path.airspeed_m_per_s is not None:
         return path
     return path.model_copy(update={"airspeed_m_per_s": airspeed_m_per_s})
@@ -209,10 +208,10 @@ def _airspeed_m_per_s(path: _MovingPath) -> float:
 
 
 def largest_wind_m_per_s(path: FlightPath) -> float:
-    """Wind [m/s] that the speed must stay below on a path, from whatever direction.
+    """Return the wind speed [m/s], from any direction, that a path can just not be flown in.
 
-    The aircraft comes back only if the wind is slower than its airspeed, and its bank, which is
-    steepest downwind, is at most 60 degrees. Infinite for a level path.
+    The wind must stay below the airspeed, and the bank, steepest downwind, at most 60 degrees.
+    Infinite for a level path.
     """
     if isinstance(path, Level):
         return math.inf
@@ -230,7 +229,7 @@ def _radius_m(path: Circle | Racetrack) -> float:
 
 
 def _least_radius_m(ground_speed: float) -> float:
-    """Radius at which the bank reaches its limit with the wind from straight behind [m]."""
+    """Return the radius [m] at which the bank reaches its limit, flying downwind."""
     return ground_speed**2 / (GRAVITY_M_PER_S2 * _TAN_MAXIMUM_BANK)
 
 
@@ -251,7 +250,7 @@ def _check_calm_bank(key: str, radius: float, airspeed: float | None) -> None:
 
 
 def path_trouble(path: FlightPath, wind: Wind) -> str | None:
-    """Tell why a path cannot be flown in a wind; None where it can."""
+    """Return the reason why a path cannot be flown in a wind, None if it can."""
     try:
         orbit(path, wind, samples=4)
     except ValueError as error:
@@ -272,7 +271,7 @@ def _check_wind(path: _MovingPath, wind: Wind) -> None:
 
 
 def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
-    """Refuse turns that are too tight: each orbit turns through the downwind course."""
+    """Refuse too tight turns; each orbit turns through the downwind course."""
     if isinstance(path, StraightLegs):
         return
     radius, airspeed = _radius_m(path), _airspeed_m_per_s(path)
@@ -300,7 +299,7 @@ def _segments(path: _MovingPath, motion: Motion, side: int) -> list[Leg | Turn]:
 
 
 def _half_racetrack(path: Racetrack, motion: Motion, side: int, half: int) -> tuple[Leg, Turn]:
-    """Leg and the turn at its end; the second half is the first one turned round."""
+    """Return a leg and the turn at its end; the second half mirrors the first."""
     course = math.radians(path.heading_deg) + side * half * math.pi
     ahead = 0.5 * path.leg_length_m
     leg = Leg(motion, course, path.leg_length_m, -side * path.turn_radius_m)
@@ -327,7 +326,7 @@ def _fly(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int)
     parts = np.split(time, np.searchsorted(time, ends[:-1]))
     starts = np.concatenate(([0.0], ends[:-1]))
     tracks = [s.at(part - t0) for s, part, t0 in zip(segments, parts, starts, strict=True)]
-    track = Track(*(np.concatenate(values) for values in zip(*tracks, strict=True)))
+    track = Track(*map(np.concatenate, zip(*tracks, strict=True)))
     return Orbit(
         time_s=time,
         roll_rad=motion.roll(track.course, track.curvature),
@@ -342,8 +341,8 @@ def _fly(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int)
 
 
 def _joined_laps(laps: list[Orbit]) -> Orbit:
-    """One orbit after the other, of one duration."""
-    names = [one.name for one in fields(Orbit) if one.name != "duration_s"]
+    """Join orbits of the same duration into one."""
+    names = [field.name for field in fields(Orbit) if field.name != "duration_s"]
     joined = {name: np.concatenate([getattr(lap, name) for lap in laps]) for name in names}
     joined["weights"] = joined["weights"] / len(laps)
     return Orbit(**joined, duration_s=laps[0].duration_s)

@@ -32,24 +32,24 @@ class Motion:
         return (self.airspeed - self.wind) * (self.airspeed + self.wind)
 
     def headway(self, course: FloatArray) -> FloatArray:
-        """Velocity through the air along the course [m/s]."""
+        """Return the velocity through the air along the course [m/s]."""
         along = self.wind * np.cos(course - self.downwind)
         return np.asarray(np.sqrt(self.margin + along**2))
 
     def ground_speed(self, course: FloatArray) -> FloatArray:
-        """Speed over the ground [m/s]."""
+        """Return the speed over the ground [m/s]."""
         along = self.wind * np.cos(course - self.downwind)
         total = self.headway(course) + np.abs(along)
         # Equal to headway + along in both cases, but free of cancellation against the wind.
         return np.where(along < 0.0, self.margin / total, total)
 
     def yaw(self, course: FloatArray) -> FloatArray:
-        """Heading [rad], from 0 to 2 pi: the course plus the crab angle into the wind."""
+        """Return the heading [rad], 0 to 2 pi: the course plus the crab angle into the wind."""
         across = -self.wind * np.sin(course - self.downwind)
         return np.mod(course - np.arcsin(across / self.airspeed), 2.0 * np.pi)
 
     def roll(self, course: FloatArray, curvature: FloatArray) -> FloatArray:
-        """Bank of a coordinated turn [rad] for a curvature of the ground track [1/m].
+        """Return the bank of a coordinated turn [rad] for a track's curvature [1/m].
 
         The velocity through the air turns at ``V_g^2 / (R sqrt(V^2 - w_n^2))``: derivative of the
         heading with respect to the course, ``V_g / sqrt(V^2 - w_n^2)``, times ``V_g / R``.
@@ -58,7 +58,7 @@ class Motion:
         return np.asarray(np.arctan(self.airspeed * yaw_rate / GRAVITY_M_PER_S2))
 
     def turn_clock(self, angle: FloatArray) -> FloatArray:
-        """Time per radius to turn from downwind through an angle [s/m]; odd in the angle.
+        """Return the time per radius to turn from downwind by an angle [s/m], odd in it.
 
         ``1 / V_g = (sqrt(V^2 - w^2 sin^2) - w cos) / (V^2 - w^2)`` integrates to the incomplete
         elliptic integral of the second kind (DLMF 19.2.5).
@@ -98,11 +98,11 @@ class Leg:
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration [s]."""
         return self.length / self.ground_speed
 
     def at(self, elapsed: FloatArray) -> Track:
-        """Track at times since its beginning [s]."""
+        """Return the track at times since its beginning [s]."""
         ahead = self.ground_speed * elapsed - 0.5 * self.length
         cos, sin = math.cos(self.course), math.sin(self.course)
         return Track(
@@ -127,19 +127,19 @@ class Turn:
 
     @cached_property
     def table(self) -> tuple[FloatArray, FloatArray]:
-        """Angle turned since downwind [rad], counted in the turning direction, and its time [s]."""
+        """Angle since downwind [rad], positive in the turning direction, and its time [s]."""
         first = self.side * (self.start_course - self.motion.downwind)
         angle = np.linspace(first, first + self.sweep, 65)
         return angle, self.radius * self.motion.turn_clock(angle)
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration [s]."""
         _, clock = self.table
         return float(clock[-1] - clock[0])
 
     def at(self, elapsed: FloatArray) -> Track:
-        """Track at times since its beginning [s]."""
+        """Return the track at times since its beginning [s]."""
         course = self.motion.downwind + self.side * self._angle(elapsed)
         return Track(
             course=course,

@@ -1,6 +1,6 @@
 """Solar power averaged over a loiter path: VM and FM where only a flight path is known.
 
-The orbit is flown once; for each position of the sun the power is averaged over its attitudes.
+For each position of the sun the power is averaged over the attitudes of one orbit.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from solar.types import BoolArray, FloatArray
 # Attitudes per turning direction. The average converges exponentially over a closed orbit; 36 are
 # within 1e-4 of the limit (docs/full-model.md).
 ORBIT_SAMPLES = 36
-# Times handled at once: a few megabytes of intermediate arrays.
+# Times computed at once: a few megabytes of intermediate arrays.
 _BLOCK = 512
 
 
-class FlownModules(NamedTuple):
+class PathModules(NamedTuple):
     """Solar modules on a path in the wind.
 
     ``shading``: tail and losses by its shadows, for FM. ``samples``: attitudes per turning
@@ -47,11 +47,10 @@ class FlownModules(NamedTuple):
 class Daylight(NamedTuple):
     """Sun and light over a day, or along a record.
 
-    ``latitude_deg``: one for all times of a path. ``day_of_year``: fractional, one for all times or
-    one each; for a repeated day that of its noon, ``day + 0.5``. ``time_solar_h``: local solar
-    time, shape ``(time,)``. ``altitude_m``, ``clearness``, ``sky``: clear-sky model, where it is
-    asked, and the factor on it. ``irradiance``: light of each time, in place of the clear sky.
-    ``albedo``: share of the light that comes back from below [-].
+    ``latitude_deg``: constant on a path. ``day_of_year``: fractional, scalar or shape ``(time,)``;
+    noon, ``day + 0.5``, for a repeated day. ``time_solar_h``: local solar time, shape ``(time,)``.
+    ``sky``: clear-sky model, at ``altitude_m`` and times ``clearness``. ``irradiance``: light in
+    place of the clear sky, shape ``(time,)``. ``albedo``: share of light reflected from below [-].
     """
 
     latitude_deg: float | FloatArray
@@ -66,14 +65,14 @@ class Daylight(NamedTuple):
 
 def mean_power_on_path(
     model: ModelName,
-    modules: FlownModules,
+    modules: PathModules,
     daylight: Daylight,
     *,
     ambient_temperature_c: ArrayLike,
     module_temperature_c: ArrayLike,
     surroundings: Surroundings | None = None,
 ) -> FloatArray:
-    """Specific power of VM or FM at the times of the daylight, averaged over the path [W/m2].
+    """Compute the specific power of VM or FM, averaged over the path [W/m2].
 
     Parameters
     ----------
@@ -84,9 +83,9 @@ def mean_power_on_path(
     daylight : Daylight
         Sun and light.
     ambient_temperature_c, module_temperature_c : array_like
-        Temperature of the air (FM) and of the modules (VM), one for all times or one each [C].
+        Temperature of the air (FM) and of the modules (VM) [C], scalar or shape ``(time,)``.
     surroundings : Surroundings, optional
-        Air and radiation by which the modules find their temperature; the air as for FM.
+        Air and radiation of the modules' heat balance, in place of ``module_temperature_c``.
 
     Returns
     -------
@@ -100,62 +99,67 @@ def mean_power_on_path(
     """
     if model not in ATTITUDE_MODELS:
         raise ValueError(f"model {model} does not depend on the flight path; choose VM or FM")
-    given = module_temperature_c if model == "VM" else ambient_temperature_c
-    flown = _orbit(modules.path, modules.wind, modules.samples)
+    model_temperature_c = module_temperature_c if model == "VM" else ambient_temperature_c
+    attitudes = _orbit(modules.path, modules.wind, modules.samples)
     time_h = np.asarray(daylight.time_solar_h, float)
     temperature_c, air_c = (
-        np.broadcast_to(np.asarray(one, float), time_h.shape)
-        for one in (given, ambient_temperature_c)
+        np.broadcast_to(np.asarray(temperature, float), time_h.shape)
+        for temperature in (model_temperature_c, ambient_temperature_c)
     )
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
-        seen = _seen(daylight, block, flown)
-        lit_c = temperature_c[block][seen.sunlit, np.newaxis]
+        seen = _seen(daylight, block, attitudes)
+        module_c = temperature_c[block][seen.above_horizon, np.newaxis]
         around = surroundings
         if around is not None:
-            around = around._replace(ambient_c=air_c[block][seen.sunlit, np.newaxis])
+            around = around._replace(ambient_c=air_c[block][seen.above_horizon, np.newaxis])
         if model == "VM":
             power = verification_model(
-                *(seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell, lit_c),
+                seen.light,
+                seen.sun,
+                seen.to_ned,
+                modules.geometry,
+                modules.cell,
+                module_c,
                 surroundings=around,
                 albedo=daylight.albedo,
             )
         else:
             power = _full_model(
-                modules, seen, lit_c, around, daylight.albedo
+                modules, seen, module_c, around, daylight.albedo
             ).specific_power_w_per_m2
-        result[block][seen.sunlit] = power @ flown.weights
+        result[block][seen.above_horizon] = power @ attitudes.weights
     return result
 
 
 def module_power_on_path(
-    modules: FlownModules,
+    modules: PathModules,
     daylight: Daylight,
     *,
     ambient_temperature_c: float,
     surroundings: Surroundings | None = None,
 ) -> tuple[BoolArray, Orbit, ModulePower]:
-    """Full Model with its component efficiencies at every attitude of the path.
+    """Compute the Full Model with its component efficiencies at every attitude of the path.
 
-    Takes what :func:`mean_power_on_path` takes. Returns the times with the sun above the horizon,
-    which the power covers alone; the attitudes with their weights; and the power, of shape
-    ``(lit time, attitude)``, by surface with one more axis.
+    Arguments as of :func:`mean_power_on_path`. Returns a flag per time with the sun above the
+    horizon; the attitudes with their weights; and the power at the flagged times, shape
+    ``(time, attitude)``, by surface with one more axis.
     """
-    flown = _orbit(modules.path, modules.wind, modules.samples)
-    seen = _seen(daylight, slice(None), flown)
+    attitudes = _orbit(modules.path, modules.wind, modules.samples)
+    seen = _seen(daylight, slice(None), attitudes)
     power = _full_model(modules, seen, ambient_temperature_c, surroundings, daylight.albedo)
-    return seen.sunlit, flown, power
+    return seen.above_horizon, attitudes, power
 
 
 @lru_cache(maxsize=16)
 def _orbit(path: FlightPath, wind: Wind, samples: int) -> Orbit:
-    """Attitudes of a path, flown once for all days."""
+    """Return the attitudes along a path, computed once for all days."""
     return orbit(path, wind, samples=samples)
 
 
 def _full_model(
-    modules: FlownModules,
+    modules: PathModules,
     seen: _Seen,
     ambient_c: ArrayLike,
     surroundings: Surroundings | None = None,
@@ -175,27 +179,30 @@ def _full_model(
 
 
 class _Seen(NamedTuple):
-    """Sun and light at the lit times, ready to meet the attitudes on the second axis."""
+    """Sun and light at times with the sun above the horizon; attitudes on the second axis."""
 
-    sunlit: BoolArray
+    above_horizon: BoolArray
     sun: FloatArray
     light: Irradiance
     to_ned: FloatArray
 
 
-def _seen(daylight: Daylight, block: slice, flown: Orbit) -> _Seen:
-    """What the modules see at some of the times."""
+def _seen(daylight: Daylight, block: slice, attitudes: Orbit) -> _Seen:
+    """Compute sun and light that the modules see in a block of times."""
     time_h = np.asarray(daylight.time_solar_h, float)
     day = np.broadcast_to(np.asarray(daylight.day_of_year, float), time_h.shape)[block]
     latitude_deg, sun_declination = daylight.latitude_deg, declination(day)
     hour = hour_angle(time_h[block])
     cosine = cos_zenith(latitude_deg, sun_declination, hour)
-    sunlit = cosine > 0.0
-    sun = sun_vector_ned(latitude_deg, sun_declination[sunlit], hour[sunlit])[:, np.newaxis, :]
+    above_horizon = cosine > 0.0
+    day, cosine, hour = day[above_horizon], cosine[above_horizon], hour[above_horizon]
+    sun = sun_vector_ned(latitude_deg, sun_declination[above_horizon], hour)[:, np.newaxis, :]
     if daylight.irradiance is None:
-        clear = daylight.sky(day[sunlit], latitude_deg, cosine[sunlit], daylight.altitude_m)
-        light = Irradiance(*(daylight.clearness * part[:, np.newaxis] for part in clear))
+        dni, dhi = daylight.sky(day, latitude_deg, cosine, daylight.altitude_m)
+        factor = daylight.clearness
+        light = Irradiance(factor * dni[:, np.newaxis], factor * dhi[:, np.newaxis])
     else:
-        light = Irradiance(*(part[block][sunlit, np.newaxis] for part in daylight.irradiance))
-    to_ned = direction_cosines(flown.roll_rad, flown.pitch_rad, flown.yaw_rad)
-    return _Seen(sunlit, sun, light, to_ned)
+        dni, dhi = (part[block][above_horizon] for part in daylight.irradiance)
+        light = Irradiance(dni[:, np.newaxis], dhi[:, np.newaxis])
+    to_ned = direction_cosines(attitudes.roll_rad, attitudes.pitch_rad, attitudes.yaw_rad)
+    return _Seen(above_horizon, sun, light, to_ned)

@@ -1,4 +1,4 @@
-"""Where the numbers of a file come from: what was fitted to which flight, and how well.
+"""Provenance of a file's numbers: what was fitted to which flight, and how well.
 
 A command writes the block; readers keep it and compute nothing from it.
 """
@@ -9,7 +9,7 @@ from solar.schema import Name, Real, Record, Text
 
 
 class FittedValue(Record):
-    """A value that was fitted, with the ends of its confidence interval, in the unit of its key."""
+    """Fitted value with its confidence interval, in the unit of its key."""
 
     key: Name
     value: Real
@@ -20,7 +20,7 @@ class FittedValue(Record):
 
 
 class HeldValue(Record):
-    """A value that was to be fitted and stayed as it was, and why."""
+    """Value that a fit kept, and why."""
 
     key: Name
     value: Real
@@ -28,14 +28,14 @@ class HeldValue(Record):
 
 
 class LogFile(Record):
-    """A further log that was fitted together with the first, or the file of a bench test."""
+    """Further log of the same fit, or the file of a bench test."""
 
     log: Text
     sha256: Text
 
 
 class Provenance(Record):
-    """Command, date and files that a file was made of, and what was fitted.
+    """Command, date and source files of a file, and what was fitted.
 
     ``aircraft`` is the aircraft's file before, ``technology`` that of the technology it was
     calibrated with; checksums are SHA-256.

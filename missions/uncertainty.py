@@ -1,4 +1,4 @@
-"""Uncertain inputs of an aircraft or a mission: how each scatters, and which go together.
+"""Uncertain inputs of an aircraft or a mission: distributions and correlations.
 
 A file names a key of its own and how the value scatters around what the file says::
 
@@ -25,7 +25,7 @@ Quantile = Callable[[FloatArray], FloatArray]
 
 
 def _standard_normal(share: FloatArray) -> FloatArray:
-    """Values of the standard normal distribution below which shares of all draws lie."""
+    """Return quantiles of the standard normal distribution."""
     from scipy.special import ndtri  # takes longer than reading a file
 
     return np.asarray(ndtri(share))
@@ -45,7 +45,7 @@ class Normal(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie.
+        """Return the quantiles at ``share``, in the unit of ``nominal``.
 
         Returns of the shape of ``share``, in the unit of ``nominal``.
         """
@@ -60,12 +60,12 @@ class LogNormal(Record):
     relative_sigma: PositiveReal
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie."""
+        """Return the quantiles at ``share``, in the unit of ``nominal``."""
         return np.asarray(nominal * np.exp(np.log1p(self.relative_sigma) * _standard_normal(share)))
 
 
 class Uniform(Record):
-    """Equally likely between two ends."""
+    """Uniform distribution between two ends."""
 
     distribution: Literal["uniform"]
     low: Real
@@ -77,12 +77,12 @@ class Uniform(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie."""
+        """Return the quantiles at ``share``."""
         return np.asarray(self.low + (self.high - self.low) * share)
 
 
 class Triangular(Record):
-    """Triangle between two ends, its peak at the file's value unless ``mode`` is given."""
+    """Triangular distribution, its peak at ``mode``, by default the file's value."""
 
     distribution: Literal["triangular"]
     low: Real
@@ -97,7 +97,7 @@ class Triangular(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie."""
+        """Return the quantiles at ``share``."""
         peak = min(max(nominal if self.mode is None else self.mode, self.low), self.high)
         width, rise, fall = self.high - self.low, peak - self.low, self.high - peak
         return np.where(
@@ -108,13 +108,13 @@ class Triangular(Record):
 
 
 class Data(Record):
-    """Values that were found, equally likely, straight lines between them."""
+    """Distribution of measured values, equally likely, linear between them."""
 
     distribution: Literal["data"]
     data: tuple[Real, ...] = Field(min_length=3)
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Values below which shares of all draws lie."""
+        """Return the quantiles at ``share``."""
         ordered = np.sort(np.asarray(self.data, float))
         places = (np.arange(len(ordered)) + 0.5) / len(ordered)
         return np.asarray(np.interp(share, places, ordered))

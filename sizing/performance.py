@@ -144,7 +144,7 @@ class Performance:
         if climbing is not None:
             return climbing.hours(np.zeros(len(launches), int), launches)
         only = slice(scenario, scenario + 1)
-        day_h, solar_w, load_w = self._one_day(self.solar_power_w[only], self.load_w[only])
+        day_h, solar_w, load_w = self._day_number(self.solar_power_w[only], self.load_w[only])
         store = self.store.flat(self.cycle.status.shape).select(only)
         flights = Flights.of(day_h, solar_w, load_w, store)
         return flights.hours(np.zeros(len(launches), int), launches)
@@ -188,7 +188,7 @@ class Performance:
         if climbing is not None:
             return climbing.course(0, launch_h, hours)
         end_h = launch_h + hours
-        day_h, *powers = self._one_day(self.solar_power_w, self.load_w)
+        day_h, *powers = self._day_number(self.solar_power_w, self.load_w)
         days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
         clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
         clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
@@ -207,7 +207,7 @@ class Performance:
         which = np.flatnonzero(~self.cycle.perpetual if limited is None else limited)
         store = self.store.flat(shape)
         hours, launch = np.full((2, self.cycle.status.size), np.inf)
-        time_h, *powers = self._one_day(self.solar_power_w, self.load_w)
+        time_h, *powers = self._day_number(self.solar_power_w, self.load_w)
         solar, load = (np.broadcast_to(power, (*shape, len(time_h))) for power in powers)
         for block in blocks(len(which), _SCENARIOS_AT_ONCE):
             elements = which[block]
@@ -221,7 +221,7 @@ class Performance:
             hours[elements], launch[elements] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
 
-    def _one_day(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
+    def _day_number(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
         """Time axis and powers of the first day, of which longest flights are made."""
         nodes = slice((len(self.day.time_h) - 1) // self.mission.days_of_light + 1)
         return self.day.time_h[nodes], *(power[..., nodes] for power in powers)

@@ -1,4 +1,4 @@
-"""Mistakes of the user with their places, and how keys and values are spelled in messages."""
+"""Mistakes of the user with their places, and the spelling of keys and values in messages."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ _SPECIAL_FLOATS = {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake of the user and its place.
+    """Mistake of the user and its place.
 
-    ``source``: file name, or ``--set KEY`` for a value given on the command line. ``line``,
-    ``column``: place in the file, counted from 1; None when the problem has no line. ``key``:
-    dotted path of the key, empty when the problem concerns the whole file.
+    ``source``: file name, or ``--set KEY`` for a value of the command line. ``line``, ``column``:
+    place in the file, counted from 1; None if unknown. ``key``: dotted path of the key, empty for
+    the whole file.
     """
 
     source: str
@@ -45,7 +45,7 @@ class Problem:
 
 
 def left_out_note(rows: Sequence[Problem]) -> tuple[str, ...]:
-    """Note on rows of a file that are left out, with the first of them; none without."""
+    """Return a note on left-out rows with the first of them, empty without."""
     if not rows:
         return ()
     count = "1 row is" if len(rows) == 1 else f"{len(rows)} rows are"
@@ -67,10 +67,7 @@ class InputError(ValueError):
 
 
 def file_error(source: str, message: str) -> InputError:
-    """Return an error that concerns a whole file.
-
-    Returns to be raised by the caller.
-    """
+    """Return an error that concerns a whole file."""
     return InputError([Problem(source, None, None, "", message)])
 
 
@@ -82,7 +79,7 @@ def _order(problem: Problem) -> tuple[float, float]:
 
 
 def printable(text: str) -> str:
-    """Escape what would break a one-line message or steer a terminal; the rest stays readable."""
+    """Escape characters that would break a one-line message or steer a terminal."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
@@ -94,7 +91,7 @@ def shortened(text: str) -> str:
 
 
 def did_you_mean(name: str, allowed: Iterable[str], count: int = 1, cutoff: float = 0.6) -> str:
-    """End of a sentence that proposes what is spelled alike, one in quotes or several."""
+    """Return the end of a sentence that suggests names spelled alike."""
     alike = get_close_matches(name, list(allowed), n=count, cutoff=cutoff)
     names = ", ".join(alike) if count > 1 else "".join(map(repr, alike))
     return f"; did you mean {names}?" if alike else ""
@@ -106,7 +103,7 @@ def dotted(path: Iterable[str | int]) -> str:
 
 
 def shown(value: object) -> str:
-    """Spell a value the way it stands in the file, shortened."""
+    """Spell a value as in a file, shortened."""
     if value is None:
         return "null"
     if isinstance(value, bool):

@@ -51,23 +51,23 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
         raise TypeError(f"overrides are a mapping or a list of texts (got {overrides!r})")
     values = overrides if isinstance(overrides, Mapping) else None
     overrides = list(overrides)
-    for given in overrides:
-        if not isinstance(given, str):
+    for override in overrides:
+        if not isinstance(override, str):
             raise TypeError(
-                f"overrides are texts, such as 'a.b=2.5', or have such keys (got {given!r})"
+                f"overrides are texts, such as 'a.b=2.5', or have such keys (got {override!r})"
             )
-    keys = {given.partition("=")[0].strip() for given in overrides}
-    for given in overrides:
-        key, equals, text = given.partition("=") if values is None else (given, "=", "")
+    keys = {override.partition("=")[0].strip() for override in overrides}
+    for override in overrides:
+        key, equals, text = override.partition("=") if values is None else (override, "=", "")
         parts = key.strip().split(".")
         named = bool(equals) and all(part.strip() for part in parts)
-        name = prefix + (dotted(parts) if named else shortened(printable(given.strip())))
+        name = prefix + (dotted(parts) if named else shortened(printable(override.strip())))
         try:
             if not named:
                 raise file_error(name, "write an override as KEY=VALUE, for example a.b=2.5")
             if not key.isprintable():
                 raise file_error(name, "the key holds a character that is not allowed")
-            value = parse_value(text) if values is None else copy.deepcopy(values[given])
+            value = parse_value(text) if values is None else copy.deepcopy(values[override])
             result = _with_override(result, parts, value, name)
             _drop_replaced(result.data, parts, value, keep=keys)
         except InputError as error:
@@ -79,7 +79,7 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
 
 
 def _with_override(document: Document, parts: Sequence[str], value: Any, name: str) -> Document:
-    """Put one value into the data, in place, and return the document with its new places."""
+    """Put a value into the data, in place; return the document with its new places."""
     around = {parts[-1]: value}
     set_absolute_paths(around, Path.cwd())
     path, made = _put(document.data, parts, around[parts[-1]])
@@ -92,7 +92,7 @@ def _with_override(document: Document, parts: Sequence[str], value: Any, name: s
 
 
 def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collection[str]) -> None:
-    """Take out what an entry of a catalogue replaces, in place, but for keys that are to stay."""
+    """Drop keys that a catalogue's entry replaces, in place, except those to keep."""
     if value is None or isinstance(value, dict | list) or parts[-1] not in ENTRY_KEYS:
         return
     holder = data
@@ -102,7 +102,7 @@ def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collect
         return
     for key in ENTRY_KEYS[parts[-1]]:
         dotted_key = ".".join([*parts[:-1], key])
-        if not any(one == dotted_key or one.startswith(f"{dotted_key}.") for one in keep):
+        if not any(kept == dotted_key or kept.startswith(f"{dotted_key}.") for kept in keep):
             holder.pop(key, None)
 
 
@@ -149,10 +149,7 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
 
 
 def _put(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, list[KeyPath]]:
-    """Put a value into nested data, opening the records on the way to it.
-
-    Return its path and the paths of the mappings made only to hold it.
-    """
+    """Put a value into nested data; return its path and the paths of mappings made to hold it."""
     path: KeyPath = ()
     made: list[KeyPath] = []
     for part in parts[:-1]:
@@ -169,7 +166,7 @@ def _put(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, list[K
 
 
 def _opened(value: Any) -> Any:
-    """Return what a value holds as a new dict or list; a scalar as it is."""
+    """Return the contents of a value as a new dict or list; a scalar as it is."""
     if value is None:
         return {}
     if isinstance(value, BaseModel):
@@ -193,7 +190,7 @@ def _as_data(record: BaseModel) -> dict[str, Any]:
 
 
 def _step(holder: Any, path: KeyPath, part: str) -> str | int:
-    """Return the key or index that a part of a dotted key means."""
+    """Return the key or index that a part of a dotted key stands for."""
     if isinstance(holder, dict):
         return part
     if not isinstance(holder, list):

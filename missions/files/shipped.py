@@ -1,4 +1,4 @@
-"""Finding an aircraft, a mission or a weather record by the name of a shipped file or by a path."""
+"""Aircraft, missions and weather records by the name of a shipped file or by a path."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _RECORD = ".csv.gz"
 
 
 def shipped_names(kind: Kind) -> list[str]:
-    """Names of the shipped aircraft or missions, sorted."""
+    """Return the names of the shipped aircraft or missions, sorted."""
     folder = resources.files(_PACKAGES[kind]).joinpath("library")
     return sorted(
         f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith(".yaml")
@@ -27,18 +27,18 @@ def shipped_names(kind: Kind) -> list[str]:
 
 
 def shipped_records() -> list[str]:
-    """Names of the shipped weather records, sorted."""
+    """Return the names of the shipped weather records, sorted."""
     folder = resources.files("missions").joinpath("library")
     return sorted(f.name.removesuffix(_RECORD) for f in folder.iterdir() if _RECORD in f.name)
 
 
 def shipped_record(name: str) -> Traversable:
-    """File of a shipped weather record."""
+    """Return the file of a shipped weather record."""
     return resources.files("missions").joinpath("library", f"{name}{_RECORD}")
 
 
 def record_description(name: str) -> str:
-    """What a shipped weather record says of itself."""
+    """Return the description in the head of a shipped weather record."""
     key = "# description:"
     with shipped_record(name).open("rb") as file, gzip.open(file, "rt", encoding="utf-8") as text:
         head = (line for _, line in zip(range(20), text, strict=False))
@@ -46,11 +46,7 @@ def record_description(name: str) -> str:
 
 
 def find_document(kind: Kind, name_or_path: str) -> Document:
-    """Read an aircraft or mission by path, or by the name of a shipped one.
-
-    ``name_or_path``: a file comes before a shipped one of the same name. Returns data of the file
-    and their places.
-    """
+    """Read an aircraft or mission by path or shipped name; a file precedes a shipped name."""
     name = name_or_path
     if not name.strip() or not name.isprintable() or len(name) > 1000:
         shown = ascii(name if len(name) <= 40 else name[:40] + "...")
@@ -61,8 +57,8 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
     if Path(name).exists():
         return read_yaml(name)
     other: Kind = "mission" if kind == "aircraft" else "aircraft"
-    beside = [path.name for path in Path().glob("*.y*ml")] if Path(name).parent == Path() else []
-    hint = did_you_mean(name, [*beside, *names])
+    local = [path.name for path in Path().glob("*.y*ml")] if Path(name).parent == Path() else []
+    hint = did_you_mean(name, [*local, *names])
     if name in shipped_names(other):
         hint = f": {name!r} is one of the {other if other == 'aircraft' else 'missions'}"
     message = f"there is no such file and no shipped {kind} of that name{hint}"
@@ -70,7 +66,7 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
 
 
 def shipped_text(name: str) -> str:
-    """Text of a shipped aircraft's or mission's file, or of a weather record."""
+    """Return the text of a shipped aircraft's or mission's file, or of a weather record."""
     shipped: dict[str, Kind] = {name: kind for kind in _PACKAGES for name in shipped_names(kind)}
     records = shipped_records()
     if name in records:

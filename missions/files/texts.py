@@ -1,6 +1,6 @@
 """Reading files of unknown origin: plain files of a bounded size, nothing else.
 
-Texts of files that a record names, such as tables, are those that were read first.
+Files that a record names, such as tables, keep the text of the first reading.
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ _READ: ContextVar[Mapping[str, str] | None] = ContextVar("texts that were read",
 
 
 def open_plain(path: str | os.PathLike[str]) -> io.BufferedReader:
-    """Open a file of the user's for reading; InputError for what is no plain file.
+    """Open a plain file for reading, else raise InputError.
 
-    A pipe would keep its reader waiting, and a device may never end: what is opened is looked at
-    before anything is read.
+    Checked before reading: a pipe would keep its reader waiting, and a device may never end.
     """
     file = open(path, "rb", opener=_without_waiting)  # noqa: SIM115
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
@@ -43,10 +42,10 @@ def _without_waiting(path: str, flags: int) -> int:
 
 @contextmanager
 def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
-    """Within this context files have the text they had when they were read first.
+    """Give files the text of their first reading within this context.
 
-    A record that is made anew from the data of another, perhaps by a process of another machine,
-    shall describe the same aircraft even where the file has changed since, or is not there.
+    A record made anew from data, perhaps on another machine, then describes the same aircraft even
+    where the file has changed or is missing.
     """
     token = _READ.set({**(_READ.get() or {}), **texts})
     try:
@@ -56,23 +55,21 @@ def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
 
 
 def read_text(path: str) -> str:
-    """Text of a file: what was read of it (:func:`texts_as_read`), else what the file holds."""
+    """Return the text of a file, as first read within :func:`texts_as_read`."""
     known = (_READ.get() or {}).get(path)
     return _decoded(_bytes(Path(path)), path) if known is None else known
 
 
 def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
-    """Text of all files of a folder, in the order of their names.
+    """Return the text of a folder's files with given suffixes (lower case), in order of names.
 
-    Each begins with a line of its own, :data:`FILE_MARK` and its name.
-
-    ``suffixes``: how the names of the files end, in lower case; others are passed over. Returns
-    what was read of it (:func:`texts_as_read`), else what the files hold.
+    Each begins with a line :data:`FILE_MARK` and its name. As :func:`texts_as_read` for files that
+    were read before.
     """
     known = (_READ.get() or {}).get(path)
     if known is not None:
         return known
-    files = sorted(one for one in Path(path).iterdir() if one.name.lower().endswith(suffixes))
+    files = sorted(file for file in Path(path).iterdir() if file.name.lower().endswith(suffixes))
     if not files:
         allowed = ", ".join(suffixes)
         raise file_error(printable(path), f"has no files of that kind ({allowed})")
@@ -102,7 +99,7 @@ def _too_large(path: str) -> InputError:
 
 
 def _decoded(raw: bytes, path: str) -> str:
-    """Text of bytes in UTF-8; a degree sign of an old Windows file is one as well."""
+    """Decode UTF-8, with the degree sign of Windows' code page allowed."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -114,7 +111,7 @@ def _decoded(raw: bytes, path: str) -> str:
 
 
 def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
-    """Read a file whole, if it is a plain one."""
+    """Read the bytes of a plain file of at most ``most_bytes``."""
     source = printable(os.fspath(path))
     if "\0" in os.fspath(path):
         raise file_error(source, "cannot be read: is no name of a file")

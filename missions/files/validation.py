@@ -1,13 +1,12 @@
-"""Check of aircraft and mission files against their models, with the line of every mistake.
+"""Validation of aircraft and mission files, with the line of every mistake.
 
 A file is read in three steps: the text is parsed into plain data and the place of each key
 (`missions.files.yaml`), values given on the command line replace or add keys
 (`missions.files.overrides`), and a pydantic model checks the result (`validate`). Every mistake of
 the user ends as an `InputError`, whose problems name file, line and column.
 
-A record whose keys had other names in earlier versions lists them, old to new, in class variables:
-those of ``deprecated_keys`` are read, with a warning; those that were given up, and keys that
-people look for and that there are not, are refused with what ``explained_keys`` says.
+Class variables of a record list its former keys, old to new: ``deprecated_keys`` are read with a
+warning, ``explained_keys`` refused with their sentence.
 """
 
 from __future__ import annotations
@@ -46,30 +45,25 @@ def validate(document: Document, model: type[M]) -> M:
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        details = [one for one in error.errors(include_url=False) if not _is_of_items(one)]
+        details = [detail for detail in error.errors(include_url=False) if not _is_of_items(detail)]
     renewed = _with_new_keys(document, model, details)
     if renewed is not document:
         return validate(renewed, model)
     complaints = _merged([_complaint(document.data, model, detail) for detail in details])
     located = [
-        _located(document, one.path, one.message + one.suffix, at_key=one.at_key)
-        for one in complaints
+        _located(document, c.path, c.message + c.suffix, at_key=c.at_key) for c in complaints
     ]
-    elsewhere = [one for detail in details for one in detail.get("ctx", {}).get("problems", ())]
+    elsewhere = [p for detail in details for p in detail.get("ctx", {}).get("problems", ())]
     raise InputError([*located, *elsewhere[:_SHOWN_ELSEWHERE]])
 
 
 def located_error(document: Document, path: Sequence[str | int], message: str) -> InputError:
-    """Return an error, to be raised by the caller, that points at a key of a document.
-
-    ``path``: keys and list indices from the top level; what does not exist is located at the
-    nearest mapping around it.
-    """
+    """Return an error at a key of a document, or at the nearest mapping around a missing key."""
     return InputError([_located(document, tuple(path), message)])
 
 
 def wrong_file(key: str, error: InputError | OSError) -> PydanticCustomError:
-    """Error of a validator at a key that names a file which is wrong, or cannot be read."""
+    """Return a validator's error at a key whose file is wrong or cannot be read."""
     if isinstance(error, OSError):
         return wrong_value(key, f"cannot read {error.filename!r}: {error.strerror}")
     if (count := len(error.problems)) == 1:
@@ -94,10 +88,10 @@ def _located(document: Document, path: KeyPath, message: str, *, at_key: bool = 
 
 @dataclass(frozen=True)
 class _Complaint:
-    """One pydantic error in terms of the file.
+    """Pydantic error with the key's path in the file.
 
-    Choices of a union each complain about the same value; firm complaints, which tell of the
-    content of the value and not of its type, are never joined to others.
+    Choices of a union each complain about the same value; firm complaints concern the value's
+    content, not its type, and are never joined to others.
     """
 
     path: KeyPath
@@ -109,18 +103,18 @@ class _Complaint:
 
 
 def _merged(complaints: Iterable[_Complaint]) -> list[_Complaint]:
-    """Join what the choices of a union say about the same value."""
-    of_unions = [one for one in complaints if one.in_union]
+    """Join the complaints of a union's choices about the same value."""
+    of_unions = [complaint for complaint in complaints if complaint.in_union]
     # The choice that found fault with the content of a value is the one that was meant.
-    read = {one.path[:end] for one in of_unions for end in range(len(one.path))}
-    read |= {one.path for one in of_unions if one.firm}
+    read = {complaint.path[:end] for complaint in of_unions for end in range(len(complaint.path))}
+    read |= {complaint.path for complaint in of_unions if complaint.firm}
     result: dict[tuple[KeyPath, str], _Complaint] = {}
-    for one in complaints:
-        if one.firm or not one.in_union:
-            result.setdefault((one.path, one.message), one)
-        elif one.path not in read:
-            key = (one.path, "")
-            result[key] = _joined_complaints(result[key], one) if key in result else one
+    for complaint in complaints:
+        if complaint.firm or not complaint.in_union:
+            result.setdefault((complaint.path, complaint.message), complaint)
+        elif complaint.path not in read:
+            key = (complaint.path, "")
+            result[key] = _joined_complaints(result[key], complaint) if key in result else complaint
     return list(result.values())
 
 
@@ -146,17 +140,17 @@ def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Comp
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _untagged(data, model, loc, str(context["discriminator"]).strip("'"))
     if kind in ("value_error", "assertion_error"):
-        message = _one_line(str(context.get("error") or detail["msg"]))
+        message = _on_one_line(str(context.get("error") or detail["msg"]))
         return _Complaint(path, message, in_union=in_union, firm=True)
     if isinstance(context.get("key"), str):
         path = (*path, *(int(k) if k.isdecimal() else k for k in context["key"].split(".")))
-        return _Complaint(path, _one_line(detail["msg"]), in_union=in_union, firm=True)
+        return _Complaint(path, _on_one_line(detail["msg"]), in_union=in_union, firm=True)
     return _Complaint(path, *_worded(detail), in_union=in_union, at_key=loc[-1:] == ("[key]",))
 
 
 def _untagged(data: Any, model: type[BaseModel], loc: KeyPath, key: str) -> _Complaint:
-    """Say which kinds a discriminated union knows."""
-    tags = dict.fromkeys(repr(kind) for one in _models_at(model, loc) for kind in _kinds(one))
+    """List the kinds that a discriminated union allows."""
+    tags = dict.fromkeys(repr(kind) for choice in _models_at(model, loc) for kind in _kinds(choice))
     path = (*_followed(data, loc)[0], key)
     if (value := _value_at(data, path)) is None:
         return _Complaint(path, f"required key is missing; it must be one of {', '.join(tags)}")
@@ -171,8 +165,8 @@ def _with_new_keys(
         if detail["type"] != "extra_forbidden":
             continue
         (path, _), old = _followed(document.data, detail["loc"][:-1]), detail["loc"][-1]
-        names = [getattr(one, "deprecated_keys", {}) for one in _models_at(model, path)]
-        new = next((some[old] for some in names if old in some), None)
+        names = [getattr(choice, "deprecated_keys", {}) for choice in _models_at(model, path)]
+        new = next((renamed[old] for renamed in names if old in renamed), None)
         if new is not None and new not in _value_at(document.data, path):
             problem = _located(document, (*path, old), deprecation(new), at_key=True)
             warnings.warn(str(problem), DeprecatedKeyWarning, stacklevel=3)
@@ -221,10 +215,10 @@ def _value_at(data: Any, path: KeyPath) -> Any:
 
 
 def _followed(data: Any, loc: KeyPath) -> tuple[KeyPath, bool]:
-    """Return the path of a location, and whether it leads through a union.
+    """Return the path of a location, and true if it leads through a union.
 
-    A location holds keys and list indices, but also names of the choices of unions, which are no
-    part of the path. Of a discriminated union that is the value of its discriminator.
+    A location holds keys, list indices and names of the choices of unions, which are not part of
+    the path; the name in a discriminated union is the value of its discriminator.
     """
     path: KeyPath = ()
     in_union = named = False
@@ -241,20 +235,20 @@ def _models_at(model: type[BaseModel], loc: KeyPath) -> list[type[BaseModel]]:
     """Return the models that may describe the value at a location."""
     models: list[type[BaseModel]] = [model]
     for part in loc:
-        hints = [hint for one in models for key, hint in _hints(one).items() if key == part]
-        inner = [found for hint in hints for found in _models_in(hint)]
-        models = inner or [one for one in models if part in _kinds(one)] or models
+        hints = [hint for model in models for key, hint in _hints(model).items() if key == part]
+        inner = [inner_model for hint in hints for inner_model in _models_in(hint)]
+        models = inner or [model for model in models if part in _kinds(model)] or models
     return models
 
 
 def _keys_at(
     model: type[BaseModel], loc: KeyPath, keys: Mapping[str, Any]
 ) -> tuple[list[str], dict[str, str]]:
-    """Return the keys that the mapping found at a location may have, and new names of old ones."""
+    """Return the keys that a mapping may have, and the new names of former keys."""
     models = _models_at(model, loc)
-    best = max(models, key=lambda one: len(_hints(one).keys() & keys.keys()))
-    names = (getattr(best, known, {}) for known in ("deprecated_keys", "explained_keys"))
-    return list(_hints(best)), {old: new for some in names for old, new in some.items()}
+    best = max(models, key=lambda candidate: len(_hints(candidate).keys() & keys.keys()))
+    tables = (getattr(best, known, {}) for known in ("deprecated_keys", "explained_keys"))
+    return list(_hints(best)), {old: new for names in tables for old, new in names.items()}
 
 
 def _hints(model: type[BaseModel]) -> dict[str, Any]:
@@ -268,7 +262,7 @@ def _kinds(model: type[BaseModel]) -> list[Any]:
 
 
 def _models_in(kind: Any) -> Iterator[type[BaseModel]]:
-    """Yield the models that a type is made of."""
+    """Yield the models within a type."""
     if isinstance(kind, typing.NewType):
         kind = kind.__supertype__
     if isinstance(kind, type) and issubclass(kind, BaseModel):
@@ -300,8 +294,8 @@ _WORDS = [
 
 
 def _worded(detail: ErrorDetails) -> tuple[str, str]:
-    """Return what is wrong with a value, and after it the value itself with a hint."""
-    kind, value, text = detail["type"], detail["input"], _one_line(detail["msg"])
+    """Return a message about a wrong value, and the value itself with a hint."""
+    kind, value, text = detail["type"], detail["input"], _on_one_line(detail["msg"])
     if " should " not in text:
         return text, ""
     if kind == "float_type" and type(value) is int:
@@ -314,12 +308,12 @@ def _worded(detail: ErrorDetails) -> tuple[str, str]:
 
 
 def _is_of_items(detail: ErrorDetails) -> bool:
-    """Whether a list only counts as too short because some of its items are wrong."""
+    """Return true for a list that is too short only because some items are wrong."""
     least = detail.get("ctx", {}).get("min_length", math.inf)
     return detail["type"] == "too_short" and len(detail["input"]) >= least
 
 
-def _one_line(text: str) -> str:
+def _on_one_line(text: str) -> str:
     return " ".join(text.splitlines())
 
 
@@ -343,20 +337,17 @@ _UNIT = re.compile(
 
 
 def unknown_key(key: str, allowed: Sequence[str], renamed: Mapping[str, str] | None = None) -> str:
-    """Say that a key does not exist, and which one may be meant.
-
-    ``renamed``: new names of keys that had another one in earlier versions, or sentences.
-    """
+    """Say that a key does not exist, and suggest another; ``renamed``: new name or a sentence."""
     if renamed and key in renamed:
         meant = renamed[key]
         return f"unknown key; {meant}" if " " in meant else f"this key is called '{meant}' now"
-    wanted = key.lower()
+    lower = key.lower()
     # The same quantity in another unit comes first.
-    same = [name for name in allowed if _quantity(name) == _quantity(wanted)]
+    same = [name for name in allowed if _quantity(name) == _quantity(lower)]
     for names, cutoff in ((same, 0.0), (allowed, 0.6)):
         by_lower = {name.lower(): name for name in names}
-        if found := difflib.get_close_matches(wanted, by_lower, n=1, cutoff=cutoff):
-            return f"unknown key; did you mean '{by_lower[found[0]]}'?"
+        if alike := difflib.get_close_matches(lower, by_lower, n=1, cutoff=cutoff):
+            return f"unknown key; did you mean '{by_lower[alike[0]]}'?"
     return f"unknown key; allowed keys: {', '.join(allowed)}" if allowed else "unknown key"
 
 

@@ -1,4 +1,4 @@
-"""Writing result files: completely or not at all, and data as YAML that reads back equal."""
+"""Result files, written completely or not at all, and YAML that reads back equal."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from solar.versions import FORMAT_KEY, FORMAT_VERSION
 
 
 class OutputError(OSError):
-    """A file could not be written; the text says which one and why."""
+    """A file cannot be written; the text names it and the reason."""
 
 
 _NUMBERED = [f"{port}{number}" for port in ("COM", "LPT") for number in range(10)]
@@ -31,7 +31,7 @@ _REPRESENTERS: Any = yaml.SafeDumper.yaml_representers
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes what would not read back as text by the rules of YAML 1.1 or by ours."""
+    """YAML dumper that quotes text which would not read back as text."""
 
     # The key None is of whatever else there is: it is refused.
     yaml_representers: ClassVar[Any] = {
@@ -53,7 +53,7 @@ class _Dumper(yaml.SafeDumper):
 
 
 class _CompactDumper(_Dumper):
-    """Writes what holds no further mappings and lists on one line, if it is short."""
+    """YAML dumper that writes short innermost mappings and lists on one line."""
 
     def represent_mapping(self, *args: Any, **kwargs: Any) -> yaml.MappingNode:
         node = super().represent_mapping(*args, **kwargs)
@@ -102,7 +102,7 @@ def to_json(record: Any, **layout: Any) -> str:
 
 
 def _without_signed_zeros(record: Any) -> Any:
-    """Record whose zeros are positive: the sign of a zero is an accident of the arithmetic."""
+    """Make zeros positive: the sign of a zero is an accident of the arithmetic."""
     if isinstance(record, Mapping):
         return {key: _without_signed_zeros(value) for key, value in record.items()}
     if isinstance(record, list | tuple):
@@ -111,13 +111,13 @@ def _without_signed_zeros(record: Any) -> Any:
 
 
 def file_text(head: str, data: Mapping[str, Any]) -> str:
-    """Text of an aircraft or mission file: where it comes from, its format, and its data."""
+    """Return the text of an aircraft's or mission's file: origin, format and data."""
     first = {FORMAT_KEY: data.get(FORMAT_KEY, FORMAT_VERSION)}
     return f"# {head}\n{to_yaml(first | dict(data))}"
 
 
 def names_a_device(name: str) -> bool:
-    """Whether Windows takes a file name for a device, whatever follows its first point.
+    """Return true for a file name that Windows takes for a device, with any suffix.
 
     Microsoft, Naming Files, Paths, and Namespaces.
     """
@@ -143,10 +143,10 @@ def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
-    """Write several files, each completely, and none of them where one cannot be written.
+    """Write several files completely, or none of them.
 
-    Everything is written beside its target first; only then are the targets replaced. A symbolic
-    link is a target itself: what it leads to stays as it is, unless that is a device or a pipe.
+    Files are written beside their targets, then replace them. A symbolic link is replaced itself,
+    unless it leads to a device or pipe.
     """
     _write_all(contents, named=True)
 
@@ -169,10 +169,9 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool)
 
 
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
-    """Write files into a folder, made if need be: all of them, or none.
+    """Write all files into a folder, or none; the folder is made if missing.
 
-    The folder may have come from elsewhere: a symbolic link in it is replaced even where it leads
-    to a device.
+    A symbolic link in it is replaced even if it leads to a device: the folder may be untrusted.
     """
     made = make_folder(folder)
     try:
@@ -183,7 +182,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
 
 
 def make_folder(folder: Path) -> list[Path]:
-    """Make a folder, and those above it; the new ones, innermost first."""
+    """Make a folder and its parents; return the new ones, innermost first."""
     made: list[Path] = []
     name = printable(os.fspath(folder))
     try:
@@ -207,7 +206,7 @@ def _remove_empty(folders: list[Path]) -> None:
 
 
 def check_writable_file(path: str | os.PathLike[str]) -> None:
-    """Refuse a file that cannot be written, before any work is done for it."""
+    """Refuse a file that cannot be written, before the work for it begins."""
     target, name = Path(path), printable(os.fspath(path))
     try:
         is_folder, is_file = target.is_dir(), target.is_file() or not target.exists()
@@ -220,7 +219,7 @@ def check_writable_file(path: str | os.PathLike[str]) -> None:
 
 
 def probe(folder: Path, name: str) -> None:
-    """Put a file into a folder and take it away again: permissions alone do not tell everything."""
+    """Create and delete a file in a folder: permissions alone do not tell whether it works."""
     try:
         with tempfile.NamedTemporaryFile(dir=folder, prefix=".", suffix=".tmp") as scratch:
             scratch.write(b"probe")
@@ -231,7 +230,7 @@ def probe(folder: Path, name: str) -> None:
 
 
 def check_writable_folder(folder: Path) -> None:
-    """Refuse a folder that files cannot be put into, before any work is done for them.
+    """Refuse a folder that cannot be written to, before the work for it begins.
 
     A folder that does not exist is made, and taken away again.
     """
@@ -244,7 +243,7 @@ def check_writable_folder(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class _Staged:
-    """A file's content beside its target; devices and pipes have no such place (no scratch)."""
+    """Content of a file beside its target; no scratch for devices and pipes."""
 
     target: Path
     data: bytes
@@ -262,7 +261,7 @@ class _Staged:
 
 
 def _stage(path: Path, data: bytes, *, named: bool) -> _Staged:
-    """Make a file ready; one that somebody named may be a link to a device or a pipe."""
+    """Prepare a file; a ``named`` target may be a link to a device or pipe."""
     if not os.fspath(path) or os.fspath(path) == ".":
         raise IsADirectoryError
     link = path.is_symlink()
@@ -276,7 +275,7 @@ def _stage(path: Path, data: bytes, *, named: bool) -> _Staged:
 
 
 def _temporary_copy(target: Path, data: bytes, mode: int | None) -> _Staged:
-    """Write a file's content beside it, with the permissions of what it replaces."""
+    """Write a file's content beside it, with the permissions of the file it replaces."""
     scratch = target.parent / f".{os.urandom(8).hex()}.tmp"
     # Created by hand, for the permissions of an ordinary new file rather than a private one.
     descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
@@ -295,7 +294,7 @@ def _temporary_copy(target: Path, data: bytes, mode: int | None) -> _Staged:
 
 
 def writing_trouble(error: OSError | ValueError) -> str:
-    """Why a file cannot be written, in words."""
+    """Return the reason why a file cannot be written, in words."""
     if isinstance(error, FileNotFoundError):
         return "its folder does not exist"
     if isinstance(error, NotADirectoryError):

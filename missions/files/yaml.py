@@ -1,4 +1,4 @@
-"""YAML files as plain data that remembers line and column of each key and value, for mistakes.
+"""YAML files as plain data with line and column of each key and value.
 
 The subset of YAML 1.2 that is read has no tags, no merge keys, no octal numbers, and only text
 for keys; an unquoted date, time, ``yes`` or ``on`` is text. Limits keep hostile files harmless.
@@ -67,14 +67,14 @@ _VALUES: dict[str, Callable[[str], bool | int | float | None]] = {
 
 
 def add_resolvers(kind: Any) -> Any:
-    """Make a loader or dumper know our unquoted scalars; returns it."""
+    """Add this format's unquoted scalars to a loader or dumper, and return it."""
     for tag, expression in _RESOLVERS.items():
         kind.add_implicit_resolver(tag, re.compile(rf"(?:{expression})\Z"), None)
     return kind
 
 
 def _loader(base: Any) -> Any:
-    """Return a class that parses like another one and resolves by our rules alone."""
+    """Return a subclass of a loader that resolves scalars by this format's rules alone."""
     return add_resolvers(type("Loader", (base,), {"yaml_implicit_resolvers": {}}))
 
 
@@ -84,7 +84,7 @@ _Loader = _loader(yaml.CSafeLoader) if hasattr(yaml, "CSafeLoader") else _Python
 
 @dataclass(frozen=True)
 class Document:
-    """Plain data of one file and the places it came from.
+    """Plain data of a file, and the places of its keys and values.
 
     ``key_marks``, ``value_marks``: line and column, counted from 1, of each key and each value, by
     its path; the empty path is the whole document. ``overridden``: paths set by an override and the
@@ -126,10 +126,7 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
 
 
 def parse_yaml(text: str, source: str) -> Document:
-    """Parse YAML text, one mapping.
-
-    Returns data and their places.
-    """
+    """Parse YAML text that holds one mapping; return its data and their places."""
     root, aliases = _composed(text, source)
     if root is None:
         raise file_error(source, "the file is empty; it must hold a mapping (key: value)")
@@ -142,7 +139,7 @@ def parse_yaml(text: str, source: str) -> Document:
 
 
 def parse_value(text: str) -> Any:
-    """Parse one value on a line: a scalar, or a list or mapping in brackets."""
+    """Parse a value on one line: a scalar, or a list or mapping in brackets."""
     try:
         root, aliases = _composed(text.strip(), "")
         value = None if root is None else _Reader(root, aliases, "").data
@@ -158,14 +155,13 @@ def parse_value(text: str) -> Any:
 
 
 def set_absolute_paths(data: Any, folder: Path) -> None:
-    """Replace the relative paths of files in plain data, in place.
+    """Make relative paths in plain data absolute, in place.
 
-    ``data``: plain data; text under one of `ENTRY_KEYS` that ends in one of `PATH_SUFFIXES` is a
-    path.
+    Text under one of `ENTRY_KEYS` that ends in one of `PATH_SUFFIXES` is a path.
     """
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         if key in ENTRY_KEYS and isinstance(value, list):
-            data[key] = [_absolute(one, folder) for one in value]
+            data[key] = [_absolute(text, folder) for text in value]
         elif isinstance(value, dict | list):
             set_absolute_paths(value, folder)
         elif key in ENTRY_KEYS:
@@ -173,7 +169,7 @@ def set_absolute_paths(data: Any, folder: Path) -> None:
 
 
 def _absolute(value: Any, folder: Path) -> Any:
-    """Absolute path of a text that is one; else the value."""
+    """Return the absolute path of a text that is one, else the value."""
     if not isinstance(value, str) or not value.lower().endswith(PATH_SUFFIXES):
         return value
     path = os.path.abspath(folder / value)  # noqa: PTH100 - resolve() follows links
@@ -181,7 +177,7 @@ def _absolute(value: Any, folder: Path) -> Any:
 
 
 def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:
-    """Return the root node of the only document, None when it is empty, and places of aliases."""
+    """Return the root node of the only document, None if empty, and places of aliases."""
     if len(text.encode("utf-8", "replace")) > _MAX_BYTES:
         raise file_error(source, _TOO_LARGE)
     text = text.removeprefix("\ufeff")
@@ -200,9 +196,9 @@ def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:
 
 
 def _refuse_nesting_before(error: yaml.YAMLError, text: str, source: str) -> None:
-    """Refuse what is nested too deeply before a syntax error.
+    """Refuse too deep nesting before a syntax error.
 
-    libyaml reads up to 1024 characters ahead of its events, and that of PyYAML 6.0.4 refuses 1000
+    libyaml reads up to 1024 characters ahead of its events, and as in PyYAML 6.0.4 refuses 1000
     open brackets there by itself; the parser in Python has no such limit.
     """
     mark = getattr(error, "problem_mark", None)
@@ -214,7 +210,7 @@ def _refuse_nesting_before(error: yaml.YAMLError, text: str, source: str) -> Non
 
 
 def _checked_aliases(text: str, source: str, loader: Any) -> list[Mark]:
-    """Refuse explicit tags, and what exceeds a limit; return the places of aliases."""
+    """Refuse explicit tags and exceeded limits; return the places of aliases."""
     depth = documents = 0
     aliases: list[Mark] = []
     for count, event in enumerate(yaml.parse(text, Loader=loader)):
@@ -263,7 +259,7 @@ def _place_in_file(item: Any) -> Mark:
 
 
 class _Reader:
-    """Turns nodes into plain data, a fresh copy for each alias, and notes places and problems."""
+    """Converter of nodes to plain data, a copy for each alias, with places and problems."""
 
     def __init__(self, root: Any, aliases: list[Mark], source: str) -> None:
         self.keys: dict[KeyPath, Mark] = {}
@@ -281,7 +277,7 @@ class _Reader:
         self._problems.append(Problem(self._source, *mark, dotted(path), message))
 
     def _place(self, node: Any, alias: Mark | None) -> tuple[Mark, Mark | None]:
-        """Return the place of a node, and that of the alias it is or is copied by."""
+        """Return the place of a node, and the place of the alias it belongs to."""
         if alias is None and id(node) in self._seen:
             alias = next(self._aliases)
             return alias, alias
@@ -292,7 +288,7 @@ class _Reader:
     def _plain(
         self, node: Any, path: KeyPath, around: tuple[Any, ...], alias: Mark | None = None
     ) -> Any:
-        """Return the data of a node within those around it."""
+        """Return the data of a node; ``around``: the nodes that contain it."""
         mark, alias = self._place(node, alias)
         self.values[path] = mark
         if isinstance(node, yaml.ScalarNode):
@@ -324,7 +320,7 @@ class _Reader:
         return data
 
     def _key(self, node: Any, mark: Mark, path: KeyPath, alias: bool) -> str | None:
-        """Return the text of a key; None, with a problem noted, when it is not plain text."""
+        """Return the text of a key; None, with a problem noted, if not plain text."""
         if alias:
             message = "a key must be text (got an alias)"
         elif isinstance(node, yaml.CollectionNode):

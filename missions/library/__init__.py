@@ -1,4 +1,4 @@
-"""Shipped missions, and reading a mission by its name or path."""
+"""Shipped missions; missions by name or path."""
 
 from __future__ import annotations
 

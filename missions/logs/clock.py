@@ -1,4 +1,4 @@
-"""Times of a log: ISO 8601 with or without a zone, other forms, and numbers from 1970 on."""
+"""Times of a log: ISO 8601 with or without a zone, other forms, and numbers since 1970."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Span(NamedTuple):
     end_s: float
 
     def holds(self, time_s: FloatArray, zone: datetime.tzinfo) -> BoolArray:
-        """Which times are within it, by the clock of a zone."""
+        """Return a flag per time [s since 1970]: within the span by the clock of a zone."""
         instants = pd.to_datetime(pd.Series(time_s), unit="s", utc=True).dt.tz_convert(zone)
         local = instants.dt.tz_localize(None) - pd.Timedelta(seconds=self.start_s)
         since = (local - local.dt.normalize()).dt.total_seconds()
@@ -72,7 +72,7 @@ def parse_span(text: object) -> Span:
 
 
 class Times(NamedTuple):
-    """Seconds since 1970 (UTC), NaN where none; rows by what is wrong; how text was understood."""
+    """Seconds since 1970 (UTC), NaN where unknown; wrong rows by their message; notes on dates."""
 
     time_s: FloatArray
     wrong: dict[str, BoolArray]
@@ -115,10 +115,10 @@ def parse_instant(text: object) -> float:
 def times_from_text(
     column: pd.Series, zone: datetime.tzinfo | None, form: str | None = None
 ) -> Times:
-    """Read written times; without ``zone`` those that have none are wrong."""
-    given = column.notna().to_numpy(bool)
+    """Read written times; without ``zone`` times that name none are wrong."""
+    written = column.notna().to_numpy(bool)
     text = column.astype("string").str.strip()
-    other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
+    other = written & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
     notes: list[str] = []
     if form is None:
         halves = text.str.extract(_HALF_DAY).dropna()  # with AM or PM
@@ -134,11 +134,11 @@ def times_from_text(
     zoned &= text.str.contains("T|t| |:", regex=True, na=False).to_numpy(bool)
     zoned |= form is not None and "%z" in form
     time_s, naive = np.full(len(column), np.nan), np.zeros(len(column), bool)
-    rows = given & zoned
+    rows = written & zoned
     if rows.any():
         parsed = pd.to_datetime(text[rows], format=form or "ISO8601", utc=True, errors="coerce")
         time_s[rows] = _seconds(parsed)
-    rows = given & ~zoned
+    rows = written & ~zoned
     if rows.any():
         local = pd.to_datetime(text[rows], format=form or "ISO8601", errors="coerce")
         naive[rows] = local.notna().to_numpy(bool)
@@ -148,13 +148,13 @@ def times_from_text(
             except ValueError:  # an hour that comes twice, without its repetition to tell by
                 local = local.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
             time_s[rows] = _seconds(local.dt.tz_convert("UTC"))
-    unknown = given & np.isnan(time_s)
+    unknown = written & np.isnan(time_s)
     why = _NO_ZONE if zone is None else _NO_HOUR
     return Times(time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, tuple(notes))
 
 
 def _as_iso(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
-    """Other forms as ISO 8601; between slashes a day above 12, AM or PM tells the order."""
+    """Rewrite other forms as ISO 8601; a day above 12, AM or PM tells the order of 07/12/2015."""
     parts = text.str.extract(_SLASHED).dropna().astype(int)
     day_first = bool((parts[0] > 12).any())
     if len(parts) and (day_first or american or (parts[1] > 12).any()):
@@ -167,6 +167,7 @@ def _as_iso(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
 
 
 def _seconds(instants: pd.Series) -> FloatArray:
+    """Convert instants to seconds since 1970, NaN where there is none."""
     plain = instants.dt.tz_localize(None).to_numpy("datetime64[us]")
     return np.where(np.isnat(plain), np.nan, plain.astype(np.int64) / 1e6)
 
@@ -174,7 +175,7 @@ def _seconds(instants: pd.Series) -> FloatArray:
 def times_from_numbers(
     values: FloatArray, unit: str | None, start_s: float | None, name: str
 ) -> tuple[FloatArray, str | None]:
-    """Read times that are numbers, from 1970 or from ``start_s`` since then."""
+    """Read numeric times, counted from 1970 or from the log's start ``start_s``."""
     if start_s is not None:
         first = values[np.isfinite(values)][:1]
         since_first = values - (first[0] if len(first) else 0.0)

@@ -1,7 +1,7 @@
-"""Which column of a log is what: by a file, by options, or guessed from the names.
+"""Columns of a log: what each holds, by a file, by options, or guessed from the names.
 
-A log has columns of its own; a :class:`Recipe` says how a quantity of the log format is made of
-them. What is guessed is told.
+A :class:`Recipe` says how a quantity of the log format is made of a log's columns; guesses go
+into the notes.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from missions.logs.clock import Span, parse_instant, parse_span, parse_zone
 from missions.logs.units import (
     ATTITUDE,
     EPOCH,
+    MPPT,
     QUANTITIES,
     SCALES,
     TIME,
-    TRACKER,
     UNITS,
     Dimension,
     known_unit,
@@ -44,7 +44,7 @@ _ZONES = ("UTC", "Z", "GMT", "ISO", "LOCAL", "UNIX")
 
 
 class Source(Record):
-    """How a quantity is found: a column or sum of products of columns, or a constant ``value``."""
+    """Origin of a quantity: a column, a sum of products of columns, or a constant ``value``."""
 
     name: Text | None = None
     unit: Text | None = None
@@ -54,7 +54,7 @@ class Source(Record):
 
 
 class ColumnMap(Record):
-    """Layout of a log, as a YAML file or options give it; what is not given is guessed."""
+    """Layout of a log from a YAML file or options; what neither says is guessed."""
 
     separator: Literal[",", ";", "\t", "|", "tab", "comma", "semicolon"] | None = None
     decimal: Literal[".", ","] | None = None
@@ -72,7 +72,7 @@ class ColumnMap(Record):
         ignore: Sequence[str] = (),
         exclude: Sequence[Span] = (),
     ) -> ColumnMap:
-        """Map with what the command line says, which precedes the file or is added to it.
+        """Return the map with options of the command line, which precede the file.
 
         Parameters
         ----------
@@ -113,14 +113,14 @@ def parse_column(text: str) -> tuple[str, str]:
 
 
 def column_name(text: str) -> str:
-    """Name that is not blank."""
+    """Return the name of a column, refused if blank."""
     if not text.strip():
         raise ValueError(f"must be the name of a column or quantity (got {shown(text)})")
     return text
 
 
 class Factor(NamedTuple):
-    """Column of the log, and its unit if that is known."""
+    """Column of the log with its unit, None where unknown."""
 
     column: str
     unit: str | None
@@ -128,7 +128,7 @@ class Factor(NamedTuple):
 
 @dataclass(frozen=True)
 class Recipe:
-    """Sum over ``terms`` of products of columns; ``guessed`` if nobody said so."""
+    """Sum over ``terms`` of products of columns; ``guessed`` if no file or option named it."""
 
     quantity: str
     terms: tuple[tuple[Factor, ...], ...] = ()
@@ -144,26 +144,26 @@ class Recipe:
 
     @property
     def expression(self) -> str:
-        """Sum of products of columns, as a mistake in its values names it."""
+        """Sum of products of columns, as error messages name it."""
         return " + ".join(" * ".join(factor.column for factor in term) for term in self.terms)
 
     @property
     def plain(self) -> bool:
-        """Whether the column stands in the log as the format has it."""
+        """True for a column that has the name and unit of the log format."""
         return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None
 
     @property
     def unit(self) -> str | None:
-        """Unit of the only column, if there is one and it is known."""
+        """Unit of the only column; None for several columns or an unknown unit."""
         return self.terms[0][0].unit if self.single else None
 
     @property
     def single(self) -> bool:
-        """Whether one column is all that is needed."""
+        """True for a quantity that is read from one column."""
         return len(self.terms) == 1 and len(self.terms[0]) == 1
 
-    def told(self) -> str:
-        """What is read as what."""
+    def text(self) -> str:
+        """Return the recipe as a line of text, units in brackets where known."""
 
         def with_unit(factor: Factor) -> str:
             shown = factor.unit is not None and split_unit(factor.column)[1] is None
@@ -175,9 +175,9 @@ class Recipe:
     def values(
         self, column: Callable[[str], FloatArray], unit: str | None = None
     ) -> dict[str, FloatArray]:
-        """Values in the unit of the log format, and beside their sum the power of several MPPTs.
+        """Return the quantity in the unit of the log format, and the power of several MPPTs.
 
-        ``unit``: that of the only column.
+        ``unit``: unit of the only column, where its name has none.
         """
         parts = []
         for term in self.terms:
@@ -188,52 +188,52 @@ class Recipe:
             parts.append((" * ".join(factor.column for factor in term), np.asarray(product, float)))
         every = {self.quantity: np.asarray(sum(values for _, values in parts), float)}
         if self.quantity == "solar_power_w" and len(parts) > 1:
-            every |= {TRACKER + name: values for name, values in parts}
+            every |= {MPPT + name: values for name, values in parts}
         return every
 
 
 class Recipes(NamedTuple):
-    """Recipe of every quantity that was found, columns that nothing needs, what was wrong."""
+    """Recipes by quantity, names of unused columns, and messages of what is wrong."""
 
-    found: dict[str, Recipe]
+    by_quantity: dict[str, Recipe]
     unused: list[str]
     problems: list[str]
 
 
 def recipes_for(
-    header: Sequence[str], given: ColumnMap | None = None, *, guess: bool = True
+    header: Sequence[str], layout: ColumnMap | None = None, *, guess: bool = True
 ) -> Recipes:
-    """Find out how the quantities of the log format are made of the columns of a log."""
+    """Find a recipe for each quantity of the log format, by layout, else by name."""
     recipes: dict[str, Recipe] = {}
     problems: list[str] = []
-    given = given or ColumnMap()
-    header = [name for name in header if name not in given.ignore]
-    for quantity, source in given.columns.items():
+    layout = layout or ColumnMap()
+    header = [name for name in header if name not in layout.ignore]
+    for quantity, source in layout.columns.items():
         try:
-            recipes[quantity] = _given(quantity, source, header)
+            recipes[quantity] = _recipe_of_source(quantity, source, header)
         except ValueError as error:
             problems.append(str(error))
     taken = {column for recipe in recipes.values() for column in recipe.columns}
     for quantity in QUANTITIES if guess else ():
         if quantity not in recipes and (column := _guess(quantity, header, taken)) is not None:
-            own = column.column in (quantity, TIME, EPOCH)
-            recipes[quantity] = Recipe(quantity, ((column,),), guessed=not own)
+            exact = column.column in (quantity, TIME, EPOCH)
+            recipes[quantity] = Recipe(quantity, ((column,),), guessed=not exact)
             if quantity not in _PARTS:  # one voltage may serve the power and itself
                 taken.add(column.column)
     if guess and "solar_power_w" not in recipes:
-        recipes |= _power_of_trackers(header, taken)
+        recipes |= _power_of_mppts(header, taken)
     # Power from voltage and current where it has no column of its own.
     volts, amps = (recipes.pop(part, None) for part in _PARTS)
     if amps is not None and volts is None:
         volts = recipes.get("mppt_voltage_v")
-    pair = [one.terms[0][0] for one in (volts, amps) if one is not None and one.single]
+    pair = [recipe.terms[0][0] for recipe in (volts, amps) if recipe is not None and recipe.single]
     if "solar_power_w" not in recipes and len(pair) == 2:
         recipes["solar_power_w"] = Recipe("solar_power_w", (tuple(pair),), guessed=True)
-    for quantity in given.ignore:
+    for quantity in layout.ignore:
         recipes.pop(quantity, None)
     # Guessed angles that are not all three are forgotten: a course alone is no attitude.
     angles = [name for name in ATTITUDE if name in recipes]
-    unwanted = any(name in given.ignore for name in ATTITUDE)
+    unwanted = any(name in layout.ignore for name in ATTITUDE)
     if len(angles) < len(ATTITUDE) and (unwanted or all(recipes[n].guessed for n in angles)):
         for name in angles:
             del recipes[name]
@@ -241,31 +241,31 @@ def recipes_for(
     return Recipes(recipes, [name for name in header if name not in used], problems)
 
 
-def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe:
-    """Recipe of a quantity that somebody named."""
+def _recipe_of_source(quantity: str, named_source: str | Source, header: Sequence[str]) -> Recipe:
+    """Make the recipe of a quantity that the layout names."""
     key = f"columns.{shortened(printable(quantity))}"
     if quantity not in QUANTITIES:
         message = unknown_key(quantity, list(QUANTITIES)).replace("key", "quantity", 1)
         raise ValueError(f"{key}: {message}")
-    one = Source(name=source) if isinstance(source, str) else source
-    if one.value is not None:
-        if one.name is not None:
+    source = Source(name=named_source) if isinstance(named_source, str) else named_source
+    if source.value is not None:
+        if source.name is not None:
             raise ValueError(f"{key}: give a name or a value, not both")
-        return Recipe(quantity, value=one.factor * one.value)
-    if one.name is None:
+        return Recipe(quantity, value=source.factor * source.value)
+    if source.name is None:
         raise ValueError(f"{key}: needs the name of a column, or a value")
-    texts = [one.name] if one.name in header else one.name.split(" + ")
+    texts = [source.name] if source.name in header else source.name.split(" + ")
     terms = tuple(_term(key, quantity, text, header) for text in texts)
-    if one.unit is not None:
+    if source.unit is not None:
         if len(terms) != 1 or len(terms[0]) != 1:
             raise ValueError(f"{key}: in a sum or product the unit stands behind each column")
         dimension = QUANTITIES[quantity].dimension
-        terms = ((Factor(terms[0][0].column, _allowed_unit(key, one.unit, dimension)),),)
-    return Recipe(quantity, terms, factor=one.factor, form=one.format)
+        terms = ((Factor(terms[0][0].column, _allowed_unit(key, source.unit, dimension)),),)
+    return Recipe(quantity, terms, factor=source.factor, form=source.format)
 
 
 def _term(key: str, quantity: str, text: str, header: Sequence[str]) -> tuple[Factor, ...]:
-    """Product of columns, each perhaps with its unit behind it."""
+    """Read a product of columns, each with or without a unit behind it."""
     parts = [text.strip()] if text.strip() in header else text.strip().split(" * ")
     if len(parts) > 2:
         raise ValueError(f"{key}: a product is that of a voltage and a current (got {shown(text)})")
@@ -286,20 +286,21 @@ def _term(key: str, quantity: str, text: str, header: Sequence[str]) -> tuple[Fa
 
 
 def _allowed_unit(key: str, text: str, *dimensions: Dimension) -> str:
+    """Return the spelling of a unit in ``UNITS``, refused if of other dimensions."""
     if (unit := known_unit(text, *dimensions)) is not None:
         return unit
-    allowed = ", ".join(spelled(unit) for one in dimensions for unit in UNITS[one])
+    allowed = ", ".join(spelled(unit) for dimension in dimensions for unit in UNITS[dimension])
     raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
 
 
 def _words_of_name(name: str) -> list[str]:
-    """Words of a name in lower case, also of one in camel case."""
+    """Split a name, also in camel case, into words in lower case."""
     apart = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
     return re.findall(r"[a-z0-9%°µ]+", apart.lower())
 
 
 def _unit_of_name(name: str, *dimensions: Dimension) -> str | None:
-    """Unit that a name ends with."""
+    """Return the unit that ends a column's name, None without."""
     base, bracketed = split_unit(name)
     words = _words_of_name(base)
     endings = [bracketed] if bracketed else []
@@ -309,18 +310,18 @@ def _unit_of_name(name: str, *dimensions: Dimension) -> str | None:
 
 
 def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:
-    """Column that a quantity most likely is; its own name before any other."""
+    """Return the likeliest column of a quantity; the exact name comes first."""
     free = [name for name in header if name not in taken]
-    for own in (quantity, TIME, EPOCH) if quantity == "time" else (quantity,):
-        if own in free:
-            return Factor(own, None)
+    for name in (quantity, TIME, EPOCH) if quantity == "time" else (quantity,):
+        if name in free:
+            return Factor(name, None)
     matches = [_matched(quantity, name) for name in free if name not in QUANTITIES]
-    found = [match for match in matches if match is not None]
-    return min(found, key=lambda match: match[0])[1] if found else None
+    known = [match for match in matches if match is not None]
+    return min(known, key=lambda match: match[0])[1] if known else None
 
 
 def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
-    """Place of a column's name among the aliases of a quantity, and the column with its unit."""
+    """Return the rank of a name among a quantity's aliases, and the column with its unit."""
     dimension, aliases = QUANTITIES[quantity].dimension, QUANTITIES[quantity].aliases.split()
     base, bracketed = split_unit(name)
     unit = None if bracketed is None else known_unit(bracketed, dimension)
@@ -340,8 +341,8 @@ def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
     return None
 
 
-def _power_of_trackers(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]:
-    """Sum of the power of several MPPTs, each in a column with its number or place."""
+def _power_of_mppts(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]:
+    """Sum the power of several MPPTs whose columns differ by number or place."""
     groups: dict[str, list[Factor]] = {}
     for name in header:
         base = split_unit(name)[0]
@@ -353,4 +354,5 @@ def _power_of_trackers(header: Sequence[str], taken: set[str]) -> dict[str, Reci
     terms = max(groups.values(), key=len, default=[])
     if len(terms) < 2:
         return {}
-    return {"solar_power_w": Recipe("solar_power_w", tuple((one,) for one in terms), guessed=True)}
+    recipe = Recipe("solar_power_w", tuple((column,) for column in terms), guessed=True)
+    return {recipe.quantity: recipe}

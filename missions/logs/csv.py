@@ -26,9 +26,9 @@ from missions.logs.table import COLUMNS, REQUIRED, Check, FlightLog, checked_log
 from missions.logs.units import (
     ATTITUDE,
     EPOCH,
+    MPPT,
     QUANTITIES,
     TIME,
-    TRACKER,
     in_radians,
     recognised,
     spelled,
@@ -67,7 +67,7 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     layout = columns or ColumnMap()
     text = read_text(source, layout)
     recipes = recipes_for(text.header, layout)
-    matched = recipes.found
+    matched = recipes.by_quantity
     used = {name for recipe in matched.values() for name in recipe.columns}
     # Dates beside times of day.
     free = [name for name in text.header if name not in used.union(layout.ignore)]
@@ -87,7 +87,7 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     check.done()
     table = pd.DataFrame({str(column.name): column for column in made})
     _turn_radians(matched, table, check.notes)
-    guessed = [recipe.told() for recipe in matched.values() if recipe.guessed]
+    guessed = [recipe.text() for recipe in matched.values() if recipe.guessed]
     if guessed:
         check.notes.insert(0, f"guessed: {', '.join(guessed)}")
     check.notes += notes
@@ -95,17 +95,19 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
 
 
 def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
-    """Refuse missing, doubled and misspelt columns; say what is ignored."""
+    """Refuse missing, doubled and misspelt columns; return notes on unused columns."""
     header, line = text.header, text.line
     problems = [Problem(text.source, line, None, "", message) for message in recipes.problems]
 
     def complain(name: str, message: str) -> None:
         problems.append(Problem(text.source, line, None, shortened(printable(name)), message))
 
-    for name in dict.fromkeys(name for one in recipes.found.values() for name in one.columns):
+    for name in dict.fromkeys(
+        name for recipe in recipes.by_quantity.values() for name in recipe.columns
+    ):
         if header.count(name) > 1:
             complain(name, "column appears more than once: which one is meant?")
-    absent = [name for name in COLUMNS if name not in (*recipes.found, *header)]
+    absent = [name for name in COLUMNS if name not in (*recipes.by_quantity, *header)]
     ignored = []
     for name in recipes.unused:
         if name == date:
@@ -113,18 +115,18 @@ def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
         meant = unknown_key(name, absent).partition("; ")[2]
         shown = shortened(printable(name)) or "(unnamed)"
         ignored.append(f"{shown} ({meant})" if "did you mean" in meant else shown)
-    missing = [name for name in REQUIRED if name not in recipes.found]
-    if any(name in recipes.found for name in ATTITUDE):
-        missing += [name for name in ATTITUDE if name not in recipes.found]
+    missing = [name for name in REQUIRED if name not in recipes.by_quantity]
+    if any(name in recipes.by_quantity for name in ATTITUDE):
+        missing += [name for name in ATTITUDE if name not in recipes.by_quantity]
     for name in missing:
         alike = unknown_key(name, recipes.unused).partition("; ")[2]
         hint = f"; {alike}".replace("did you mean", "is it") if "did you" in alike else ""
         complain(name, f"required column is missing{hint}")
-    if "time" not in recipes.found:
+    if "time" not in recipes.by_quantity:
         complain(TIME, f"required column is missing; allowed: {TIME} or {EPOCH}")
-    elif TIME in header and EPOCH in header and TIME in recipes.found["time"].columns:
+    elif TIME in header and EPOCH in header and TIME in recipes.by_quantity["time"].columns:
         complain(EPOCH, f"give {TIME} or {EPOCH}, not both")
-    if any(name in REQUIRED for name in missing) or "time" not in recipes.found:
+    if any(name in REQUIRED for name in missing) or "time" not in recipes.by_quantity:
         names = ", ".join(shortened(printable(name)) for name in header[:20])
         complain("", f"has the columns {names}; say with --columns or --column what they are")
     if problems:
@@ -140,7 +142,7 @@ def _time(
     recipe: Recipe,
     check: Check,
 ) -> pd.Series:
-    """Column of time: text in the form of the log format, or seconds since 1970."""
+    """Read the column of time: text in the form of the log format, or seconds since 1970."""
     if recipe.value is not None or not recipe.single:
         raise file_error(check.source, "columns.time: needs the name of one column")
     name = recipe.columns[0]
@@ -173,7 +175,7 @@ def _time(
 
 
 def _quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd.Series]:
-    """A quantity in the unit of the log format, and of several MPPTs the power of each."""
+    """Read a quantity in the unit of the log format, and the power of each of several MPPTs."""
     quantity = recipe.quantity
     if recipe.value is not None:
         return [pd.Series(np.full(len(frame), recipe.value), name=quantity)]
@@ -188,12 +190,12 @@ def _quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd.Seri
             name = printable(recipe.columns[0])
             check.notes.append(f"{name} read as {spelled(unit)}: so its size says")
     every = recipe.values(parts.__getitem__, unit)
-    check.labels |= {name: name.removeprefix(TRACKER) for name in every}
+    check.labels |= {name: name.removeprefix(MPPT) for name in every}
     return [pd.Series(values, name=name) for name, values in every.items()]
 
 
 def _turn_radians(matched: dict[str, Recipe], table: pd.DataFrame, notes: list[str]) -> None:
-    """Angles of the attitude from radians, where their values say that they are such."""
+    """Convert the attitude to degrees where its values are radians."""
     if any(name not in matched for name in ATTITUDE):
         return
     recipes = [matched[name] for name in ATTITUDE]

@@ -41,7 +41,7 @@ _LEAP = ((1230768000.0, 15.0), (1341100800.0, 16.0), (1435708800.0, 17.0), (1483
 
 
 class _Kind(NamedTuple):
-    """One kind of message: its name, fields with the head, their scales, where messages begin."""
+    """Kind of message: name, fields with the head, their scales, places of messages [bytes]."""
 
     name: str
     dtype: np.dtype[Any]
@@ -59,13 +59,13 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     content = read_plain_file(source, most_bytes=_MOST_BYTES)
     streams, skipped = _streams(content, {*_KINDS, *kinds_named(layout)}, source)
     every = Streams(streams, layout, source)
-    if "solar_power_w" not in every.given:
+    if "solar_power_w" not in every.mapped:
         raise every.no_power(_EXAMPLE)
     gps = every.needed(("GPS",), "has no messages GPS")
     place = {name: gps.field(source, field) for name, field in _GPS_FIELDS.items()}
     fixed = gps.has_fix("Status")
     series = gps.series({name: np.where(fixed, v, np.nan) for name, v in place.items()})
-    if not all(name in every.given for name in ATTITUDE):
+    if not all(name in every.mapped for name in ATTITUDE):
         attitude = every.needed(("ATT",), "has no messages ATT")
         angles = (attitude.field(source, name) for name in ("Roll", "Pitch", "Yaw"))
         series |= attitude.series(dict(zip(ATTITUDE, angles, strict=True)))
@@ -76,14 +76,14 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     return every.log(series, _boot_s(gps, source), notes, "the first battery monitor")
 
 
-def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, Stream], int]:
-    """Messages of the kinds that are wanted, by instance; bytes that are no messages."""
+def _streams(content: bytes, names: set[str], source: str) -> tuple[dict[str, Stream], int]:
+    """Read the messages of the named kinds, by instance, and count bytes outside messages."""
     kinds: dict[int, _Kind] = {}
     lengths = {_FMT: _FMT_LENGTH}
     at, end, skipped = 0, len(content) - 3, 0
     while at <= end:
-        kind = content[at + 2]
-        length = lengths.get(kind)
+        number = content[at + 2]
+        length = lengths.get(number)
         if content[at] != 0xA3 or content[at + 1] != 0x95 or length is None:
             head = content.find(_HEAD, at + 1)
             head = len(content) if head < 0 else head
@@ -92,34 +92,34 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
             continue
         if at + length > len(content):
             break
-        if kind in kinds:
-            kinds[kind].places.append(at)
+        if number in kinds:
+            kinds[number].places.append(at)
         body, at = content[at + 3 : at + length], at + length
-        if kind != _FMT or (number := body[0]) == _FMT or number in lengths or body[1] < 4:
+        if number != _FMT or (described := body[0]) == _FMT or described in lengths or body[1] < 4:
             continue
         name, letters, labels = (
             part.split(b"\0")[0].decode("ascii", "replace")
             for part in (body[2:6], body[6:22], body[22:86])
         )
-        fields, lengths[number] = labels.split(","), body[1]
+        fields, lengths[described] = labels.split(","), body[1]
         known = all(letter in _LETTERS for letter in letters)
         if not known or len(fields) != len(letters) or len(set(fields)) != len(fields):
             continue
         kind_of = dict(zip(fields, letters, strict=True))
         dtype = np.dtype([("head", "S3"), *((f, _LETTERS[c][0]) for f, c in kind_of.items())])
-        if dtype.itemsize == body[1] and name in wanted:
+        if dtype.itemsize == body[1] and name in names:
             scales = {f: _LETTERS[c][1] for f, c in kind_of.items()}
             if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
                 scales |= {f: 0.01 for f in ("Volt", "Curr") if kind_of.get(f, "") in ("h", "H")}
-            kinds[number] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
+            kinds[described] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
     if len(lengths) == 1:
         raise file_error(source, "is not a DataFlash log: it describes no messages")
-    own = (_by_instance(one, content) for one in kinds.values() if one.places)
-    return {name: stream for part in own for name, stream in part.items()}, skipped
+    by_instance = (_by_instance(kind, content) for kind in kinds.values() if kind.places)
+    return {name: stream for part in by_instance for name, stream in part.items()}, skipped
 
 
 def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
-    """Streams of one kind of message, apart by instance where it has such."""
+    """Return the streams of a kind of message by name, one for each instance."""
     raw, at = np.frombuffer(content, np.uint8), np.array(kind.places)
     rows = raw[at[:, np.newaxis] + np.arange(kind.dtype.itemsize)]
     table = np.ascontiguousarray(rows).view(kind.dtype)[:, 0]
@@ -134,13 +134,13 @@ def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
     for number in np.unique(instance)[:16]:
         rows_of = instance == number
         name = kind.name if number == 0 else f"{kind.name}[{int(number)}]"
-        own = {f: v[rows_of] for f, v in fields.items()}
-        streams[name] = Stream(name, own[clock] * step, own).rising()
+        rows_fields = {f: v[rows_of] for f, v in fields.items()}
+        streams[name] = Stream(name, rows_fields[clock] * step, rows_fields).rising()
     return streams
 
 
 def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
-    """Load [W] and state of charge of the first battery monitor, where it has them."""
+    """Return load [W] and state of charge by the first battery monitor."""
     battery = streams.get("BAT", streams.get("CURR"))
     if battery is None:
         return {}
@@ -155,7 +155,7 @@ def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
 
 
 def _boot_s(gps: Stream, source: str) -> float:
-    """Universal time of the boot [s since 1970], from the satellites' weeks and milliseconds."""
+    """Return the universal time of the boot [s since 1970], from GPS weeks and milliseconds."""
     week, ms = gps.field(source, "GWk", "Week"), gps.field(source, "GMS", "TimeMS")
     known = gps.has_fix("Status") & (week > 0.0)
     gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms

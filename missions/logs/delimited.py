@@ -1,4 +1,4 @@
-"""Tables in text files: encoding, separator, decimal sign, and the rows as they are written."""
+"""Text tables: encoding, separator, decimal sign, and rows as written."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _LOOKED_AT = 50  # rows that a guess is made from
 
 @dataclass(frozen=True)
 class Text:
-    """Lines of a table that are not blank, their numbers from 1 on, and how they are written."""
+    """Non-blank lines of a table, their numbers from 1 on, and the form of their numbers."""
 
     source: str
     header: list[str]
@@ -52,7 +52,7 @@ class Text:
     notes: list[str]
 
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
-        """Columns of the table, numbers where all fields are."""
+        """Return columns of the table as a data frame, numbers where all fields are."""
         if not self.rows:
             raise file_error(self.source, "has a header but no rows")
         # By their places: names of columns that nothing needs may be there twice.
@@ -73,7 +73,7 @@ class Text:
 
 
 def read_text(source: str, layout: ColumnMap) -> Text:
-    """Read a table's text and find out how it is written."""
+    """Read a table's text and detect separator, decimal sign and units."""
     if Path(source).suffix.lower() == ".xlsx":
         content, notes = _sheet_text(source)
     else:
@@ -126,7 +126,7 @@ def read_text(source: str, layout: ColumnMap) -> Text:
 
 
 def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
-    """Text of a file: UTF-8, UTF-16 of spreadsheets, else the code page of Windows."""
+    """Decode the content: UTF-8, UTF-16 from spreadsheets, else Windows' code page 1252."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # Latin-1 has a character for every byte; where it differs, it has control characters.
     for encoding in ("utf-16" if wide else "utf-8-sig", "cp1252", "latin-1"):
@@ -144,7 +144,7 @@ def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
 
 
 def _sheet_text(source: str) -> tuple[str, list[str]]:
-    """First sheet of an Excel file as text with tabs."""
+    """Return the first sheet of an Excel file as text with tabs."""
     content = io.BytesIO(read_plain_file(source, most_bytes=_MOST_BYTES))
     try:
         _check_cells(content, source)
@@ -164,7 +164,7 @@ def _sheet_text(source: str) -> tuple[str, list[str]]:
 
 
 def _check_cells(content: BinaryIO, source: str) -> None:
-    """Refuse sheets that are laid out larger than a log is: the reader fills what is between cells.
+    """Refuse sheets larger than a log: the reader would fill all between their cells.
 
     Of each part of the file the rectangle around its cells counts, and what it unpacks to.
     """
@@ -195,7 +195,7 @@ def _check_cells(content: BinaryIO, source: str) -> None:
 
 
 def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
-    """Sign between thousands, if the first rows have one beyond doubt."""
+    """Return the sign between thousands if the first rows prove one."""
     parsed = csv.reader(rows[:_LOOKED_AT], delimiter=separator)
     fields = [field.strip() for row in parsed for field in row]
     for sign in _THOUSANDS[decimal]:
@@ -212,7 +212,7 @@ def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
 def _of_width(
     source: str, lines: list[tuple[int, str]], separator: str, notes: list[str]
 ) -> list[tuple[int, str]]:
-    """Rows with as many fields as the header above them; most must have them."""
+    """Keep rows with as many fields as the header; refuse a table where most have not."""
 
     def width_of(row: str) -> int:
         if '"' in row:
@@ -224,11 +224,11 @@ def _of_width(
     odd = [(number, width) for (number, _), width in rows if width != expected]
     if len(odd) > MAXIMUM_DROPPED * len(rows):
         raise InputError(
-            Problem(source, number, None, "", f"has {found} fields, the header {expected}{rest}")
-            for (number, found), rest in first_few(odd)
+            Problem(source, number, None, "", f"has {width} fields, the header {expected}{rest}")
+            for (number, width), rest in first_few(odd)
         )
     if odd:
         count = "1 line is" if len(odd) == 1 else f"{len(odd)} lines are"
-        number, found = odd[0]
-        notes.append(f"{count} left out: line {number} has {found} fields, the header {expected}")
+        number, width = odd[0]
+        notes.append(f"{count} left out: line {number} has {width} fields, the header {expected}")
     return [row for row, width in rows if width == expected]

@@ -1,4 +1,4 @@
-"""Values of a log that cannot be: found before anything is computed, told, and left out.
+"""Impossible values of a log: left out with a note before anything is computed.
 
 What a quantity can be, and whether it may rest, is declared once in ``units``.
 """
@@ -48,7 +48,7 @@ _LEAST_REPEATED, _LEAST_DISTINCT = 10, 5  # rows, and values of the power in the
 
 
 class LeftOut(NamedTuple):
-    """Values or rows that are left out, why, and the ends of each stretch [s since 1970]."""
+    """Values or rows left out of a log, the reason, and the ends of each stretch [s since 1970]."""
 
     column: str
     kind: Kind
@@ -58,11 +58,11 @@ class LeftOut(NamedTuple):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """First and last time [s since 1970], NaN where no time is known."""
+        """First and last time [s since 1970], NaN where unknown."""
         return (self.periods[0][0], self.periods[-1][1]) if self.periods else (np.nan, np.nan)
 
-    def told(self) -> str:
-        """What is left out, how much of it, and when."""
+    def sentence(self) -> str:
+        """Say how many values or rows are left out, why, and when."""
         kind = "value" if self.column else "row"
         count = f"{self.values} {kind}{'' if self.values == 1 else 's'} left out"
         text = f"{self.column}: {count}, {_WORDS[self.kind]}".removeprefix(": ")
@@ -77,7 +77,7 @@ def utc_text(time_s: float) -> str:
 
 
 def span_text(start_s: float, end_s: float) -> str:
-    """Universal times of a stretch, the date once where it is one; empty where not known."""
+    """Return a stretch in universal time, the date once if both ends share it."""
     if not np.isfinite(start_s):
         return ""
     start, end = utc_text(start_s), utc_text(end_s)
@@ -89,7 +89,7 @@ def span_text(start_s: float, end_s: float) -> str:
 def left_out(
     column: str, kind: Kind, mask: BoolArray, time_s: FloatArray, example: str = ""
 ) -> LeftOut:
-    """Record of the values that a mask marks."""
+    """Record the values that a mask selects."""
     known = np.flatnonzero(mask & np.isfinite(time_s))
     order = known[np.argsort(time_s[known], kind="stable")]
     times = time_s[order]
@@ -100,7 +100,7 @@ def left_out(
 
 
 def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
-    """Values that stand for none, in any unit of the dimension, and are far from all others."""
+    """Flag values that stand for no value, in any unit of the dimension, far from all others."""
     written = (*_SIGNED_CODES, *((-1.0,) if dimension == "share" else ()))
     every = {u.factor * c + u.offset for u in UNITS[dimension].values() for c in written}
     marked = np.isin(values.round(9), np.round(list(every), 9))
@@ -115,7 +115,7 @@ def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
 def stretches(
     quantity: str, values: FloatArray, time_s: FloatArray
 ) -> Iterator[tuple[Kind, BoolArray]]:
-    """Values that their neighbours do not allow: spikes, and where a channel is held."""
+    """Yield masks of values that their neighbours rule out: spikes, frozen channels."""
     known = np.flatnonzero(np.isfinite(values))
     solar = quantity == "solar_power_w"
 
@@ -141,21 +141,21 @@ def stretches(
 def _unchanging(
     values: FloatArray, time_s: FloatArray, dark: float
 ) -> Iterator[tuple[Kind, BoolArray]]:
-    """Where a channel repeats one value that is not dark, unlike elsewhere, or its highest."""
+    """Yield masks of runs that are frozen at a value or saturated at the highest."""
     steps, passed = np.abs(np.diff(values)), np.diff(time_s)
     breaks = (steps > 0.0) | (passed > _GAP_STEPS * np.median(passed))
     number = np.concatenate([[0], np.cumsum(breaks)])
     first = np.flatnonzero(np.concatenate([[True], breaks]))
     last = np.concatenate([first[1:] - 1, [len(values) - 1]])
-    length, one = last - first + 1, values[first]
+    length, value = last - first + 1, values[first]
     long = (time_s[last] - time_s[first] >= _FROZEN_S) & (length > _LEAST_FROZEN)
     apart = np.diff(np.unique(values))
     finest = apart[apart > 1e-9 * np.abs(values).max()].min(initial=np.inf)  # beyond rounding
     moved = steps[steps > 0.0]
     if not long.any() or not len(moved) or np.quantile(moved, _USUAL) < _STEPS * finest:
         return
-    highest = one == values.max()
-    inner = (np.abs(one) > dark * np.abs(values).max()) & (one > values.min()) & ~highest
+    highest = value == values.max()
+    inner = (np.abs(value) > dark * np.abs(values).max()) & (value > values.min()) & ~highest
     usual = int(length[inner & ~long].max(initial=1))
     frozen = inner & long
     if frozen.any() and length[frozen].min() < _RATIO * usual:
@@ -169,7 +169,7 @@ def _unchanging(
 def without_spans(
     rows: pd.DataFrame, exclude: Sequence[Span], zone: datetime.tzinfo | None, left: list[LeftOut]
 ) -> pd.DataFrame:
-    """Rows outside the times of day that are left out by hand."""
+    """Drop the rows within excluded times of day."""
     time_s, keep = rows.index.to_numpy(float), np.ones(len(rows), bool)
     for span in exclude:
         inside = span.holds(time_s, zone or datetime.UTC)
@@ -180,7 +180,7 @@ def without_spans(
 
 
 def leave_out_held(rows: pd.DataFrame, labels: Mapping[str, str]) -> list[LeftOut]:
-    """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
+    """Leave out spikes, frozen channels and rows written twice."""
     left, time_s = [], rows.index.to_numpy(float)
     # Rows of stretches that have all been written before, with power that changes in them.
     content = pd.util.hash_pandas_object(rows.reset_index(drop=True), index=False)

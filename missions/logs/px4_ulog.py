@@ -15,7 +15,7 @@ from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
 from missions.logs.streams import Stream, Streams, kinds_named
 from missions.logs.table import FlightLog, Series
-from missions.logs.units import ATTITUDE, TRACKER
+from missions.logs.units import ATTITUDE, MPPT
 
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")
@@ -43,7 +43,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))
     every, series = Streams(topics, layout, source), dict[str, Series]()
-    if "solar_power_w" not in every.given:
+    if "solar_power_w" not in every.mapped:
         if _POWER_TOPIC not in topics:
             raise every.no_power(_EXAMPLE)
         series |= _mppt(topics[_POWER_TOPIC], source)
@@ -53,7 +53,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     for column, (new, old, unit) in _POSITION_FIELDS.items():
         values = position.field(source, new, old) * (1.0 if new in position.fields else unit)
         series |= position.series({column: np.where(fixed, values, np.nan)})
-    if not all(name in every.given for name in ATTITUDE):
+    if not all(name in every.mapped for name in ATTITUDE):
         lack = "has no topic vehicle_attitude: needed for the attitude"
         series |= _euler_deg(every.needed(("vehicle_attitude",), lack), source)
     if battery := topics.get("battery_status"):
@@ -71,11 +71,11 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
 
 
 class _EndlessError(Exception):
-    """More is to be read or laid out of a file than any flight could need."""
+    """The parser reads or lays out more of a file than any flight could need."""
 
 
 class _BoundedFile(io.BufferedReader):
-    """File for a parser that may go round in circles where a byte is wrong."""
+    """File with a bound on bytes read, for a parser that loops on damaged bytes."""
 
     def __init__(self, path: str) -> None:
         super().__init__(open_plain(path).detach())
@@ -90,7 +90,7 @@ class _BoundedFile(io.BufferedReader):
 
 
 def _bounded_reader(reader: Any) -> Any:
-    """Class of pyulog's reader, for one log, with a bound on the fields of what is subscribed.
+    """Return pyulog's reader with a bound on the fields of subscribed topics.
 
     pyulog lays a topic out field by field as soon as it is subscribed, however often its format
     holds others; a few hundred bytes can ask for more fields than any memory has.
@@ -112,7 +112,7 @@ def _bounded_reader(reader: Any) -> Any:
 def _characters_of(
     name: str, formats: Mapping[str, Any], known: dict[str, int], above: tuple[str, ...] = ()
 ) -> int:
-    """At most so many characters are in the names of all fields that a format is laid out to."""
+    """Count the characters in the names of all fields of a format, an upper bound."""
     if name in above:
         circle = " holds ".join((*above[above.index(name) :], name))
         raise _EndlessError(f"its formats contain each other: {circle}")
@@ -161,13 +161,13 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
             topics.setdefault(name, topic)
     lost = [_DAMAGED] if log.file_corruption else []
     if dropouts := getattr(log, "dropouts", ()):
-        whole_s = 1e-3 * sum(one.duration for one in dropouts)
+        whole_s = 1e-3 * sum(dropout.duration for dropout in dropouts)
         lost.append(f"the logger fell out {len(dropouts)} times, for {whole_s:.1f} s in all")
     return topics, lost
 
 
 def _mppt(power: Stream, source: str) -> dict[str, Series]:
-    """Mean voltage [V] of the MPPTs in use, and power of all [W]."""
+    """Return the mean voltage [V] of the MPPTs in use, the power of all [W] and of each."""
     count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
     volt, amp = (
         np.array([power.field(source, f"{name}[{i}]") for i in range(count)])
@@ -177,12 +177,12 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
     mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
     values = {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)}
     if used.sum() > 1:
-        values |= {f"{TRACKER}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
+        values |= {f"{MPPT}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
     return power.series(values)
 
 
 def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
-    """Roll, pitch and yaw [deg] from the quaternion body (FRD) to North-East-Down.
+    """Return roll, pitch and yaw [deg] from the quaternion body (FRD) to North-East-Down.
 
     Source: Beard & McLain, Small Unmanned Aircraft (2012), eq. B.1 to B.3.
     """

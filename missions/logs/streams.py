@@ -1,4 +1,4 @@
-"""Logs of autopilots: streams of messages, each with its own times, put together into one log."""
+"""Logs of autopilots: streams of messages at different times, joined into one table."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _STREAM = re.compile(r"([A-Za-z0-9_]+)(?:\[\d+\])?\.")
 
 
 class Stream(NamedTuple):
-    """Messages over time since boot [s]; ``kind``: what their format calls them."""
+    """Messages over time since boot [s]; ``kind``: their name in the format, topic or message."""
 
     name: str
     time_s: FloatArray
@@ -29,7 +29,7 @@ class Stream(NamedTuple):
     kind: str = "message"
 
     def field(self, source: str, *names: str) -> FloatArray:
-        """First of some fields that there is."""
+        """Return the first of the named fields that exists."""
         for name in names:
             if name in self.fields:
                 return np.asarray(self.fields[name], float)
@@ -37,24 +37,24 @@ class Stream(NamedTuple):
         raise file_error(source, f"{self.kind} {message}")
 
     def has_fix(self, status: str) -> BoolArray:
-        """Whether the satellites gave a position, by a field that says so; always without it."""
+        """Flag messages with a 3D position; all of them where no field says so."""
         if status not in self.fields:
             return np.ones(len(self.time_s), bool)
         return np.asarray(self.fields[status] >= _FIX_3D)
 
     def boot_s(self, source: str, known: BoolArray, universal_s: FloatArray) -> float:
-        """Universal time of the boot [s since 1970] by the satellites, where they are known."""
+        """Return the universal time of the boot [s since 1970] by the satellites."""
         if not known.any():
             name = printable(self.name)
             raise file_error(source, f"{self.kind} {name} never knows the universal time")
         return float(np.median((universal_s - self.time_s)[known]))
 
     def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
-        """Quantities at the times of the messages."""
+        """Return quantities at the times of the messages."""
         return {name: Series(self.time_s, np.asarray(v, float)) for name, v in values.items()}
 
     def rising(self) -> Stream:
-        """Stream without the messages whose times do not rise, as in damaged logs."""
+        """Return the stream without messages whose times do not rise, as in damaged logs."""
         keep = np.isfinite(self.time_s)
         highest = np.maximum.accumulate(np.where(keep, self.time_s, -np.inf))
         keep &= np.concatenate(([True], self.time_s[1:] > highest[:-1]))
@@ -63,13 +63,13 @@ class Stream(NamedTuple):
 
 
 def kinds_named(layout: ColumnMap) -> set[str]:
-    """Kinds of messages that a map of columns names."""
+    """Return the kinds of messages that a layout names."""
     texts = [s.name or "" if isinstance(s, Source) else s for s in layout.columns.values()]
     return {match[1] for text in texts for match in _STREAM.finditer(text)}
 
 
 class Streams:
-    """Streams of one log by their names, and what a map of columns makes of ``STREAM.FIELD``."""
+    """Streams of a log by name, and quantities that a layout makes of ``STREAM.FIELD``."""
 
     def __init__(self, streams: Mapping[str, Stream], layout: ColumnMap, source: str) -> None:
         self.streams, self.layout, self.source = streams, layout, source
@@ -77,12 +77,12 @@ class Streams:
         recipes = recipes_for(header, layout, guess=False)
         if recipes.problems:
             raise InputError(Problem(source, None, None, "", text) for text in recipes.problems)
-        self.given: dict[str, Series] = {}
-        for name, recipe in recipes.found.items():
-            self.given |= {} if name == "time" else self._made(recipe)
+        self.mapped: dict[str, Series] = {}
+        for name, recipe in recipes.by_quantity.items():
+            self.mapped |= {} if name == "time" else self._made(recipe)
 
     def _made(self, recipe: Recipe) -> dict[str, Series]:
-        """Series at the times of its first stream, and of several MPPTs the power of each."""
+        """Make a quantity at the times of its first stream, with the power of each MPPT."""
         if recipe.value is not None:
             return {recipe.quantity: Series(np.full(1, np.nan), np.full(1, recipe.value))}
         first = self.streams[recipe.columns[0].rpartition(".")[0]].time_s
@@ -95,14 +95,14 @@ class Streams:
         return {name: Series(first, values) for name, values in recipe.values(column).items()}
 
     def needed(self, names: Sequence[str], lack: str) -> Stream:
-        """First of some streams that there is."""
+        """Return the first of the named streams that exists."""
         for name in names:
             if name in self.streams:
                 return self.streams[name]
         raise file_error(self.source, lack)
 
     def no_power(self, example: str) -> InputError:
-        """Error of a log that does not say which message holds the solar power."""
+        """Return the error of a log that does not say which message has the solar power."""
         names = ", ".join(printable(name) for name in list(self.streams)[:12]) or "nothing"
         return file_error(
             self.source,
@@ -113,14 +113,14 @@ class Streams:
     def log(
         self, made: Mapping[str, Series], boot_s: float, notes: list[str], battery: str
     ) -> FlightLog:
-        """Put quantities together at the times of the solar power; what is given counts."""
+        """Join quantities at the times of the solar power; the layout's precede ``made``."""
         ignored = self.layout.ignore
         if needed := set(REQUIRED) & set(ignored):
             raise file_error(self.source, f"{min(needed)} cannot be ignored: it is needed")
-        if "load_w" in made and "load_w" not in self.given:
+        if "load_w" in made and "load_w" not in self.mapped:
             notes.append(f"load_w is voltage times current of {battery}")
-        series = {name: one for name, one in {**made, **self.given}.items() if name not in ignored}
-        time_s = series["solar_power_w"].time_s
-        columns = {name: sampled(one, time_s, name) for name, one in series.items()}
+        every = {name: s for name, s in {**made, **self.mapped}.items() if name not in ignored}
+        time_s = every["solar_power_w"].time_s
+        columns = {name: sampled(series, time_s, name) for name, series in every.items()}
         table = pd.DataFrame({EPOCH: time_s + boot_s, **columns})
         return log_from_table(table, self.source, notes, self.layout.exclude)

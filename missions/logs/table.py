@@ -1,10 +1,10 @@
-"""Logs of flights: read, and checked before anything is computed from them.
+"""Flight logs: read, and checked before anything is computed from them.
 
-Nothing is repaired: values that cannot be are left out and told, and with them rows that then lack
-a required value; gaps split the log and are never interpolated over. A needed column most of which
-cannot be is an error that names its lines. Rows out of order are sorted, and columns that are
-written at times of their own are put together by the nearest value; both are told. Angles are
-degrees in files and radians in :class:`FlightLog`.
+Nothing is repaired: impossible values are left out with a note, and so are rows that then lack a
+required value; gaps split the log and are never interpolated over. A required column with mostly
+impossible values is an error that names its lines. Rows out of order are sorted, and columns logged
+at different times are joined by the nearest value; notes say so. Angles are degrees in files and
+radians in :class:`FlightLog`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import Span, times_from_text
 from missions.logs.plausible import Kind, LeftOut, codes, leave_out_held, left_out, without_spans
-from missions.logs.units import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER, quantity_of
+from missions.logs.units import ATTITUDE, EPOCH, MPPT, QUANTITIES, TIME, quantity_of
 from solar.types import BoolArray, FloatArray, IntArray
 
 REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
@@ -48,22 +48,22 @@ _HINTS = {"state_of_charge": "; it is a share, not a percentage"}
 
 
 class Series(NamedTuple):
-    """A quantity in the unit of the log format, over time since boot [s]; NaN: of any time."""
+    """Quantity in the unit of the log format over time since boot [s]; NaN time: a constant."""
 
     time_s: FloatArray
     values: FloatArray
 
 
 def sampled(series: Series, time_s: FloatArray, quantity: str = "") -> FloatArray:
-    """Nearest sample at other times, NaN if it is older or younger than allowed."""
-    own = series.time_s
-    if not len(own):
+    """Return the nearest sample at each time, NaN if it is too far away."""
+    logged_s = series.time_s
+    if not len(logged_s):
         return np.full(len(time_s), np.nan)
-    after = np.minimum(np.searchsorted(own, time_s), len(own) - 1)
+    after = np.minimum(np.searchsorted(logged_s, time_s), len(logged_s) - 1)
     before = np.maximum(after - 1, 0)
-    earlier = np.abs(time_s - own[before]) <= np.abs(own[after] - time_s)
+    earlier = np.abs(time_s - logged_s[before]) <= np.abs(logged_s[after] - time_s)
     nearest = np.where(earlier, before, after)
-    far = np.abs(own[nearest] - time_s) > _AGES.get(quantity, _OTHER_AGE_S)
+    far = np.abs(logged_s[nearest] - time_s) > _AGES.get(quantity, _OTHER_AGE_S)
     return np.where(far, np.nan, series.values[nearest])
 
 
@@ -115,7 +115,7 @@ class FlightLog:
         What the reader of the results should know.
     left_out : tuple of LeftOut
         Values that cannot be, and rows that were excluded.
-    tracker_power_w : mapping
+    mppt_power_w : mapping
         Power behind each MPPT [W] by its name, where ``solar_power_w`` is their sum.
     """
 
@@ -136,7 +136,7 @@ class FlightLog:
     gaps: tuple[Gap, ...] = ()
     notes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
-    tracker_power_w: Mapping[str, FloatArray] = field(default_factory=dict)
+    mppt_power_w: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -153,7 +153,7 @@ class FlightLog:
 
 
 def first_few(items: Sequence[Any]) -> list[tuple[Any, str]]:
-    """First few items, the last of them with the number of those not shown."""
+    """Return the first items, the last with the number of items not shown."""
     more = len(items) - _SHOWN_PROBLEMS
     tails = [""] * (_SHOWN_PROBLEMS - 1) + [f" (and {more} more rows)" if more > 0 else ""]
     return list(zip(items, tails, strict=False))
@@ -162,7 +162,7 @@ def first_few(items: Sequence[Any]) -> list[tuple[Any, str]]:
 def log_from_table(
     table: pd.DataFrame, source: str, notes: Iterable[str] = (), exclude: Sequence[Span] = ()
 ) -> FlightLog:
-    """Log of a table with the columns of the CSV format, without some times of day."""
+    """Make a log of a table in the CSV format, without excluded times of day."""
     check = Check(source, np.arange(2, len(table) + 2))
     check.notes += notes
     return checked_log(table, check, exclude)
@@ -171,7 +171,7 @@ def log_from_table(
 def checked_log(
     table: pd.DataFrame, check: Check, exclude: Sequence[Span], zone: datetime.tzinfo | None = None
 ) -> FlightLog:
-    """Log of a table that is being read; ``zone``: of spans, and of times without one."""
+    """Check a table and make a log of it; ``zone``: time zone of spans and naive times."""
     if TIME in table:
         times = times_from_text(table[TIME], zone)
         check.notes.extend(times.notes)
@@ -181,7 +181,7 @@ def checked_log(
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
-    names += _trackers(table)
+    names += _mppt_columns(table)
     values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
     # Receivers without a fix give 0, 0, where the flight was elsewhere.
     distance = np.abs(values["latitude_deg"]) + np.abs(values["longitude_deg"])
@@ -212,28 +212,28 @@ def checked_log(
     _leave_out_sums(rows)
     left += leave_out_held(rows, check.labels)
     _leave_out_sums(rows)
-    check.notes += [one.told() for one in left]
+    check.notes += [omission.sentence() for omission in left]
     return _assembled(check, _put_together(rows, check.notes), tuple(left))
 
 
-def _trackers(table: pd.DataFrame) -> list[str]:
-    """Columns that have the power of one of several MPPTs."""
-    return [name for name in map(str, table) if name.startswith(TRACKER)]
+def _mppt_columns(table: pd.DataFrame) -> list[str]:
+    """Return the columns with the power of one of several MPPTs."""
+    return [name for name in map(str, table) if name.startswith(MPPT)]
 
 
 def _leave_out_sums(rows: pd.DataFrame) -> None:
-    """Leave out the solar power where that of one of its MPPTs is not known."""
-    unknown = rows[_trackers(rows)].isna().any(axis=1).to_numpy(bool)
+    """Leave out the solar power where the power of an MPPT is unknown."""
+    unknown = rows[_mppt_columns(rows)].isna().any(axis=1).to_numpy(bool)
     rows.loc[unknown, "solar_power_w"] = np.nan
 
 
 def _needed(rows: pd.DataFrame) -> list[str]:
-    """Columns without a value of which a row is no sample."""
+    """Return the columns whose values a row must have."""
     return [name for name in (*REQUIRED, *ATTITUDE) if name in rows]
 
 
 def _put_together(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
-    """Columns that are written at times of their own, at the times of the solar power."""
+    """Join columns logged at different times, at the times of the solar power."""
     lacking = rows[_needed(rows)].isna().any(axis=1).to_numpy(bool)
     power = rows["solar_power_w"].notna().to_numpy(bool) & rows.index.notna()
     if lacking.mean() <= MAXIMUM_DROPPED or 2 * (lacking & power).sum() <= power.sum():
@@ -254,7 +254,7 @@ def _put_together(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
 
 @dataclass
 class Check:
-    """What is being read, mistakes so far, notes, ``doubts``: column, why, rows, one value."""
+    """Table being read: mistakes, notes, and ``doubts`` (column, kind, rows, example)."""
 
     source: str
     lines: IntArray
@@ -264,28 +264,28 @@ class Check:
     doubts: list[tuple[str, Kind, BoolArray, str]] = field(default_factory=list)
 
     def complain(self, column: pd.Series, wrong: NDArray[Any], message: str) -> None:
-        """Note the first few rows in which a column is wrong."""
+        """Record the first few rows in which a column is wrong."""
         label = self.label(column)
         for row, rest in first_few(np.flatnonzero(wrong).tolist()):
             text = f"{message} (got {_cell(column.iloc[row])}){rest}"
             self.problems.append(Problem(self.source, int(self.lines[row]), None, label, text))
 
     def label(self, column: pd.Series) -> str:
-        """Name of a column in the file."""
+        """Return the column's name in the file."""
         return self.labels.get(str(column.name), str(column.name))
 
     def without(
         self, values: FloatArray, wrong: BoolArray, column: pd.Series, kind: Kind, message: str = ""
     ) -> FloatArray:
-        """Values without those that are wrong; most of a column that is needed may not be."""
+        """Replace wrong values by NaN; refuse a required column with mostly wrong values."""
         if not wrong.any():
             return values
-        given = column.notna().to_numpy(bool)
-        if message and wrong.sum() > MAXIMUM_DROPPED * given.sum():
+        known = column.notna().to_numpy(bool)
+        if message and wrong.sum() > MAXIMUM_DROPPED * known.sum():
             if column.name not in OPTIONAL:
                 self.complain(column, wrong, message)
                 return np.where(wrong, np.nan, values)
-            wrong = given  # the rest is right by chance
+            wrong = known  # the rest is right by chance
         row = int(np.argmax(wrong))
         value = f"{values[row]:g}" if np.isfinite(values[row]) else _cell(column.iloc[row])
         example = f"{value} in line {self.lines[row]}"
@@ -295,13 +295,13 @@ class Check:
         return np.where(wrong, np.nan, values)
 
     def done(self) -> None:
-        """Raise what was noted."""
+        """Raise all recorded mistakes."""
         if self.problems:
             raise InputError(self.problems)
 
 
 def _of_flight(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArray:
-    """Times without those that no flight has: before clocks are set, and a year from the others."""
+    """Replace times that no flight has by NaN: before clocks are set, or a year away."""
     limits = QUANTITIES["time"]
     wrong = (time_s < limits.low) | (time_s > limits.high)
     time_s = check.without(time_s, wrong, column, "outside", "must be from 1950 to 2049")
@@ -312,7 +312,7 @@ def _of_flight(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArra
 
 
 def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> FloatArray:
-    """Column as numbers, NaN where empty or, for a known quantity, what that cannot be."""
+    """Convert a column to numbers, NaN where empty or impossible for the quantity."""
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
     values = np.asarray(pd.to_numeric(column, errors="coerce").to_numpy(float, na_value=np.nan))
@@ -335,12 +335,12 @@ def _cell(value: object) -> str:
 
 
 def _assembled(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -> FlightLog:
-    """Log of the rows in which nothing required is missing."""
+    """Make the log of the rows that lack nothing required."""
     lacking = rows[_needed(rows)].isna()
     lacking.insert(0, TIME, rows.index.isna())
     drop = lacking.any(axis=1)
     total, dropped = len(rows), int(drop.sum())
-    why = "".join(f"; {one.told()}" for one in left)
+    why = "".join(f"; {omission.sentence()}" for omission in left)
     if dropped > MAXIMUM_DROPPED * total:
         counts = ", ".join(f"{name} in {lacks}" for name, lacks in lacking.sum().items() if lacks)
         message = f"{dropped} of {total} rows lack a required value ({counts})"
@@ -378,7 +378,7 @@ def _assembled(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -> F
         gaps=gaps,
         notes=tuple(check.notes),
         left_out=left,
-        tracker_power_w={n.removeprefix(TRACKER): values[n] for n in _trackers(rows)},
+        mppt_power_w={n.removeprefix(MPPT): values[n] for n in _mppt_columns(rows)},
         **{name: values[name] for name in REQUIRED},
         **optional,
     )

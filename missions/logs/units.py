@@ -1,4 +1,4 @@
-"""Quantities of a log: what they can be, names elsewhere, units, what the numbers say of them."""
+"""Quantities of a log: possible ranges, names elsewhere, units, and units told by the values."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Dimension = Literal[
 ]
 TIME, EPOCH = "time_utc", "time_utc_s"
 ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
-TRACKER = "solar_power_w: "  # power of one of several MPPTs, before its own name
+MPPT = "solar_power_w: "  # power of one of several MPPTs, before its own name
 
 
 class Quantity(NamedTuple):
-    """What may be in a log, least and most that it can be in the unit of the log format.
+    """Quantity of a log: dimension, lowest and highest possible value in its unit.
 
     ``rests``: whether one value may stay for minutes in flight. ``aliases``: names that it goes by
     elsewhere, likeliest first, in lower case without anything between words and without a unit.
@@ -33,7 +33,7 @@ class Quantity(NamedTuple):
 
 
 def quantity_of(column: str) -> str:
-    """Quantity of a column: the power of one of several MPPTs has its name behind that."""
+    """Return the quantity of a column; the power of an MPPT has its name behind it."""
     return column.partition(":")[0]
 
 
@@ -80,7 +80,7 @@ QUANTITIES: Mapping[str, Quantity] = {
 
 
 class Unit(NamedTuple):
-    """A unit: what is written times ``factor`` plus ``offset`` is in the unit of the log format."""
+    """Unit: written values times ``factor`` plus ``offset`` are in the unit of the log format."""
 
     factor: float
     offset: float = 0.0
@@ -117,7 +117,8 @@ UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
 }
 # Of any dimension, as no spelling is of two; what has no unit is in that of the log format.
 SCALES: dict[str | None, Unit] = {None: Unit(1.0)}
-SCALES.update(one for known in UNITS.values() for one in known.items())
+for _units in UNITS.values():
+    SCALES.update(_units)
 _TWO_PI = 2.0 * np.pi
 
 _SPELLED = {
@@ -127,21 +128,21 @@ _SPELLED = {
 
 
 def spelled(unit: str) -> str:
-    """Unit as it is written, from its key in :data:`UNITS`."""
+    """Return the usual spelling of a key of :data:`UNITS`."""
     return _SPELLED.get(unit, unit.upper() if unit in ("w", "v", "a", "k", "c", "f") else unit)
 
 
 def known_unit(text: str, *dimensions: Dimension) -> str | None:
-    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimensions."""
+    """Return the spelling of a unit in :data:`UNITS`, None if of none of the dimensions."""
     plain = text.strip().strip("[]()").strip()
     if plain == "MW":  # else it would be read as mW
         return None
     plain = plain.lower().replace("°deg", "°")
-    return plain if any(plain in UNITS[one] for one in dimensions) else None
+    return plain if any(plain in UNITS[dimension] for dimension in dimensions) else None
 
 
 def split_unit(name: str) -> tuple[str, str | None]:
-    """Name of a column and the unit behind it, in brackets or after a slash between spaces."""
+    """Split a column's name from the unit behind it, in brackets or after a spaced slash."""
     for pattern in (r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]", r"(.*\S)\s+/\s+(\S+)"):
         if match := re.fullmatch(pattern, name.strip()):
             return match[1], match[2].strip()
@@ -149,7 +150,7 @@ def split_unit(name: str) -> tuple[str, str | None]:
 
 
 def recognised(quantity: str, dimension: Dimension, values: FloatArray) -> str | None:
-    """Unit that values without one must have, None if they may be in that of the log format."""
+    """Return the unit that the values prove, None if they may be in the log format's."""
     known = values[np.isfinite(values)]
     if not len(known):
         return None
@@ -168,7 +169,7 @@ def recognised(quantity: str, dimension: Dimension, values: FloatArray) -> str |
 
 
 def in_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
-    """Whether three columns without a unit are an attitude in radians."""
+    """Return true if three columns without a unit can be an attitude in radians."""
     angles = [a[np.isfinite(a)] for a in (roll, pitch, yaw)]
     if any(not len(a) for a in angles):
         return False
@@ -177,7 +178,7 @@ def in_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
 
 
 def surely_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
-    """Whether the yaw fills a turn of 2 pi and jumps by that: nothing but radians do."""
+    """Return true if the yaw fills and jumps by a turn of 2 pi: surely radians."""
     if not in_radians(roll, pitch, yaw):
         return False
     known = yaw[np.isfinite(yaw)]

@@ -136,7 +136,7 @@ class Flights:
         for number in count(1) if self.follow else range(1, MAXIMUM_DAYS + 2):
             if not len(flying.cell):
                 break
-            end_h, after = self._one_day(number, flying)
+            end_h, after = self._day_number(number, flying)
             ended = ~np.isnan(end_h)
             days_h = (number - 1) * HOURS_PER_DAY + flying.skipped_h
             ends_h[flying.flight[ended]] = (days_h + end_h)[ended]
@@ -145,7 +145,7 @@ class Flights:
                 flying = shared.without_equals(number, flying, self.follow)
         return shared.ends_h(ends_h) - launch_h
 
-    def _one_day(self, number: int, flying: Flying) -> tuple[FloatArray, Flying]:
+    def _day_number(self, number: int, flying: Flying) -> tuple[FloatArray, Flying]:
         """Hour at which flights end on their ``number``-th day, NaN if not; those that go on."""
         cells, energy, settled = flying.cell, flying.energy_wh, flying.settled_wh
         level, midnight = np.full(len(cells), np.nan), energy.copy()

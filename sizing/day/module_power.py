@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from missions.air import plate_convection_w_per_m2k
 from missions.flight_path import at_airspeed, path_trouble
-from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
+from missions.loiter_power import Daylight, PathModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design
@@ -239,7 +239,7 @@ def modelled_power(
     )
 
 
-def flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> FlownModules:
+def flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> PathModules:
     """What VM and FM need of aircraft and mission."""
     modules = aircraft.modules
     if modules.geometry is None:
@@ -248,7 +248,7 @@ def flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> Flo
         raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
     path = on_path(aircraft, mission).flight_path
     assert path is not None
-    return FlownModules(modules.geometry, modules, path, mission.wind, modules.shading)
+    return PathModules(modules.geometry, modules, path, mission.wind, modules.shading)
 
 
 def clear_daylight(

@@ -78,7 +78,8 @@ def tip_mach(
         Mach number [-].
     """
     tip = np.pi * np.asarray(rotation_per_s, float) * diameter_m
-    return np.asarray(np.hypot(np.asarray(airspeed_m_per_s, float), tip) / air.sound_m_per_s)
+    speed = np.hypot(np.asarray(airspeed_m_per_s, float), tip)
+    return np.asarray(speed / air.speed_of_sound_m_per_s)
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,7 +62,7 @@ def shares_of_limits(
     motor = parts.own_motor
     used = {
         "bus_voltage": (least_v + wires_v) / bus_v,
-        "tip_mach": tip / (air.sound_m_per_s * parts.maximum_tip_mach),
+        "tip_mach": tip / (air.speed_of_sound_m_per_s * parts.maximum_tip_mach),
     }
     if motor.maximum_current_a is not None:
         used["motor_current"] = state.current_a / motor.maximum_current_a

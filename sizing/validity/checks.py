@@ -182,7 +182,7 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
     yield from _agreement_check(it)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
-        mach = design.airspeed_m_per_s / it.conditions.air.sound_m_per_s
+        mach = design.airspeed_m_per_s / it.conditions.air.speed_of_sound_m_per_s
         yield Check.of("mach_number", "aerodynamics", mach)
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)

@@ -132,18 +132,23 @@ def _battery_full(
 
 
 def _of_values(log: FlightLog) -> Iterator[Stretch]:
-    """Values that cannot be, and sunlit gaps that they do not explain; close gaps are one."""
-    spans = [span for one in log.left_out for span in one.periods]
-    for one in log.left_out:
-        yield Stretch(_OF_VALUES.get(one.kind, "implausible"), *one.ends, one.values, one.told())
+    """Yield stretches of impossible values, and joined daylight gaps outside of them."""
+    spans = [span for omission in log.left_out for span in omission.periods]
+    for omission in log.left_out:
+        yield Stretch(
+            _OF_VALUES.get(omission.kind, "implausible"),
+            *omission.ends,
+            omission.values,
+            omission.sentence(),
+        )
     slack_s = GAP_STEPS * log.step_s
     groups: list[list[Gap]] = []
     for gap in log.gaps:
         at = int(np.searchsorted(log.time_s, gap.start_s))
         middle_s = 0.5 * (gap.start_s + gap.end_s)
         sun = sun_position(np.array([middle_s]), log.latitude_deg[at], log.longitude_deg[at])
-        told = any(a <= gap.start_s + slack_s and b >= gap.end_s - slack_s for a, b in spans)
-        if sun.elevation_rad[0] > 0.0 and not told:
+        covered = any(a <= gap.start_s + slack_s and b >= gap.end_s - slack_s for a, b in spans)
+        if sun.elevation_rad[0] > 0.0 and not covered:
             if not groups or gap.start_s - groups[-1][-1].end_s > _MERGE_S:
                 groups.append([])
             groups[-1].append(gap)

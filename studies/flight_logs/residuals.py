@@ -147,7 +147,7 @@ class Trackers(NamedTuple):
 
 def surfaces_of(log: FlightLog, geometry: ModuleGeometry | None) -> tuple[BoolArray | None, str]:
     """Surfaces of each MPPT and how that is known, or why not; no words without several MPPTs."""
-    names = tuple(log.tracker_power_w)
+    names = tuple(log.mppt_power_w)
     if not names:
         return None, ""
     if geometry is None or log.attitude is None:
@@ -174,7 +174,7 @@ def surfaces_of(log: FlightLog, geometry: ModuleGeometry | None) -> tuple[BoolAr
 def compared(lit: Forward, own: BoolArray, how: str, counts: BoolArray) -> Trackers:
     """Each MPPT beside the Full Model of its modules, in the mean of the samples that count."""
     assert lit.geometry is not None  # so are its surfaces
-    power, surfaces = lit.log.tracker_power_w, lit.geometry.surfaces
+    power, surfaces = lit.log.mppt_power_w, lit.geometry.surfaces
     measured = np.stack([one[lit.index] for one in power.values()], axis=1)
     modelled = np.concatenate([part.power_by_surface_w() @ own.T for part in lit.chunks()])
     modules = [tuple(s.name for s, is_own in zip(surfaces, row, strict=True) if is_own)

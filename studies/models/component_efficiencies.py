@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.loiter_power import Daylight, FlownModules, module_power_on_path
+from missions.loiter_power import Daylight, PathModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
@@ -55,7 +55,7 @@ def component_efficiencies(
     time_h = day_axis_h(step_h)
     scenarios = mission.scenarios()
     sunlit, orbit, power = module_power_on_path(
-        FlownModules(geometry, aircraft.modules, path, mission.wind, aircraft.modules.shading),
+        PathModules(geometry, aircraft.modules, path, mission.wind, aircraft.modules.shading),
         Daylight(
             float(scenarios.latitude_deg[scenario]),
             float(scenarios.noon_day[scenario]),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from missions.flight_path import Circle, Level, StraightLegs, Wind
-from missions.loiter_power import Daylight, FlownModules, mean_power_on_path, module_power_on_path
+from missions.loiter_power import Daylight, PathModules, mean_power_on_path, module_power_on_path
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
@@ -20,7 +20,7 @@ CALM = Wind(speed_m_per_s=0.0, from_deg=0.0)
 def mean(model, geometry, path, wind, samples=36):
     return mean_power_on_path(
         model,
-        FlownModules(geometry, SolarCell(), path, wind, samples=samples),
+        PathModules(geometry, SolarCell(), path, wind, samples=samples),
         DAY,
         ambient_temperature_c=20.0,
         module_temperature_c=20.0,
@@ -64,7 +64,7 @@ def test_straight_legs_average_two_headings():
 
 def test_components_multiply_to_the_power():
     lit, orbit, power = module_power_on_path(
-        FlownModules(AFT, SolarCell(), CIRCLE, CALM), DAY, ambient_temperature_c=20.0
+        PathModules(AFT, SolarCell(), CIRCLE, CALM), DAY, ambient_temperature_c=20.0
     )
     product = power.irradiance_w_per_m2 * power.module_efficiency * power.mppt_efficiency
     assert product == pytest.approx(power.specific_power_w_per_m2, rel=1e-12)

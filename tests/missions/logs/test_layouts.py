@@ -222,7 +222,7 @@ def test_wrong_zones_are_refused(text):
 )  # fmt: skip
 def test_names_are_known(name, quantity):
     others = ["roll", "pitch"] if quantity == "yaw_deg" else []
-    assert recipes_for([name, *others]).found[quantity].columns == [name]
+    assert recipes_for([name, *others]).by_quantity[quantity].columns == [name]
 
 
 def test_a_course_alone_is_no_attitude(tmp_path):
@@ -459,7 +459,7 @@ def test_names_of_streams(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["mppt{}_power_w", "MPPT {} power [W]", "P_mppt_{} [W]"])
-def test_power_of_several_trackers_is_summed(tmp_path, name):
+def test_power_of_several_mppts_is_summed(tmp_path, name):
     power = table()["solar_power_w"]
     several = table().drop(columns="solar_power_w")
     for number, share in enumerate((0.5, 0.3, 0.2), start=1):

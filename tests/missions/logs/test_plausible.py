@@ -240,9 +240,9 @@ def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path):
     rows = rows.assign(P_solar_left=0.25 * power, P_solar_right=0.75 * power)
     rows.loc[20, "P_solar_right"] = 9999.0
     log = read(tmp_path, rows)
-    assert list(log.tracker_power_w) == ["P_solar_left", "P_solar_right"]
+    assert list(log.mppt_power_w) == ["P_solar_left", "P_solar_right"]
     assert len(log) == 299
-    assert sum(log.tracker_power_w.values()) == pytest.approx(log.solar_power_w)
+    assert sum(log.mppt_power_w.values()) == pytest.approx(log.solar_power_w)
     assert [(one.column, one.kind, one.values) for one in log.left_out] == [
         ("P_solar_right", "code", 1)
     ]

@@ -399,7 +399,7 @@ def test_dead_modules_are_seen_beside_the_other_mppts():
     power = {f"P {side}": each[:, i : i + 2].sum(axis=1) for i, side in
              ((0, "left"), (2, "centre"), (4, "right"))}  # fmt: skip
     power["P right"] = 0.5 * power["P right"]
-    log = replace(log, tracker_power_w=power, solar_power_w=np.sum(list(power.values()), axis=0))
+    log = replace(log, mppt_power_w=power, solar_power_w=np.sum(list(power.values()), axis=0))
     result = verify(aircraft(), log, mission())
     each = result.trackers.each
     assert [one.modules[0] for one in each] == ["left front", "centre front", "right front"]
@@ -413,7 +413,7 @@ def test_mppts_are_matched_by_name_by_number_or_in_order():
 
     def matched(names, where):
         power = dict.fromkeys(names, log.solar_power_w)
-        own, how = surfaces_of(replace(log, tracker_power_w=power), where)
+        own, how = surfaces_of(replace(log, mppt_power_w=power), where)
         return None if own is None else own.astype(int).tolist(), how
 
     six = matched([f"mppt {i}" for i in range(6)], surfaces)
