@@ -1,17 +1,16 @@
 """Endurance: the longest flight over all launch times that starts full and ends empty.
 
-One day of the year repeats; a flight is marched from its launch until the battery cannot meet the
-load. A launch by surplus is never the best one: the battery stays full, so the same flight may
-begin when the surplus begins. Launches are therefore tried while the load exceeds the sun. Flight
-time jumps where one more night is just survived and is smooth elsewhere: a coarse search, refined
-around the best launch, finds the longest flight to within seconds. One more launch is tried where
-the day's surplus begins: with next to no battery that alone flies through the day.
+One day of the year repeats. A launch by surplus is never the best one: the battery stays full, so
+the same flight may begin when the surplus begins. Launches are therefore tried while the load
+exceeds the sun. Flight time jumps where one more night is just survived and is smooth elsewhere: a
+coarse search, refined around the best launch, finds the longest flight to within seconds. One more
+launch is tried where the day's surplus begins: with next to no battery that alone flies through the
+day.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +19,7 @@ from sizing.day.balance import interval_reaching
 from sizing.day.battery import Store
 from sizing.day.flight import Flights
 from solar.sun import HOURS_PER_DAY
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 # Of the coarse search's launches the best is refined so often, to such a part of their distance.
 _LAUNCHES, _REFINEMENTS, _CLOSER = 60, 5, 4
@@ -36,31 +35,10 @@ class Endurance:
     launch_h: FloatArray
 
 
-@dataclass(frozen=True)
-class LimitedFlight:
-    """Flights that start full and end with an empty battery, in solar time [h].
-
-    ``launch_h``, ``endurance_h``: launch and length of the longest. ``before_sun_h``: from its end
-    until solar power meets the load again; NaN where it never does. ``from_sunrise_h``,
-    ``from_noon_h``: length of those launched at sunrise and at noon; NaN without a sunrise.
-    """
-
-    launch_h: float
-    endurance_h: float
-    before_sun_h: float
-    from_sunrise_h: float
-    from_noon_h: float
-
-    @property
-    def empty_h(self) -> float:
-        """When the longest flight ends, counted from midnight before its launch."""
-        return self.launch_h + self.endurance_h
-
-
 def longest_flight(
     time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
 ) -> Endurance:
-    """Longest flights of a batch that starts with full batteries.
+    """Find the longest flights of a batch that starts with full batteries.
 
     Parameters
     ----------
@@ -72,25 +50,21 @@ def longest_flight(
     Endurance
         Infinite where the flight outlasts 366 days, as a perpetual one does.
     """
-    search = _Search(Flights.of(time_h, solar_power_w, load_w, store))
-    hours, launch_h = search.longest()
+    flights = Flights.of(time_h, solar_power_w, load_w, store)
+    hours, launch_h = _Search(flights, flights.day.balance.cumulative_deficit_h()).longest()
     shape = np.broadcast_shapes(np.shape(solar_power_w), np.shape(load_w))[:-1]
     return Endurance(hours.reshape(shape), launch_h.reshape(shape))
 
 
 @dataclass(frozen=True)
 class _Search:
-    """Launches told by the hours of deficit between midnight and them."""
+    """Launches by the hours of deficit between midnight and them, at the nodes ``dark_h`` [h]."""
 
     flights: Flights
-
-    @cached_property
-    def dark_h(self) -> FloatArray:
-        """Hours of deficit from midnight to every node [h]."""
-        return self.flights.day.balance.cumulative_deficit_h()
+    dark_h: FloatArray
 
     def launch_h(self, level_h: FloatArray, cells: IntArray) -> FloatArray:
-        """Solar time at which the hours of deficit since midnight reach some levels [h]."""
+        """Return the solar time at which the hours of deficit since midnight reach levels [h]."""
         number = interval_reaching(self.dark_h, level_h, cells)
         interval = self.flights.day.balance.interval(number, cells)
         begin, length = interval.deficit_h()
@@ -98,7 +72,7 @@ class _Search:
         return np.asarray(interval.start_h + begin + along)
 
     def hours(self, level_h: FloatArray, cells: IntArray) -> FloatArray:
-        """Flight time from launches [h]."""
+        """Return the flight time from launches [h]."""
         # Launches of an element side by side: many of them become equal.
         cells = np.broadcast_to(cells, level_h.shape)
         launch = self.launch_h(level_h, cells).T.reshape(-1)
@@ -106,33 +80,40 @@ class _Search:
         return hours.reshape(level_h.shape[::-1]).T
 
     def longest(self) -> tuple[FloatArray, FloatArray]:
-        """Longest flight of every element over all launches, and its launch [h]."""
-        dark_h, net_w = self.dark_h, self.flights.day.balance.net_w
-        cells = np.arange(dark_h.shape[1])
-        spacing_h = dark_h[-1] / _LAUNCHES
+        """Return the longest flight of every element over all launches, and its launch [h]."""
+        cells = np.arange(self.dark_h.shape[1])
+        spacing_h = self.dark_h[-1] / _LAUNCHES
         tries_h = np.arange(_LAUNCHES)[:, np.newaxis] * spacing_h
         hours = self.hours(tries_h, cells)
         middle = _best_of_day(hours)
-        rank, cell = np.nonzero(_promising(hours, spacing_h, middle))
-        around = (tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
-        best_h, best_launch_h = self.refined(cell, *around)
+        # A flight begun earlier by a spacing is longer by a spacing at the most, unless it jumps:
+        # the longest may be around the best try, and around those just after a jump.
+        finite = np.where(np.isinf(hours), 1e9, hours)
+        promising = finite > np.roll(finite, 1, axis=0) + spacing_h
+        promising &= (finite + spacing_h > finite.max(axis=0)) & ~np.isinf(hours)
+        promising[middle, cells] = True
+        rank, cell = np.nonzero(promising)
+        best_h, best_launch_h = self.refined(
+            cell, tries_h[rank, cell], hours[rank, cell], spacing_h[cell]
+        )
         longest, launch_h = np.full((2, len(cells)), -np.inf)
         np.maximum.at(longest, cell, best_h)
         # The last of equal cells stays: one of its longest flights, from the best try if it is one.
         order = np.lexsort((rank == middle[cell], best_h >= longest[cell] - _EQUAL_H))
         longest[cell[order]], launch_h[cell[order]] = best_h[order], best_launch_h[order]
         # The level of the surplus is where it ends; a moment less of deficit is where it begins.
-        sunniest = dark_h[np.argmax(net_w, axis=0), cells]
+        net_w = self.flights.day.balance.net_w
+        sunniest = self.dark_h[np.argmax(net_w, axis=0), cells]
         level_h = np.maximum(np.nextafter(sunniest, -np.inf), 0.0)
-        flown_h = self.hours(level_h, cells)
-        longer = flown_h > longest + _EQUAL_H
+        hours = self.hours(level_h, cells)
+        longer = hours > longest + _EQUAL_H
         launch_h = np.where(longer, self.launch_h(level_h, cells), launch_h)
-        return np.where(longer, flown_h, longest), launch_h
+        return np.where(longer, hours, longest), launch_h
 
     def refined(
         self, cells: IntArray, level_h: FloatArray, hours: FloatArray, spacing_h: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Longest flight around one launch of each element, known to within a spacing."""
+        """Return the longest flight around one launch of each element, and its launch [h]."""
         shares = np.concatenate([np.arange(1 - _CLOSER, 0), np.arange(1, _CLOSER)]) / _CLOSER
         dark_h, every = np.maximum(self.dark_h[-1][cells], 1e-9), np.arange(len(cells))
         for _ in range(_REFINEMENTS):
@@ -147,7 +128,7 @@ class _Search:
 
 
 def _best_of_day(hours: FloatArray) -> IntArray:
-    """Try of the longest flight; of equal ones, the one with the most of them on both sides.
+    """Return the try of the longest flight; of equal ones, that amid the most of them.
 
     Flights that begin and end in the dark are equally long over hours, as they end later by what
     they begin later. Rounding would choose among them, or the one just after a jump would be
@@ -161,16 +142,3 @@ def _best_of_day(hours: FloatArray) -> IntArray:
             break
         equal = np.where(has_inner, inner, equal)
     return np.asarray(np.argmax(equal, axis=0))
-
-
-def _promising(hours: FloatArray, spacing_h: FloatArray, best: IntArray) -> BoolArray:
-    """Tries around which the longest flight may be: the best, and those just after a jump.
-
-    A flight begun earlier by a spacing is longer by a spacing at the most, unless it jumps.
-    """
-    finite = np.where(np.isinf(hours), 1e9, hours)
-    after_jump = finite > np.roll(finite, 1, axis=0) + spacing_h
-    marks = after_jump & (finite + spacing_h > finite.max(axis=0))
-    marks &= ~np.isinf(hours)
-    marks[best, np.arange(hours.shape[1])] = True
-    return np.asarray(marks)

@@ -1,10 +1,9 @@
 """A flight through a weather record: the days as they came, the charge carried over.
 
-Not the repeated day: every day has its own light and temperature, and a day begins with what the
-day before has left in the battery. An empty battery ends a
-flight; the run goes on from empty, so that every day of the record is judged by what came before
-it. A battery whose capacity depends on its temperature has each day that of the day's mean air, and
-keeps its state of charge over night.
+Every day has its light and temperature, and begins with the charge that the day before has left.
+An empty battery ends a flight; the run goes on from empty, so that every day of the record is
+judged by what came before it. A battery whose capacity depends on its temperature has each day that
+of the day's mean air, and keeps its state of charge over night.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions.mission import Mission
+from missions.weather.days import DayAxis
 from missions.weather.light import NODE_STEP_S, RecordedLight
 from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
@@ -23,7 +23,7 @@ from sizing.day.carried import carried_over, dawns_of, days_that_close
 from sizing.day.flight import Flights
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.march import ChargingDay
-from sizing.day.record_days import DayAxis, WeatherDays, temperatures_c
+from sizing.day.record_days import WeatherDays, temperatures_c
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from solar.clearsky import Irradiance
@@ -33,7 +33,7 @@ from solar.types import BoolArray, FloatArray
 
 @dataclass(frozen=True)
 class WeatherRun:
-    """Run of an aircraft through one kind of light of a record.
+    """Charge of an aircraft through a record, in its light or under a clear sky.
 
     ``axis``: days of the record. ``solar_power_w``, ``load_w``: power at the nodes [W].
     ``store``: batteries of all days; ``energy_wh``: in them at the nodes [Wh]. ``dawn_h``: when,
@@ -58,11 +58,11 @@ class WeatherRun:
 
     @property
     def longest_run_days(self) -> int:
-        """Most consecutive days that close."""
+        """Return the largest number of consecutive days that close."""
         return int(np.max(run_lengths(self.closes), initial=0))
 
     def state_of_charge(self) -> FloatArray:
-        """State of charge at the nodes [-], shape ``(day, node)``."""
+        """Return the state of charge at the nodes [-], ``(day, node)``."""
         return np.asarray(self.energy_wh / self.store.battery_energy_wh[:, np.newaxis])
 
 
@@ -84,7 +84,7 @@ class WeatherPerformance:
 
     @property
     def air_of_days_c(self) -> FloatArray:
-        """Mean temperature of the air of each day, the record's if it has one [C]."""
+        """Return the mean temperature of the air of each day [C]."""
         ambient, _ = temperatures_c(self.mission, self.light)
         return np.asarray(np.mean(ambient[self.recorded.axis.nodes], axis=1))
 
@@ -97,7 +97,7 @@ def weather_performance(
     *,
     step_s: float = NODE_STEP_S,
 ) -> WeatherPerformance:
-    """Fly an aircraft through a weather record, from a full battery at its beginning.
+    """Simulate an aircraft through a weather record, from a full battery at its beginning.
 
     ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`): altitude,
     air, turbulence, payload, margins. Its clearness plays no part: the clouds are the record's.
@@ -106,15 +106,15 @@ def weather_performance(
     design = design_of(aircraft, mission)
     load_w = days.load_w(design)
     recorded, clear = (
-        flown_through(days, design, load_w, sky) for sky in (days.light.recorded, days.light.clear)
+        weather_run(days, design, load_w, sky) for sky in (days.light.recorded, days.light.clear)
     )
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
 
 
-def flown_through(
+def weather_run(
     record: WeatherDays, design: Design, load_w: FloatArray, sky: Irradiance
 ) -> WeatherRun:
-    """Run of a design along the record under a sky, that of the record or a clear one."""
+    """Simulate a design through a record under a sky, that of the record or a clear one."""
     axis, store = record.axis, record.store(design.battery_energy_wh)
     solar_w = record.aircraft.modules.area_m2 * record.specific_power_w_per_m2(sky)
     energy_wh, days = store.battery_energy_wh, np.arange(len(axis))

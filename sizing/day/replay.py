@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions import dates
-from missions.mission import Mission, Scenarios
+from missions.mission import Mission
 from missions.mission.flight import Launch
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
@@ -19,9 +19,6 @@ from sizing.day.metrics import FULL
 from sizing.day.module_power import clear_daylight
 from sizing.design import Design
 from sizing.mass_budget import design_of
-from sizing.validity.checks import charge_rate_check, correction_check, design_checks
-from sizing.validity.extrapolations import collect_extrapolations
-from sizing.validity.ranges import Extrapolation
 from solar.sun import HOURS_PER_DAY, declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
@@ -44,8 +41,6 @@ class CalendarRun:
         First instant of full charge on each local day that has one (clock as above).
     empty_clock_h : float or None
         When the battery ran empty; the run ends there.
-    extrapolations : tuple of Extrapolation
-        What lies outside the range of a model.
     """
 
     launch: Launch
@@ -59,11 +54,10 @@ class CalendarRun:
     state_of_charge: FloatArray
     full_charge_clock_h: tuple[float, ...]
     empty_clock_h: float | None
-    extrapolations: tuple[Extrapolation, ...] = ()
 
     @property
     def minimum_state_of_charge(self) -> float:
-        """Least state of charge after the first full charge (of the whole run if there is none)."""
+        """Return the least state of charge after the first full charge, or of all without one."""
         begin = self.full_charge_clock_h[0] if self.full_charge_clock_h else self.clock_h[0]
         return float(self.state_of_charge[self.clock_h >= begin].min())
 
@@ -75,12 +69,12 @@ def calendar_run(
     *,
     step_h: float = CALENDAR_STEP_H,
 ) -> CalendarRun:
-    """Fly a mission that has a launch; the date advances and the sun with it.
+    """Simulate a mission that has a launch; the date advances and the sun with it.
 
     Parameters
     ----------
     aircraft, mission
-        What flies, and where; the mission has ``launch`` and a longitude.
+        The mission has ``launch`` and a longitude.
     solar : SolarModel
         Solar power model and its correction.
     step_h : float
@@ -128,33 +122,13 @@ def calendar_run(
         state_of_charge=stored / store.battery_energy_wh,
         full_charge_clock_h=full,
         empty_clock_h=empty,
-        extrapolations=_outside_ranges(aircraft, mission, solar, design, day, power),
     )
-
-
-def _outside_ranges(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    design: Design,
-    day_of_year: FloatArray,
-    solar_power_w: FloatArray,
-) -> tuple[Extrapolation, ...]:
-    """What the flight takes from outside the range of a model."""
-    days = (np.unique(np.floor(day_of_year).astype(int)) - 1) % dates.DAYS_PER_YEAR + 1
-    scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), days)
-    checks = [
-        *design_checks(aircraft, mission, design, solar),
-        *correction_check(scenarios, solar, mission),
-        *charge_rate_check(aircraft, mission, design, np.max(solar_power_w)),
-    ]
-    return collect_extrapolations(checks, scenarios)
 
 
 def _charge_until_empty(
     day: ChargingDay, store: Store, launch: Launch
 ) -> tuple[FloatArray, tuple[float, ...], float | None]:
-    """Energy at the nodes until the battery is empty [Wh], instants of full and of empty [h]."""
+    """Return the energy at the nodes until the battery is empty [Wh], when it is full and empty."""
     balance, run = day.balance, day.run(store, launch.state_of_charge * store.battery_energy_wh)
     empty_h = float(run.empty_h()[0])
     until_h = np.inf if np.isnan(empty_h) else empty_h

@@ -20,7 +20,7 @@ from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
-from sizing.day.record import flown_through
+from sizing.day.record import weather_run
 from sizing.day.record_days import WeatherDays
 from sizing.mass_budget import design_of
 from sizing.program.margin import MarginSearch, Trial, best_of
@@ -148,4 +148,4 @@ class SurvivalSizing(MarginSearch):
         aircraft, mission = with_design(self.aircraft, self.mission, result.design)
         days = replace(self.days, aircraft=aircraft, mission=mission)
         design = design_of(aircraft, mission)
-        return flown_through(days, design, days.load_w(design), days.light.recorded).closes
+        return weather_run(days, design, days.load_w(design), days.light.recorded).closes

@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import DragShares
 from sizing.climb import ClimbPerformance, climb_performance, excess_at_one_minute_h
-from sizing.day.launch import Endurance, LimitedFlight
+from sizing.day.launch import Endurance
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design
@@ -29,7 +29,12 @@ from sizing.results.records import check_subjects
 from sizing.results.tables import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
-from sizing.validity.extrapolations import add_effects, extrapolations, keep_worst
+from sizing.validity.extrapolations import (
+    add_effects,
+    extrapolations,
+    keep_worst,
+    replay_extrapolations,
+)
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 
@@ -42,6 +47,27 @@ class ClimbCheck(NamedTuple):
 
     program_excess_time_h: float
     one_minute_excess_time_h: float
+
+
+@dataclass(frozen=True)
+class LimitedFlight:
+    """Flights that start full and end with an empty battery, in solar time [h].
+
+    ``launch_h``, ``endurance_h``: launch and length of the longest. ``before_sun_h``: from its end
+    until solar power meets the load again; NaN where it never does. ``from_sunrise_h``,
+    ``from_noon_h``: length of those launched at sunrise and at noon; NaN without a sunrise.
+    """
+
+    launch_h: float
+    endurance_h: float
+    before_sun_h: float
+    from_sunrise_h: float
+    from_noon_h: float
+
+    @property
+    def empty_h(self) -> float:
+        """Return when the longest flight ends, counted from midnight before its launch [h]."""
+        return self.launch_h + self.endurance_h
 
 
 @dataclass(frozen=True)
@@ -175,9 +201,10 @@ class Analysis(DesignResult):
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What lies outside the range of a model, each quantity once."""
         outside = extrapolations(self.aircraft, self.performance)
-        outside = keep_worst(
-            [*outside, *(() if self.flight is None else self.flight.extrapolations)]
-        )
+        if self.flight is not None:
+            solar = self.performance.solar
+            of_replay = replay_extrapolations(self.aircraft, self.mission, solar, self.flight)
+            outside = keep_worst([*outside, *of_replay])
         return add_effects(outside, self.aircraft, lambda: self.performance)
 
     @cached_property

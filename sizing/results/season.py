@@ -9,8 +9,8 @@ import numpy as np
 
 from missions.dates import date_code
 from missions.mission import Mission
+from missions.weather.days import DayAxis
 from missions.weather.record import Weather, run_lengths
-from sizing.day.record_days import DayAxis
 from sizing.program.result import SizingStatus
 from solar.types import BoolArray, IntArray
 

@@ -12,14 +12,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from missions.mission import Scenarios
+from missions.dates import DAYS_PER_YEAR
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.battery.condition import BatteryTemperature
-from sizing.day.light import solar_day
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.replay import CalendarRun
 from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance
-from sizing.validity.checks import flight_checks
+from sizing.validity.checks import (
+    charge_rate_check,
+    correction_check,
+    design_checks,
+    flight_checks,
+)
 from sizing.validity.ranges import (
     EXPERIENCE,
     Check,
@@ -34,6 +41,20 @@ from solar.modules import STC_TEMPERATURE_C
 def extrapolations(aircraft: Aircraft, perf: Performance) -> tuple[Extrapolation, ...]:
     """Return the extrapolated quantities of a single design, in the order of the catalogue."""
     return collect_extrapolations(flight_checks(aircraft, perf), perf.day.scenarios)
+
+
+def replay_extrapolations(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, run: CalendarRun
+) -> tuple[Extrapolation, ...]:
+    """Return what a flight by the clock takes from outside the range of a model."""
+    days = (np.unique(np.floor(run.day_of_year).astype(int)) - 1) % DAYS_PER_YEAR + 1
+    scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), days)
+    checks = [
+        *design_checks(aircraft, mission, run.design, solar),
+        *correction_check(scenarios, solar, mission),
+        *charge_rate_check(aircraft, mission, run.design, np.max(run.solar_power_w)),
+    ]
+    return collect_extrapolations(checks, scenarios)
 
 
 def collect_extrapolations(

@@ -7,13 +7,14 @@ from weather_files import SITE, clear_record
 
 from missions.air import air_at
 from missions.library import load_mission
+from missions.weather.days import DayAxis
 from missions.weather.light import light_at_altitude
 from missions.weather.record import Site, run_lengths
 from missions.weather.site import mission_at_site
 from missions.winds.table import COLUMNS
 from sizing.day.light import SolarModel
 from sizing.day.record import weather_performance
-from sizing.day.record_days import DayAxis, WeatherDays, load_of_days
+from sizing.day.record_days import WeatherDays, load_of_days
 from sizing.day.replay import calendar_run
 from sizing.design import FlightConditions
 from sizing.held_station import held_flight

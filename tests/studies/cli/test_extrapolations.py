@@ -12,6 +12,7 @@ from sizing.ceiling import highest_perpetual_altitude
 from sizing.day.light import SolarModel
 from sizing.day.replay import calendar_run
 from sizing.results.analysis import analyse
+from sizing.validity.extrapolations import replay_extrapolations
 from studies.ceiling import perpetual_ceiling, plot_ceiling
 from studies.maps.plots import plot_map
 from studies.output.cycle_plots import plot_cycle
@@ -120,9 +121,10 @@ def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
 def test_a_replayed_flight_tells_of_its_own_days() -> None:
     launch = {"date": "07-15", "time_local": "10:00", "utc_offset_h": 2.0, "duration_h": 24.0}
     where = mission(longitude_deg=8.5, latitude_deg=20.0, launch=launch)
-    assert calendar_run(AS2, where).extrapolations == ()
-    (one,) = calendar_run(AS2, where, SolarModel("CAM", "report")).extrapolations
-    assert one.quantity == "noon_elevation_deg"
+    run, corrected = calendar_run(AS2, where), SolarModel("CAM", "report")
+    assert replay_extrapolations(AS2, where, SolarModel(), run) == ()
+    (outside,) = replay_extrapolations(AS2, where, corrected, run)
+    assert outside.quantity == "noon_elevation_deg"
 
 
 def test_altitudes_of_the_search_know_where_they_are() -> None:
