@@ -2,8 +2,7 @@
 
 Source: Oettershagen's report on solar power models, eq. 2 to 13 and table 2. Both return power per
 module area like the horizontal models of :mod:`solar.horizontal_models`; the Full Model also
-returns every
-component efficiency, so that it can be seen what drives the power.
+returns every component efficiency, which show what drives the power.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ _TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class ModulePower:
-    """Power of the Full Model and what it is made of.
+    """Power of the Full Model and its component efficiencies.
 
     Arrays without a surface have the shape of sun and attitude together, those ``_by_surface`` one
     more axis. Power and irradiance are per module area [W/m2]; temperatures in degrees Celsius;
@@ -128,12 +127,11 @@ def full_model(
     ambient_temperature_c : array_like
         Temperature of the air [C].
     shading : Shading, optional
-        Shading by the tail, where its losses are to count (the report only shows the shaded area).
+        Shading by the tail with its losses (the report only shows the shaded area).
     surroundings : Surroundings, optional
         Air and radiation by which the modules find their temperature, instead of eq. 10.
     albedo : float
-        Share of the light that the earth sends back up, which surfaces see as far as they face
-        down [-].
+        Share of the light that the earth reflects, seen by surfaces as far as they face down [-].
 
     Returns
     -------
@@ -154,8 +152,9 @@ def full_model(
         seen = np.where(geometry.face_down, (1.0 - normals[..., 2]) / 2.0, 1.0)
         diffuse = diffuse * seen
     if albedo:
-        one = Irradiance(*(np.asarray(part)[..., np.newaxis] for part in irradiance))
-        diffuse = diffuse + _from_below(one, sun[..., np.newaxis, :], normals, albedo)
+        dni, dhi = (np.asarray(part)[..., np.newaxis] for part in irradiance)
+        sky = Irradiance(dni, dhi)
+        diffuse = diffuse + _from_below(sky, sun[..., np.newaxis, :], normals, albedo)
     light = direct + diffuse
     low_light = cell.low_light_efficiency(light)
     incidence = cell.incidence_efficiency(cosine)
@@ -189,7 +188,7 @@ def full_model(
 def _from_below(
     irradiance: Irradiance, sun_vector: FloatArray, normals: FloatArray, albedo: float
 ) -> FloatArray:
-    """Light that the earth sends up to surfaces, ``A GHI (1 - cos b) / 2`` of their tilt [W/m2].
+    """Light that the earth reflects to surfaces, ``A GHI (1 - cos b) / 2`` by tilt [W/m2].
 
     Source: Liu, B. Y. H. and Jordan, R. C. (1963), The long-term average performance of flat-plate
     solar-energy collectors, Solar Energy 7, 53-74; a plain that is lit evenly.
@@ -201,10 +200,10 @@ def _from_below(
 def _balanced_power(
     at_25_c: FloatArray, cell: SolarCell, ambient_c: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Power behind the MPPT and module temperature that agree with each other.
+    """Solve for the power behind the MPPT and the module temperature, by plain iteration.
 
-    The temperature takes back a few per cent of what it rises by, and the MPPT's curve is flat
-    where it is loaded, so that plain iteration settles to the last digits within a few rounds.
+    It converges within a few rounds: a rise of temperature changes the power by a few per cent of
+    itself, and the curve of a loaded MPPT is flat.
     """
     rated = cell.full_load_w_per_m2
     power = at_25_c * cell.mppt_efficiency
@@ -220,6 +219,6 @@ def _balanced_power(
 
 
 def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
-    """Quotient, zero where there is no light at all."""
-    sunlit = denominator > 0.0
-    return np.where(sunlit, numerator / np.where(sunlit, denominator, 1.0), 0.0)
+    """Divide; zero where there is no light at all."""
+    daylight = denominator > 0.0
+    return np.where(daylight, numerator / np.where(daylight, denominator, 1.0), 0.0)

@@ -322,7 +322,7 @@ CLEAR_SKIES: dict[str, ClearSky] = {"ashrae": clear_sky}
 
 
 def register_clear_sky(name: str, sky: ClearSky) -> None:
-    """Make the user's own clear sky known by a name, that of a mission's ``clear_sky``.
+    """Register a user-defined clear sky by a name, for a mission's ``clear_sky``.
 
     The name holds in this process alone: others, such as the workers of a long map, must register
     the sky themselves.
@@ -345,7 +345,7 @@ def register_clear_sky(name: str, sky: ClearSky) -> None:
 
 
 def named_clear_sky(name: str) -> ClearSky:
-    """Clear sky of that name; ValueError if there is none."""
+    """Return the clear sky of a name; ValueError if there is none."""
     if name not in CLEAR_SKIES:
         raise ValueError(f"unknown clear sky {name!r}; choose from {', '.join(CLEAR_SKIES)}")
     return CLEAR_SKIES[name]

@@ -63,7 +63,7 @@ _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False
 
 
 class ModuleOutline(Record):
-    """Where a module lies on the wing, in body axes from the wing root's leading edge [m].
+    """Rectangle of a module on the wing, in body axes from the wing root's leading edge [m].
 
     ``inboard_m`` and ``outboard_m`` count along the span from the symmetry plane (a central module
     reaches from minus to plus), ``front_m`` and ``rear_m`` aft along the chord.
@@ -82,11 +82,10 @@ class ModuleOutline(Record):
 
 
 class ModuleSurface(Record):
-    """One flat, module-covered surface of the wing; ``facing`` is ``down`` on its lower face.
+    """Flat, module-covered surface of the wing; ``facing`` is ``down`` on its lower face.
 
     ``pitch_deg`` is relative to the chord line, positive where the surface faces aft (nose up).
-    The dihedral of a left or right surface raises its outer end. ``mppt`` is the number of the MPPT
-    that it is connected to.
+    The dihedral of a left or right surface raises its outer end. ``mppt``: number of its MPPT.
     """
 
     name: Name
@@ -106,7 +105,7 @@ class ModuleSurface(Record):
 
 
 class ModuleGeometry(Record):
-    """All module surfaces, and the pitch of the wing's chord line to the body's x axis."""
+    """Module surfaces, and the pitch of the wing's chord line to the body's x axis."""
 
     wing_incidence_deg: _Angle = 0.0
     surfaces: tuple[ModuleSurface, ...] = Field(min_length=1)
@@ -123,7 +122,7 @@ class ModuleGeometry(Record):
 
     @property
     def face_down(self) -> BoolArray:
-        """Surfaces on the lower face of the wing."""
+        """Flags of the surfaces on the lower face of the wing, shape ``(surface,)``."""
         return np.array([s.facing == "down" for s in self.surfaces])
 
     def normals(self) -> FloatArray:

@@ -37,7 +37,7 @@ _COMMON_LIGHT = 400.0  # [W/m2]
 
 
 class Surroundings(NamedTuple):
-    """What heats and cools modules besides the light on them; numbers or arrays.
+    """Air and radiation around the modules; numbers or arrays.
 
     ``ambient_c``: temperature of the air [C]. ``convection``: of one face [W/(m2 K)].
     ``relative_pressure``: pressure over that at sea level [-]. ``albedo``: of the earth below [-].
@@ -66,7 +66,7 @@ def balanced_temperature_c(
     cell: SolarCell,
     surroundings: Surroundings,
 ) -> FloatArray:
-    """Temperature at which modules lose as much heat as the light brings.
+    """Module temperature at which the heat balance closes.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def balanced_temperature_c(
     level_light_w_per_m2 : array_like
         Light on a level surface [W/m2]; the earth reflects it.
     electric_at_25_c : array_like
-        Electric power per area of the modules before the MPPT if they had 25 C [W/m2].
+        Electric power of modules at 25 C, before the MPPT [W/m2].
     cell : SolarCell
-        With what its record says of heat.
+        Efficiencies, and thermal properties ``cell.thermal``.
     surroundings : Surroundings
         Air and radiation.
 
@@ -92,7 +92,7 @@ def balanced_temperature_c(
     convected = np.asarray(around.convection, float) * (1.0 + share)
     air_c = np.asarray(around.ambient_c, float)
     air_k = air_c + ZERO_CELSIUS_K
-    # Modules in common light, around whose temperature the radiation is a polynomial.
+    # Temperature in common light; the radiation is a polynomial of the difference from it.
     warmer_k = thermal.absorptance * _COMMON_LIGHT / (convected + 4.0 * radiating * air_k**3)
     kelvin = air_k + warmer_k
     down, up = long_wave_w_per_m2(around.relative_pressure)
@@ -100,8 +100,7 @@ def balanced_temperature_c(
     electric = np.asarray(electric_at_25_c, float)
     reflected = share * thermal.underside_absorptance * around.albedo
     second, third, fourth = (radiating * c for c in (6.0 * kelvin**2, 4.0 * kelvin, 1.0))
-    # Heat that is left there, and what each kelvin takes of it. In place, as this is computed more
-    # often than most.
+    # Excess of heat at that temperature, and its derivative. In place: computed very often.
     left = thermal.absorptance * np.asarray(light_w_per_m2, float) + unlit
     left = left + reflected * np.asarray(level_light_w_per_m2, float)
     left = left - cell.temperature_efficiency(air_c + warmer_k) * electric

@@ -141,12 +141,12 @@ def horizontal_specific_power(
     clearness : array_like
         Factor on the clear-sky irradiance, 0 to 1 (1: no clouds).
     model : {"CDM", "CAM"} or PowerModel
-        Solar power model, or the user's own, such as one in surroundings by which the modules
-        find their temperature: :func:`in_surroundings`.
+        Solar power model, or a user-defined one, such as with the modules' heat balance:
+        :func:`in_surroundings`.
     correct : {"none", "report"}
         Systematic correction of CDM or CAM, see :mod:`solar.systematic_errors`.
     sky : ClearSky
-        Clear-sky model, :func:`solar.clearsky.clear_sky` or the user's own.
+        Clear-sky model, :func:`solar.clearsky.clear_sky` or a user-defined one.
 
     Returns
     -------
@@ -167,7 +167,7 @@ def horizontal_specific_power(
         return np.where(
             cos_z > 0.0, factor * convert(light, cos_z, cell, module_temperature_c), 0.0
         )
-    # The same in blocks and with what is the same all day computed once.
+    # In blocks, and with the constants of a day computed once.
     skies = _Skies(
         *sun_arc(latitude_deg, declination(day_of_year)),
         *coefficients(day_of_year, latitude_deg),
@@ -187,11 +187,10 @@ def horizontal_specific_power(
 def in_surroundings(
     convert: PowerModel, around: Surroundings, cos_zenith: ArrayLike | None = None
 ) -> PowerModel:
-    """Same model with modules as warm as light and surroundings make them.
+    """Return the model with module temperatures by the heat balance, instead of its argument.
 
-    ``convert``: CDM or CAM, whose power goes with the component efficiency of the temperature; the
-    temperature that is given plays no part. ``cos_zenith``: that of the sun, of modules that are
-    not horizontal.
+    ``convert``: CDM or CAM, whose power is proportional to the component efficiency of the
+    temperature. ``cos_zenith``: of the sun, for modules that are not horizontal.
     """
 
     def power(
@@ -224,7 +223,7 @@ def _power_model(
 
 
 class _Skies(NamedTuple):
-    """What sun, air and modules are on each day; arrays that broadcast with the time."""
+    """Constants of sun, air and modules on each day; arrays that broadcast with the time."""
 
     mean: FloatArray
     amplitude: FloatArray
@@ -244,9 +243,9 @@ _POINTS_AT_ONCE = 16384
 def _over_the_day(
     power: Callable[[_Skies, FloatArray], FloatArray], skies: _Skies, time_h: FloatArray
 ) -> FloatArray:
-    """Power of every sky at every time, in blocks, and the half of a symmetric day only.
+    """Compute the power of every sky at every time, in blocks, of a symmetric day only a half.
 
-    Every point is computed by itself, so that the blocks do not show in the result.
+    Points do not depend on each other, so that the result is independent of the blocks.
     """
     shape = np.broadcast_shapes(time_h.shape, *(v.shape for v in skies))
     axis = _axis_of_a_symmetric_day(time_h, skies)
@@ -265,7 +264,7 @@ def _over_the_day(
 
 
 def _axis_of_a_symmetric_day(time_h: FloatArray, skies: _Skies) -> int | None:
-    """Axis of the time, counted from the last, if its afternoon mirrors its morning."""
+    """Return the axis of time, counted from the last, of a symmetric day, else None."""
     axes = [axis for axis in range(-time_h.ndim, 0) if time_h.shape[axis] > 1]
     if len(axes) != 1 or any(v.ndim >= -axes[0] and v.shape[axes[0]] > 1 for v in skies):
         return None
@@ -290,24 +289,24 @@ def _fill(
     step = max(1, _POINTS_AT_ONCE * count // result.size)
     for start in range(0, count, step):
         cut = slice(start, start + step)
-        some = _Skies(*(_cut(v, first, cut) for v in skies))
+        block_skies = _Skies._make(_cut(v, first, cut) for v in skies)
         hours, block = _cut(cos_hour, first, cut), _cut(result, first, cut)
-        cosine = np.asarray(some.mean + some.amplitude * hours)
-        sunlit = cosine > 0.0
+        cosine = np.asarray(block_skies.mean + block_skies.amplitude * hours)
+        daylight = cosine > 0.0
         if time_axis is not None and cosine.ndim:
             others = tuple(a for a in range(-cosine.ndim, 0) if a != time_axis)
-            nodes = np.flatnonzero(sunlit.any(axis=others))
+            nodes = np.flatnonzero(daylight.any(axis=others))
             if not len(nodes):
                 continue
             day = slice(int(nodes[0]), int(nodes[-1]) + 1)
             cosine, block = _cut(cosine, time_axis, day), _cut(block, time_axis, day)
-        elif not np.any(sunlit):
+        elif not np.any(daylight):
             continue
-        block[...] = power(some, cosine)
+        block[...] = power(block_skies, cosine)
 
 
 def _cut(values: FloatArray, axis: int, part: slice) -> FloatArray:
-    """Part of an array along an axis counted from the last; all of it where it has no such axis."""
+    """Return part of an array along an axis counted from the last, if it has that axis."""
     if values.ndim < -axis or values.shape[axis] == 1:
         return values
     index = [slice(None)] * values.ndim

@@ -34,7 +34,7 @@ _RelativeEfficiency = Annotated[float, Strict(), Field(ge=0.0, le=1.1, allow_inf
 
 
 class _Table(Record):
-    """A curve given by the user as two lists of equal length."""
+    """Curve of a file, as two lists of equal length."""
 
     @model_validator(mode="after")
     def _check_columns(self) -> Self:
@@ -171,7 +171,7 @@ def _slopes(h: FloatArray, secant: FloatArray) -> FloatArray:
 
 
 def _end_slope(h: float, next_h: float, secant: float, next_secant: float) -> float:
-    """Slope at an end: that of a parabola, limited to keep the shape (Moler, chapter 3)."""
+    """Slope of a parabola at an end, limited to keep the shape (Moler, chapter 3)."""
     slope = ((2.0 * h + next_h) * secant - h * next_secant) / (h + next_h)
     if np.sign(slope) != np.sign(secant):
         return 0.0
@@ -181,7 +181,7 @@ def _end_slope(h: float, next_h: float, secant: float, next_secant: float) -> fl
 
 
 def shipped_curve(name: str) -> Curve:
-    """Read one of the curves that ship with the package, for instance ``low_light_sunpower_c60``.
+    """Read a shipped curve, for instance ``low_light_sunpower_c60``.
 
     Raises
     ------
@@ -195,15 +195,15 @@ def shipped_curve(name: str) -> Curve:
 
 
 class ModuleHeat(Record):
-    """What heats and cools a module: see :mod:`solar.heat_balance`.
+    """Thermal properties of a module, see :mod:`solar.heat_balance`.
 
     ``absorptance`` of light: Mermoud & Wittmer, PVsyst User's Manual, array thermal losses.
     ``emissivity``: Driesse, Stein & Theristis (2022), Improving common PV module temperature models
-    by incorporating radiative losses to the sky, SAND2022-11604. ``underside_share``: how much of
-    the heat exchange of the wing's lower face the modules have; 1 of a thin film, 0 of modules on
-    foam. ``underside_absorptance``: of light from below; a white film, assumption.
-    ``transition_reynolds``: where the flow along the wing turns turbulent; Incropera et al.,
-    section 6.3, of a flat plate.
+    by incorporating radiative losses to the sky, SAND2022-11604. ``underside_share``: the modules'
+    share of the heat exchange of the wing's lower face; 1 on a thin film, 0 on foam.
+    ``underside_absorptance``: of light from below; a white film, assumption.
+    ``transition_reynolds``: Reynolds number at which the flow along the wing turns turbulent;
+    Incropera et al., section 6.3, flat plate.
     """
 
     absorptance: Fraction = 0.9
@@ -283,7 +283,7 @@ class SolarCell(Record):
 
 
 def _curve(table: _Table | None, shipped: str) -> Curve:
-    """Curve of a table, the shipped one without a table."""
+    """Return the curve of a table, by default the shipped one."""
     if table is None:
         return shipped_curve(shipped)
     x, y = (getattr(table, name) for name in type(table).model_fields)

@@ -1,4 +1,4 @@
-"""Names that users choose from, kept apart from the code behind them.
+"""Names that users choose from, apart from the code behind them.
 
 A command line that lists the choices does not have to import the models.
 """
@@ -15,11 +15,11 @@ CORRECTION_NAMES: tuple[CorrectionName, ...] = get_args(CorrectionName)
 
 
 class ModelEntry(NamedTuple):
-    """What is known of a solar power model besides its formula.
+    """Facts about a solar power model besides its formula.
 
-    ``needs_path``: whether it knows the attitude, and so needs module surfaces on the aircraft and
-    a flight path. ``average_error``, ``rms_error``: relative to flight, table 3 of the report
-    that :mod:`solar.systematic_errors` names.
+    ``needs_path``: True for models of the attitude, which need module surfaces and a flight path.
+    ``average_error``, ``rms_error``: relative to flight, table 3 of the report in
+    :mod:`solar.systematic_errors`.
     """
 
     label: str

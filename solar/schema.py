@@ -31,21 +31,21 @@ _UNCHECKED = "_changed_copy"
 
 
 class _Described(ModelMetaclass):
-    """Class whose ``help`` and ``dir`` are about the record, not about how it is validated."""
+    """Metaclass that shows a record's fields in ``help`` and ``dir``, not its validation."""
 
     def __dir__(self) -> list[str]:
-        own = (one for one in self.__mro__ if one is not object and one is not BaseModel)
-        names = {name for one in own for name in vars(one)} - {"model_config"}
+        records = (c for c in self.__mro__ if c is not object and c is not BaseModel)
+        names = {name for record in records for name in vars(record)} - {"model_config"}
         return sorted(name for name in names if not name.startswith("_"))
 
     @property
     def __signature__(self) -> inspect.Signature:
-        one = inspect.Parameter
+        parameter = inspect.Parameter
         parameters = [
-            one(
+            parameter(
                 name if iskeyword(field.alias or name) else field.alias or name,
-                one.KEYWORD_ONLY,
-                default=one.empty
+                parameter.KEYWORD_ONLY,
+                default=parameter.empty
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
             )
@@ -55,16 +55,15 @@ class _Described(ModelMetaclass):
 
     @__signature__.setter
     def __signature__(self, value: object) -> None:
-        """Pydantic's own, which spells every check, is not kept."""
+        """Drop pydantic's signature, which spells every check."""
 
 
 class Record(BaseModel, metaclass=_Described):
     """Immutable description that refuses unknown keys and non-finite numbers.
 
-    A record is what its declared fields say: what it derives from them and keeps (cached
-    properties, arrays among them) plays no part in equality and hash, and a changed copy derives
-    its own. Records may therefore be keys of caches. What a record has read from a file that a
-    field names counts as well: see :meth:`contents_read`.
+    Equality and hash depend on the declared fields, and on files that they name
+    (:meth:`contents_read`), not on cached properties, which a changed copy computes anew. Records
+    may therefore be keys of caches.
     """
 
     model_config = ConfigDict(
@@ -72,7 +71,7 @@ class Record(BaseModel, metaclass=_Described):
     )
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are of the same class and their declared fields are equal."""
+        """Return true for the same class, declared fields and file contents."""
         if type(other) is not type(self):
             return NotImplemented
         if self is other:
@@ -84,40 +83,40 @@ class Record(BaseModel, metaclass=_Described):
         return hash((type(self), *_declared(self).values()))
 
     def contents_read(self) -> str | None:
-        """Contents of a file that a field names, as this record has read them; none by default."""
+        """Return the contents of a file that a field names, as read; None by default."""
         return None
 
     def __copy__(self) -> Self:
-        """Copy of the declared fields alone: :meth:`model_copy` makes changed records of it."""
+        """Copy the declared fields alone: :meth:`model_copy` changes this copy."""
         copied = super().__copy__()
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Changed copy, as pydantic makes it: not validated, but known to be so."""
+        """Return a changed copy as pydantic does, marked as not validated."""
         copied = super().model_copy(update=update, deep=deep)
         if update or self.is_unchecked():
             vars(copied)[_UNCHECKED] = True
         return copied
 
     def is_unchecked(self) -> bool:
-        """Whether the record itself is a changed copy, which nothing has validated."""
+        """Return true for a changed copy, which has not been validated."""
         return _UNCHECKED in vars(self)
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        """Deep copy of the declared fields alone."""
+        """Copy the declared fields alone, deeply."""
         copied = super().__deepcopy__(memo)
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
 
 
 class FileRecord(Record):
-    """Record that is a file of its own, and so states the version of the file's format."""
+    """Record in a file of its own, with the version of the file's format."""
 
     format_version: Annotated[int, Strict(), Field(ge=1, le=FORMAT_VERSION)] = FORMAT_VERSION
 
     def facts(self) -> dict[str, Any]:
-        """What tells it from others, units in the names: a line, or a table in a notebook."""
+        """Return what ``repr`` and notebooks show, units in the names."""
         return {}
 
     def __repr__(self) -> str:
@@ -137,7 +136,7 @@ class FileRecord(Record):
     @model_validator(mode="before")
     @classmethod
     def _check_format(cls, data: Any) -> Any:
-        """Refuse a newer format for that alone: what else it holds is not known yet."""
+        """Refuse a newer format before its unknown keys."""
         if isinstance(data, Mapping) and "format_version" in data:
             trouble = format_trouble(data["format_version"])
             if trouble is not None:
@@ -146,15 +145,15 @@ class FileRecord(Record):
 
 
 def is_positive(value: Any) -> TypeGuard[float]:
-    """Whether raw data are a number above 0 that arithmetic takes."""
+    """Return true for raw data that are a number above 0, at most 1e12."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and 0.0 < value <= 1e12
 
 
 def wrong_value(key: str, message: str, **context: Any) -> PydanticCustomError:
-    """Error of a validator at a key below its record; braces in the message are text.
+    """Return a validator's error at a key below its record; braces in the message are text.
 
-    ``context``: such as ``problems``, those of a file that the key names.
+    ``context``: for instance ``problems`` in a file that the key names.
     """
     return PydanticCustomError("wrong_value", "{why}", {"key": key, "why": message, **context})
 
@@ -183,7 +182,7 @@ def check_columns(record: Record, x: str, y: str) -> None:
 
 
 def kind_by_default(key: str, kind: str) -> BeforeValidator:
-    """Take records that do not name their kind at that key for some of this kind."""
+    """Set the kind of records that do not name it."""
 
     def named(value: Any) -> Any:
         return {key: kind, **value} if isinstance(value, dict) and key not in value else value
@@ -223,7 +222,7 @@ UnitInterval = Annotated[float, Strict(), Field(ge=0, le=1, allow_inf_nan=False)
 Integer = Annotated[int, Strict()]
 PositiveInteger = Annotated[int, Strict(), Field(gt=0)]
 NonNegativeInteger = Annotated[int, Strict(), Field(ge=0)]
-# Of cells and strings: more than any aircraft has, Helios of 75 m span had 62 120 solar cells.
+# More cells or strings than any aircraft has: Helios, 75 m span, had 62 120 solar cells.
 MOST_CELLS = 100_000
 CellCount = Annotated[int, Strict(), Field(gt=0, le=MOST_CELLS)]
 
@@ -238,5 +237,5 @@ def _printable(text: str) -> str:
 
 
 Text = Annotated[str, Strict(), Field(min_length=1, pattern=r"\S"), AfterValidator(_printable)]
-# Stands in titles of figures and first lines of tables.
+# Short enough for titles of figures and first lines of tables.
 Name = Annotated[Text, Field(max_length=120)]

@@ -1,9 +1,8 @@
 """Shading of the solar modules by the tail.
 
 All positions are in body axes (x forward, y right, z down) from the leading edge of the wing root;
-aft positions are ``-x``, heights are ``-z``. The shadow is geometry and is exact for flat
-rectangles. What it costs depends on how the cells are wired, which is the user's to say: by a
-:data:`LossModel`, shipped or his own.
+aft positions are ``-x``, heights are ``-z``. The shadow is exact for flat rectangles. The power it
+costs depends on the wiring of the cells, by a :data:`LossModel`, shipped or user-defined.
 
 Source: Oettershagen's report on solar power models, section on geometric modelling (shaded area of
 every module by rays along the sun vector; the loss is left to plug-ins). See ``docs/shading.md``.
@@ -75,7 +74,7 @@ class TailGeometry(Record):
 
     @property
     def is_t_tail(self) -> bool:
-        """Whether the horizontal tail sits on the upper half of the vertical one."""
+        """True for a horizontal tail on the upper half of the vertical tail."""
         above_boom = (self.height_m - self.boom_height_m) / self.vertical_height_m
         return self.vertical_height_m > 0.0 and above_boom > 0.5
 
@@ -132,7 +131,7 @@ def shaded_fraction(
     geometry : ModuleGeometry
         Module surfaces; all need an outline, unless there is no tail.
     tail : TailGeometry or None
-        What casts the shadow; nothing is shaded without it.
+        Tail that casts the shadow; nothing is shaded without it.
     sun_vector_body : array_like, shape (..., 3)
         Unit vectors to the sun in body axes.
 
@@ -211,9 +210,9 @@ def elevation_free_of_shading_deg(
     Notes
     -----
     The directions from any point of a module to any point of a panel form a convex cone, spanned
-    by those from corner to corner. Its steepest direction is the projection of the vertical on the
-    cone, a problem of non-negative least squares (Lawson & Hanson 1974, chapter 23); the length of
-    the projection is the sine of the elevation.
+    by the directions from corner to corner. Its steepest direction is the projection of the
+    vertical on the cone, a problem of non-negative least squares (Lawson & Hanson 1974, chapter
+    23); the length of the projection is the sine of the elevation.
     """
     if tail is None:
         return 0.0
@@ -223,7 +222,7 @@ def elevation_free_of_shading_deg(
 
 
 LossModel = Callable[[FloatArray], FloatArray]
-"""From the shaded fraction of each surface to the lost fraction of its direct light.
+"""Function of each surface's shaded fraction that returns the lost fraction of its direct light.
 
 Both have the shape ``(..., surface)`` and lie between zero and one.
 """
@@ -291,7 +290,7 @@ LOSS_MODELS: dict[str, LossModel] = {
 
 
 def register_loss_model(name: str, model: LossModel) -> None:
-    """Make the user's own loss model known by a name.
+    """Register a user-defined loss model by a name.
 
     The name holds in this process alone: others, such as the workers of a long map, must register
     the model themselves.
@@ -314,7 +313,7 @@ def register_loss_model(name: str, model: LossModel) -> None:
 
 
 def loss_model(name: str) -> LossModel:
-    """Loss model of that name; ValueError if there is none."""
+    """Return the loss model of a name; ValueError if there is none."""
     if name not in LOSS_MODELS:
         raise ValueError(f"unknown loss model {name}; choose from {', '.join(LOSS_MODELS)}")
     return LOSS_MODELS[name]
@@ -323,7 +322,7 @@ def loss_model(name: str) -> LossModel:
 def apply_losses(
     direct_by_surface: ArrayLike, shaded: ArrayLike, model: LossModel = no_losses
 ) -> FloatArray:
-    """Direct light of every surface that is left after shading.
+    """Return the direct light of every surface after shading.
 
     Parameters
     ----------
@@ -332,7 +331,7 @@ def apply_losses(
     shaded : array_like, shape (..., surface)
         Shaded fractions, see :func:`shaded_fraction`.
     model : LossModel
-        What a shadow costs.
+        Loss by shadows.
 
     Returns
     -------
@@ -355,7 +354,7 @@ def apply_losses(
 
 @dataclass(frozen=True)
 class Shading:
-    """A tail that shades, and what its shadows cost."""
+    """Tail that shades the modules, and the loss by its shadows."""
 
     tail: TailGeometry
     model: LossModel = no_losses
@@ -363,7 +362,7 @@ class Shading:
     def direct_left(
         self, direct_by_surface: FloatArray, geometry: ModuleGeometry, sun_vector_body: FloatArray
     ) -> FloatArray:
-        """Direct light of every surface that is left; no shadow is cast where none costs.
+        """Return the direct light of every surface after shading; no shadows without losses.
 
         Parameters
         ----------
@@ -386,7 +385,7 @@ class Shading:
 
 
 def _shading_rays(geometry: ModuleGeometry, tail: TailGeometry) -> list[FloatArray]:
-    """Directions from the corners of every module to those of every panel, body axes."""
+    """Directions from the corners of every module to the corners of every panel, body axes."""
     rays = []
     for surface in geometry.surfaces:
         frame = module_frame(surface, geometry)

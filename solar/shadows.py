@@ -1,6 +1,6 @@
 """Shadows of flat panels on flat rectangles, by rays along the sun vector: geometry alone.
 
-Positions are in body axes, or in those of a module: right, aft, and height over its plane.
+Positions are in body axes, or in a module's axes: right, aft, and height over its plane.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _NO_AREA_M2 = 1e-9
 
 @dataclass(frozen=True)
 class ModuleFrame:
-    """A module's own axes (right, aft, normal; the rows of ``axes``), its middle and half size."""
+    """Axes of a module (right, aft, normal; the rows of ``axes``), its middle and half size."""
 
     axes: FloatArray
     middle: FloatArray
@@ -36,18 +36,18 @@ class ModuleFrame:
         return 4.0 * self.half_span_m * self.half_chord_m
 
     def corners(self) -> FloatArray:
-        """Front left, front right, rear right, rear left, in body axes."""
+        """Return front left, front right, rear right, rear left corner, in body axes [m]."""
         signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
         return np.asarray(
             self.middle + (signs * (self.half_span_m, self.half_chord_m)) @ self.axes[:2]
         )
 
     def from_body(self, points: FloatArray) -> FloatArray:
-        """Take points from body axes to right, aft and height over the module's plane."""
+        """Convert points from body axes to right, aft and height over the module's plane."""
         return np.asarray((points - self.middle) @ self.axes.T)
 
     def panels_above(self, panels: Iterable[FloatArray]) -> list[FloatArray]:
-        """Parts of panels on the upper side of the module's plane, in its axes."""
+        """Return the parts of panels above the module's plane, in its axes."""
         local = (self.from_body(panel) for panel in panels)
         parts = (_clipped(panel[np.newaxis], panel[np.newaxis, :, 2])[0] for panel in local)
         return [part for part in parts if np.linalg.norm(_vector_area(part)) > _NO_AREA_M2]
@@ -89,9 +89,9 @@ def covered_area(frame: ModuleFrame, panels: Sequence[FloatArray], sun: FloatArr
     """Area of the union of the shadows of at most two panels on a module [m2], shape ``(sun,)``."""
     covered = np.zeros(len(sun))
     local = sun @ frame.axes.T
-    sunlit = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
+    above = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
     half = np.array((frame.half_span_m, frame.half_chord_m))
-    shadows = [_shadow_corners(panel, local[sunlit], half) for panel in panels]
+    shadows = [_shadow_corners(panel, local[above], half) for panel in panels]
     parts = []
     for corners, reached in shadows:
         part = corners
@@ -99,16 +99,16 @@ def covered_area(frame: ModuleFrame, panels: Sequence[FloatArray], sun: FloatArr
             part = _clipped(part, half[axis] - part[..., axis])
             part = _clipped(part, half[axis] + part[..., axis])
         parts.append(part)
-        covered[sunlit[reached]] += np.abs(_areas(part))
+        covered[above[reached]] += np.abs(_areas(part))
     if len(panels) == 2:
         (_, reached), (other, also_reached) = shadows
         both, first, second = np.intersect1d(reached, also_reached, return_indices=True)
-        covered[sunlit[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
+        covered[above[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
     return covered
 
 
 def _common(polygons: FloatArray, others: FloatArray) -> FloatArray:
-    """Common part of each convex polygon with another one that has an area."""
+    """Intersect each convex polygon with another one that has an area."""
     turn = np.sign(_areas(others))[:, np.newaxis]
     for corner in range(others.shape[1]):
         start = others[:, corner - 1, np.newaxis]
@@ -120,7 +120,7 @@ def _common(polygons: FloatArray, others: FloatArray) -> FloatArray:
 def _shadow_corners(
     panel: FloatArray, sun: FloatArray, half: FloatArray
 ) -> tuple[FloatArray, IntArray]:
-    """Shadows that may reach a module around the origin, and the indices of their suns.
+    """Return shadows that may reach a module around the origin, and indices of their suns.
 
     All in the axes of the module, the sun above its plane. A corner at the height ``w`` falls at
     ``(u, v) - w (a, b) / c`` for the sun ``(a, b, c)``. Shadows are dropped if their bounding box
@@ -138,7 +138,7 @@ def _shadow_corners(
 
 
 def _clipped(polygons: FloatArray, heights: FloatArray) -> FloatArray:
-    """Parts of convex polygons whose corners' heights are not negative (Sutherland & Hodgman).
+    """Clip convex polygons to corners with non-negative heights (Sutherland & Hodgman).
 
     Of the shapes ``(polygon, corner, axis)`` and ``(polygon, corner)``. A polygon with fewer
     corners than others repeats its last one; nothing is left of a polygon that is one point.
@@ -167,7 +167,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _vector_area(polygon: FloatArray) -> FloatArray:
-    """Area of a flat polygon times its unit normal; zero for less than three corners."""
+    """Return a flat polygon's area times its unit normal, zero below three corners."""
     if len(polygon) < 3:
         return np.zeros(3)
     arms = polygon[1:] - polygon[0]

@@ -204,7 +204,7 @@ def sun_times(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunTimes:
 
 
 class SunPosition(NamedTuple):
-    """Where the sun stands, and the solar time this makes.
+    """Position of the sun, and solar time.
 
     Attributes
     ----------

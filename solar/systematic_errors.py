@@ -45,8 +45,7 @@ class Correction:
         Multiplies the modelled power: ``1 / (1 + error)``.
     rms_relative : float
         The model's RMS error relative to the mean measured power: a one-sigma band around the
-        modelled power, stated and never applied. Where the average error is corrected, what is
-        left of the RMS error without it.
+        modelled power, stated and never applied; without the average error where it is corrected.
     """
 
     name: CorrectionName

@@ -1,4 +1,4 @@
-"""Versions of what is written and read, of the software and its files; what is deprecated.
+"""Versions of the software and of its files' format, and deprecated names.
 
 The format version changes when a file of an earlier version would be read wrongly or refused. It
 is the same for aircraft and mission files and for results, and stands in each of them as
@@ -15,7 +15,7 @@ FORMAT_KEY, FORMAT_VERSION = "format_version", 1
 
 
 def format_trouble(version: object) -> str | None:
-    """What is wrong with the format version that a file states, None where it can be read."""
+    """Return the reason why a file's format version cannot be read, else None."""
     if type(version) is not int or version < 1:
         allowed = "1" if FORMAT_VERSION == 1 else f"a whole number from 1 to {FORMAT_VERSION}"
         return f"must be {allowed} (got {ascii(version)[:60]})"
@@ -28,15 +28,15 @@ def format_trouble(version: object) -> str | None:
 
 
 class DeprecatedKeyWarning(FutureWarning):
-    """A file has a key under a name that a later version refuses: for those who keep the file."""
+    """File with a key whose name a later version refuses."""
 
 
 def deprecation(new: str) -> str:
-    """What is said of a deprecated name, behind it: the new one, and how long the old one lasts."""
+    """Return the words behind a deprecated name: the new name, and when the old one ends."""
     next_major = int(__version__.partition(".")[0]) + 1
     return f"is called '{new}' now; version {next_major}.0 refuses the old name"
 
 
 def software_record() -> dict[str, Any]:
-    """What results say of the software that made them: its version, and that of their format."""
+    """Return the versions of software and format, for results."""
     return {"version": __version__, FORMAT_KEY: FORMAT_VERSION}

@@ -1,8 +1,8 @@
-"""From the table of a file to a weather record: order, gaps, impossible values, missing parts.
+"""Checks that make a weather record of a file's table: order, gaps, impossible values.
 
-What cannot be true is an error that names its line. What every record has a little of is repaired,
-counted and told: rows that are missing or impossible are filled, light at night is taken out. The
-filled rows follow the clear sky, not the clock: what is carried over is the share of clear light.
+Impossible rows beyond a few are an error that names its line. A few missing or impossible rows are
+filled, light at night is taken out, and notes count both. Filled rows take over the share of clear
+light of their neighbours, not the light.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 
 
 def checked_record(raw: RawTable, source: str) -> Weather:
-    """Make a table a record without gaps, with all three kinds of light."""
+    """Make a weather record of a table: no gaps, all three kinds of light."""
     time_s, lines, typical = _times(raw, source)
     apart_s = float(np.median(np.diff(time_s)))
     if not 60.0 <= apart_s <= 3.0 * SECONDS_PER_HOUR:
@@ -56,8 +56,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         for name in (*LIGHT, "temp_air", "wind_speed")
         if name in raw.table
     }
-    given = [name for name in LIGHT if name in values and np.isfinite(values[name]).any()]
-    if "ghi" not in given and len(given) < 2:
+    logged = [name for name in LIGHT if name in values and np.isfinite(values[name]).any()]
+    if "ghi" not in logged and len(logged) < 2:
         raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
     grid = _on_grid(start_s, interval_s, values, lines, source)
     sun = _Sun.over(raw.site, grid.start_s, interval_s)
@@ -102,7 +102,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
 
 
 def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
-    """Values of a column, NaN where there is none; text is an error that names its line."""
+    """Return a column's values, NaN where missing; text is an error that names its line."""
     column = raw.table[name]
     try:
         numbers = pd.to_numeric(column, errors="coerce")
@@ -120,7 +120,7 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
 
 
 def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
-    """Universal time of the rows [s], their lines, and whether it is a typical year."""
+    """Return the rows' universal time [s], their lines, and true for a typical year."""
     index: Any = pd.DatetimeIndex(raw.table.index)
     if len(index) < 24:
         raise file_error(source, f"has {len(index)} rows: a record has at least a day of them")
@@ -146,7 +146,7 @@ def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
 
 
 def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
-    """Times in one common year [s], if months of several years follow each other; else None."""
+    """Return times in one common year [s] if months of several years follow, else None."""
     local = index.tz_localize(None) if index.tz is not None else index
     # An hour's end at midnight belongs to the month before.
     begins = local - (pd.Timedelta(local[1] - local[0]) if raw.passed == END else pd.Timedelta(0))
@@ -169,7 +169,7 @@ def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
 
 @dataclass(frozen=True)
 class _Grid:
-    """Values on a time axis without gaps, NaN where there is no row, whose line is -1."""
+    """Values on an even time axis; NaN and line -1 where there is no row."""
 
     start_s: FloatArray
     values: dict[str, FloatArray]
@@ -183,7 +183,7 @@ def _on_grid(
     lines: IntArray,
     source: str,
 ) -> _Grid:
-    """Place rows on an even axis; those between its places are errors."""
+    """Place rows on an even time axis; rows between its points are errors."""
     place = (start_s - start_s[0]) / interval_s
     nearest = np.rint(place).astype(int)
     off = np.flatnonzero(np.abs(place - nearest) > 0.02)
@@ -208,8 +208,8 @@ _SUN_STEP_S = 900.0  # a quarter of an hour: the sun moves by less than 4 degree
 class _Sun:
     """Sun and clear sky of every interval.
 
-    ``cosine``: in the middle. ``highest``: where the sun stands highest. ``of_beam``: mean cosine
-    of the clear sky's direct light. ``clear``: means [W/m2].
+    ``cosine``: cosine of the zenith angle in the middle, ``highest``: its maximum, ``of_beam``: its
+    mean weighted by the clear sky's direct light. ``clear``: mean light [W/m2].
     """
 
     cosine: FloatArray
@@ -248,7 +248,7 @@ def _cos_zenith(site: Site, time_s: FloatArray) -> FloatArray:
 
 
 def _without_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
-    """Set the light of the night, and small negative values, to zero."""
+    """Set light at night, and small negative values, to zero, in place."""
     noisy = np.zeros(len(sun.highest), bool)
     for values in light.values():
         dark = (sun.highest < _DARK_COSINE) & (np.abs(values) <= _NIGHT_NOISE) & (values != 0.0)
@@ -262,7 +262,7 @@ def _without_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
 def _without_impossible(
     light: dict[str, FloatArray], sun: _Sun, source: str, lines: IntArray
 ) -> list[str]:
-    """Take out values that are physically impossible; too many of them are an error.
+    """Replace physically impossible values by NaN, in place; refuse too many of them.
 
     Limits: Long, C. N. and Dutton, E. G. (2002), BSRN Global Network recommended QC tests, V2.0,
     "physically possible".
@@ -294,7 +294,7 @@ def _without_impossible(
 def _completed(
     light: dict[str, FloatArray], sun: _Sun, repairs: list[str]
 ) -> dict[str, FloatArray]:
-    """All three kinds of light, by closure or, from global light alone, by a decomposition.
+    """Compute missing kinds of light by closure or, from global light alone, by decomposition.
 
     Closure: ``GHI = DNI cos z + DHI``. Decomposition: Erbs, D. G., Klein, S. A. and Duffie, J. A.
     (1982), Estimation of the diffuse radiation fraction, Solar Energy 28(4), 293-302.
@@ -306,8 +306,8 @@ def _completed(
     if alone.any():
         share = _diffuse_fraction(ghi, np.maximum(sun.cosine, 0.0) * sun.extraterrestrial)
         dhi = np.where(alone, share * ghi, dhi)
-        some = "" if np.all(alone | np.isnan(ghi)) else f" in {np.count_nonzero(alone)} rows"
-        text = f"direct and diffuse light{some} by the decomposition of Erbs et al. (1982)"
+        rows = "" if np.all(alone | np.isnan(ghi)) else f" in {np.count_nonzero(alone)} rows"
+        text = f"direct and diffuse light{rows} by the decomposition of Erbs et al. (1982)"
         repairs.append(text)
     beam = np.minimum(np.maximum(ghi - dhi, 0.0) / np.maximum(up, 0.0175), sun.extraterrestrial)
     beam[low & ~np.isnan(beam)] = 0.0
@@ -322,12 +322,12 @@ def _completed(
 
 
 def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
-    """Share of diffuse in global light by the clearness index (Erbs et al., equation 1)."""
-    sunlit = horizontal > 1.0
-    kt = np.clip(ghi / np.where(sunlit, horizontal, 1.0), 0.0, 1.0)
+    """Return the diffuse share of global light (Erbs et al., equation 1)."""
+    daylight = horizontal > 1.0
+    kt = np.clip(ghi / np.where(daylight, horizontal, 1.0), 0.0, 1.0)
     middle = 0.9511 - 0.1604 * kt + 4.388 * kt**2 - 16.638 * kt**3 + 12.336 * kt**4
     fraction = np.where(kt <= 0.22, 1.0 - 0.09 * kt, np.where(kt <= 0.8, middle, 0.165))
-    return np.where(sunlit, fraction, 1.0)
+    return np.where(daylight, fraction, 1.0)
 
 
 def _filled(
@@ -339,7 +339,7 @@ def _filled(
     *,
     stride: int = 1,
 ) -> list[str]:
-    """Fill what is missing with shares of the clear sky, in place; every ``stride``-th is a row."""
+    """Fill missing light with shares of the clear sky, in place; every ``stride``-th is a row."""
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)
     _check_gaps(empty, interval_s, source, start_s)
     for values in light.values():
@@ -362,8 +362,8 @@ def _filled(
         copied += 0 if short else stop - begin
         for name, values in light.items():
             clear = sun.clear[name]
-            sunlit = clear > 10.0
-            share = np.where(sunlit, values / np.where(sunlit, clear, 1.0), np.nan)
+            daylight = clear > 10.0
+            share = np.where(daylight, values / np.where(daylight, clear, 1.0), np.nan)
             bridge = _bridged(share, begin, stop)
             fill = bridge if short else _from_next_day(share, bridge, begin, per_day)
             values[begin:stop] = fill * clear[begin:stop]
@@ -374,7 +374,7 @@ def _filled(
 
 
 def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: FloatArray) -> None:
-    """Refuse a gap that is too long to be filled."""
+    """Refuse a gap that is too long to fill."""
     begin, stop = max(_gaps(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
     gap_h = (stop - begin) * interval_s / SECONDS_PER_HOUR
     if gap_h > LONGEST_GAP_H:
@@ -387,13 +387,13 @@ def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: Float
 
 
 def _gaps(empty: BoolArray) -> list[tuple[int, int]]:
-    """Begin and end of every gap."""
+    """Return begin and end of every gap."""
     begin, stop = runs_of(empty)
     return list(zip(begin.tolist(), stop.tolist(), strict=True))
 
 
 def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
-    """Shares between the nearest known ones before and after a gap."""
+    """Interpolate shares across a gap."""
     known = np.flatnonzero(np.isfinite(share))
     if not len(known):
         return np.ones(stop - begin)
@@ -401,7 +401,7 @@ def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
 
 
 def _from_next_day(share: FloatArray, bridge: FloatArray, begin: int, per_day: int) -> FloatArray:
-    """Shares at the same hour of the nearest day that has them, else those of a bridge."""
+    """Return shares at the same hour of the nearest day, by default of the bridge."""
     rows = begin + np.arange(len(bridge))
     filled = np.full(len(rows), np.nan)
     for away in range(1, 16):
@@ -423,7 +423,7 @@ MISSING = (99.9, 99.99, 999.0, 999.9, 9999.0, 99999.0, -99.0, -99.9, -999.0, -99
 
 
 class Quantity(NamedTuple):
-    """A column beside the light, and what it can be."""
+    """Column other than light, and its possible range."""
 
     column: str
     name: str
@@ -447,11 +447,10 @@ def checked_air(
     *,
     stride: int = 1,
 ) -> tuple[FloatArray | None, list[str]]:
-    """Temperature or wind without gaps, and what was taken out of it or filled.
+    """Return temperature or wind without gaps, None if mostly missing, and notes on repairs.
 
     ``columns``: columns of the record, NaN where a value is missing. ``lines``: line of each row in
-    the file; 0 where a row is no line, -1 where there is no row, as between every ``stride``-th.
-    None where the record does not have it, or in too few rows.
+    the file; 0 if rows are not lines, -1 between rows, of which every ``stride``-th exists.
     """
     values = columns.get(quantity.column)
     if values is None:

@@ -46,7 +46,7 @@ def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -
 
 @contextmanager
 def weather_file(path: str | os.PathLike[str]) -> Iterator[tuple[Path, str]]:
-    """File of a weather record while it is read, and its name for messages."""
+    """Yield a weather record's file while it is read, and its name for messages."""
     name = os.fspath(path)
     source = printable(name) or repr(name)
     if name in shipped_records() and not Path(name).exists():

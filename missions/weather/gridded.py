@@ -1,9 +1,9 @@
-"""Weather records from gridded data: NetCDF of ERA5, NASA POWER and others, and their CSV files.
+"""Weather records from gridded data: NetCDF of ERA5, NASA POWER and others, and their CSV.
 
 Variables are known by their names or CF standard names, axes as in :mod:`missions.winds.netcdf`;
-of a grid the point nearest to the mission is taken. ERA5 gives the light of the hour that ends at a
-row's time, however far its rows are apart, ERA5-Land that since 00 UTC (ECMWF, data documentation
-of the two), NASA POWER that of the hour that begins there.
+grids are read at the point nearest to the mission. ERA5 gives the light of the hour that ends at a
+row's time, whatever the rows' spacing, ERA5-Land the light since 00 UTC (ECMWF, data
+documentation of both), NASA POWER the light of the hour that begins at a row's time.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
 def is_netcdf(path: Path) -> bool:
-    """Whether a regular file begins as NetCDF does."""
+    """Return true for a regular file that begins as NetCDF does."""
     try:
         with open_plain(path) as file:
             return file.read(4).startswith(_MAGIC)
@@ -77,31 +77,31 @@ def is_netcdf(path: Path) -> bool:
 
 
 def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
-    """Table of the grid point nearest to a mission; of the only one without a mission."""
+    """Read the grid point nearest to a mission, the only one without a mission."""
     with opened(str(path), source) as data:
         known = {key: _variable(data, names) for key, names in _NAMES.items()}
-        first = next((one for one in known.values() if one is not None), None)
+        first = next((variable for variable in known.values() if variable is not None), None)
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
             raise file_error(source, f"has no light (variables named {names}, ...)")
         place, latitude, longitude = _nearest_point(data, mission, source)
         columns = {}
         air_m = None
-        for key, one in known.items():
-            if one is None:
+        for key, variable in known.items():
+            if variable is None:
                 continue
-            values, height = _at_point(one, place, mission, source)
+            values, height = _at_point(variable, place, mission, source)
             air_m = height if key == "temp_air" and height is not None else air_m
-            columns[key] = _in_units(values, str(one.attrs.get("units", "")), key, source)
+            columns[key] = _in_units(values, str(variable.attrs.get("units", "")), key, source)
         time = _axis_name(data, "time", source)
         index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
-    found = _record("NetCDF", columns, index, (latitude, longitude), passed, source=source)
-    return found._replace(air_altitude_m=air_m)
+    table = _record("NetCDF", columns, index, (latitude, longitude), passed, source=source)
+    return table._replace(air_altitude_m=air_m)
 
 
 def read_era5_csv(path: Path, source: str) -> RawTable:
-    """Table of ERA5 hourly time series, as the Climate Data Store returns CSV."""
+    """Read ERA5 hourly time series, CSV of the Climate Data Store."""
     data = _csv(path, 0)
     if "expver" in data:  # final and preliminary rows, each with gaps where the other one stands
         data = data.sort_values(["valid_time", "expver"], kind="stable")
@@ -120,7 +120,7 @@ def read_era5_csv(path: Path, source: str) -> RawTable:
 
 
 def read_power_csv(path: Path, source: str) -> RawTable:
-    """Table of NASA POWER's hourly point data."""
+    """Read NASA POWER's hourly point data."""
     head, _, _ = text_of(path).partition("-END HEADER-")
     place = re.search(r"latitude\s+(-?[\d.]+)\s+longitude\s+(-?[\d.]+)", head, re.IGNORECASE)
     ground = re.search(r"elevation.*=\s*(-?[\d.]+)\s*meters", head, re.IGNORECASE)
@@ -146,15 +146,15 @@ def read_power_csv(path: Path, source: str) -> RawTable:
         notes = (f"local solar time taken as UTC{ahead_h:+d} h, that of its belt of 15 degrees",)
     if ground is not None and float(ground[1]) not in MISSING:
         columns["ground"] = np.array([float(ground[1])])
-    found = _record("NASA POWER", columns, index, (latitude, longitude), START, source=source)
-    return found._replace(first_line=head.count("\n") + 3, notes=(*notes, *found.notes))
+    table = _record("NASA POWER", columns, index, (latitude, longitude), START, source=source)
+    return table._replace(first_line=head.count("\n") + 3, notes=(*notes, *table.notes))
 
 
 def _unit_of(head: str, key: str) -> str:
-    """Unit of a quantity in the head of NASA POWER's file; its community decides which one."""
+    """Return a quantity's unit from the head of NASA POWER's file."""
     names = "|".join(map(re.escape, _NAMES[key]))
-    found = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
-    return _POWER_UNITS.get(key, "m") if found is None else found[1].strip()
+    match = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
+    return _POWER_UNITS.get(key, "m") if match is None else match[1].strip()
 
 
 def _csv(path: Path, skip: int) -> pd.DataFrame:
@@ -162,7 +162,7 @@ def _csv(path: Path, skip: int) -> pd.DataFrame:
 
 
 def _known(data: pd.DataFrame) -> dict[str, FloatArray]:
-    """Columns by the quantity that their names say."""
+    """Return columns by the quantity that their names stand for."""
     return {
         key: data[name].to_numpy(float)
         for key, names in _NAMES.items()
@@ -180,7 +180,7 @@ def _record(
     *,
     source: str,
 ) -> RawTable:
-    """Table of a file's columns; diffuse light from the direct light on a level surface."""
+    """Make a table of a file's columns; diffuse light is global less direct horizontal light."""
     light = columns.keys() & {"ghi", "direct"}
     apart = {key: _apart(columns[key], index) for key in light} if passed == END else {}
     since_midnight = bool(apart) and all(values is not None for values in apart.values())
@@ -210,7 +210,7 @@ def _record(
 
 
 def _apart(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
-    """Means between the rows of light that is summed up from 00 UTC to 24; None of any other.
+    """Return means between rows of light that accumulates from 00 UTC, None for other light.
 
     Of other light the sum falls, at the latest from noon on. ``values``: sums over an hour.
     """
@@ -231,85 +231,93 @@ def _apart(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
 
 
 def _variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
-    """Variable of a quantity, by its names in their order."""
+    """Return a quantity's variable by the first of its names."""
     for name in names:
-        for key, one in data.data_vars.items():
-            if name in (key, one.attrs.get("standard_name")):
-                return one
+        for key, variable in data.data_vars.items():
+            if name in (key, variable.attrs.get("standard_name")):
+                return variable
     return None
 
 
 def _axis_name(data: Any, axis: str, source: str) -> str:
     names = AXES[axis]
-    found = next((name for name in names if name in data.coords), None)
-    if found is None:
+    name = next((name for name in names if name in data.coords), None)
+    if name is None:
         raise file_error(source, f"has no {axis} (named {', '.join(names)})")
-    return found
+    return name
 
 
 def _nearest_point(
     data: xr.Dataset, mission: Mission | None, source: str
 ) -> tuple[dict[str, int], float, float]:
-    """Place of the nearest grid point on the axes, its latitude and its longitude."""
+    """Return indices of the nearest grid point by axis, its latitude and longitude."""
     names = {axis: _axis_name(data, axis, source) for axis in ("latitude", "longitude")}
     north = latitudes_deg(data[names["latitude"]], source)
     east = np.atleast_1d(data[names["longitude"]].to_numpy()).astype(float)
     for name, values in zip(names.values(), (north, east), strict=True):
         if not len(values) or not np.all(np.isfinite(values)):
             raise file_error(source, f"has a {name} without values, or one that is no number")
-    wanted: tuple[float | None, float | None] = (None, None)
+    mission_deg: tuple[float | None, float | None] = (None, None)
     if mission is not None:
-        wanted = (mission.latitudes()[0], mission.longitude_deg)
-    for values, key, one in zip(
-        (north, east), ("latitude_deg", "longitude_deg"), wanted, strict=True
+        mission_deg = (mission.latitudes()[0], mission.longitude_deg)
+    for values, key, degrees in zip(
+        (north, east), ("latitude_deg", "longitude_deg"), mission_deg, strict=True
     ):
-        if one is None and len(values) > 1:
+        if degrees is None and len(values) > 1:
             message = f"has {len(values)} values of {key}: give {key} on the mission"
             raise file_error(source, message)
-    i = 0 if wanted[0] is None else int(np.argmin(np.abs(north - wanted[0])))
+    i = 0 if mission_deg[0] is None else int(np.argmin(np.abs(north - mission_deg[0])))
     spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
-    if wanted[0] is not None and abs(north[i] - wanted[0]) > spacing:
+    if mission_deg[0] is not None and abs(north[i] - mission_deg[0]) > spacing:
         ends = f"{north.min():g} to {north.max():g}"
-        raise file_error(source, f"has latitudes {ends}, not {wanted[0]:g} of the mission")
-    j = 0 if wanted[1] is None or len(east) == 1 else nearest_longitude(east, wanted[1], source)
+        raise file_error(source, f"has latitudes {ends}, not {mission_deg[0]:g} of the mission")
+    j = (
+        0
+        if mission_deg[1] is None or len(east) == 1
+        else nearest_longitude(east, mission_deg[1], source)
+    )
     place = {names["latitude"]: i, names["longitude"]: j}
     return place, float(north[i]), east_deg(float(east[j]))
 
 
 def _at_point(
-    one: xr.DataArray, place: dict[str, int], mission: Mission | None, source: str
+    variable: xr.DataArray, place: dict[str, int], mission: Mission | None, source: str
 ) -> tuple[FloatArray, float | None]:
-    """Values over time at a grid point, and their altitude [m] if there are levels.
+    """Return values over time at a grid point, and their altitude [m] if there are levels.
 
     Levels are interpolated at the mission's altitude.
     """
-    at = merged_versions(one.isel({name: i for name, i in place.items() if name in one.dims}))
+    at = merged_versions(
+        variable.isel({name: i for name, i in place.items() if name in variable.dims})
+    )
     level = next((name for name in AXES["level"] if name in at.dims), None)
     time = next((name for name in AXES["time"] if name in at.dims), None)
     for name in at.dims:
         if name not in (level, time):
             if at.sizes[name] != 1:
-                raise file_error(source, f"has the axis {name} for {one.name}")
+                raise file_error(source, f"has the axis {name} for {variable.name}")
             at = at.isel({name: 0})
     if level is None:
         return values_of(at, source), None
     if time is None:
-        raise file_error(source, f"has {one.name} on levels, but not over time")
+        raise file_error(source, f"has {variable.name} on levels, but not over time")
     heights = altitudes_m(at[level], source)
     order = np.argsort(heights)
-    wanted = heights[order[0]] if mission is None else mission.altitude_m
-    if not heights[order[0]] <= wanted <= heights[order[-1]]:
+    altitude_m = heights[order[0]] if mission is None else mission.altitude_m
+    if not heights[order[0]] <= altitude_m <= heights[order[-1]]:
         ends = f"{heights[order[0]]:.0f} to {heights[order[-1]]:.0f} m"
-        raise file_error(source, f"has {one.name} at {ends}, not at {wanted:g} m of the mission")
+        raise file_error(
+            source, f"has {variable.name} at {ends}, not at {altitude_m:g} m of the mission"
+        )
     values = values_of(at.transpose(time, level), source)[:, order]
-    upper = int(np.clip(np.searchsorted(heights[order], wanted), 1, len(order) - 1))
+    upper = int(np.clip(np.searchsorted(heights[order], altitude_m), 1, len(order) - 1))
     low, high = heights[order[upper - 1]], heights[order[upper]]
-    share = (wanted - low) / (high - low)
-    return (1.0 - share) * values[:, upper - 1] + share * values[:, upper], float(wanted)
+    share = (altitude_m - low) / (high - low)
+    return (1.0 - share) * values[:, upper - 1] + share * values[:, upper], float(altitude_m)
 
 
 def _in_units(values: FloatArray, unit: str, key: str, source: str) -> FloatArray:
-    """Values in W/m2, C, m/s, m or Pa."""
+    """Convert values to W/m2, C, m/s, m or Pa."""
     plain = unit.replace("**", "^").replace(" ", "").replace("·", "").replace("-", "^-", 1).lower()
     for of, factors in _UNITS.items():
         if key in of:

@@ -1,8 +1,8 @@
-"""Files of weather records: which layout a file has, and its table of pvlib.
+"""Layouts of weather files, and the table of a file.
 
-Most files are read by :mod:`pvlib.iotools`; here is what its readers leave open: which layout a
-file has, whether a row's time is the start, the middle or the end of its interval, and the names of
-the columns. pvlib is imported when such a file is read, and only here.
+Most files are read by :mod:`pvlib.iotools`, imported here alone and on demand. This module adds
+the file's layout, the place of a row's time in its interval (start, middle or end), and the names
+of the columns.
 """
 
 from __future__ import annotations
@@ -30,15 +30,14 @@ from missions.weather.record import TYPICAL_YEAR, Site
 
 
 def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawTable:
-    """Read a weather file of any known layout.
+    """Read a weather file: EPW, TMY2, TMY3, PVGIS, SAM, NSRDB PSM, BSRN, NASA POWER, ERA5, CSV.
 
-    ``path``: file: EPW, TMY2, TMY3, PVGIS (typical year or hourly), SAM and NSRDB PSM, BSRN, NASA
-    POWER, ERA5, NetCDF or plain CSV. ``mission``: whose place chooses a point of a grid.
+    ``mission``: its place chooses the point of gridded data.
     """
     layout = "NetCDF" if is_netcdf(path) else layout_of(path, source)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what is wrong is told by its line, or by the error
+            warnings.simplefilter("ignore")  # the errors below say what is wrong
             if layout == "NetCDF":
                 raw = read_netcdf(path, source, mission)
             else:
@@ -66,7 +65,7 @@ def _iotools(source: str) -> Any:
 
 
 def _check_place(site: Site, source: str) -> None:
-    """Refuse a place that is none."""
+    """Refuse an impossible place."""
     for name, value, lowest, highest in (
         ("latitude", site.latitude_deg, -90.0, 90.0),
         ("longitude", site.longitude_deg, -180.0, 360.0),
@@ -78,10 +77,7 @@ def _check_place(site: Site, source: str) -> None:
 
 
 def layout_of(path: Path, source: str) -> str:
-    """Layout of a weather file, by its first lines.
-
-    Returns for instance ``EPW``; ``CSV`` for any other table.
-    """
+    """Return the layout of a weather file by its first lines, ``CSV`` for any other table."""
     head = head_of(path, source)
     first = head[0] if head else ""
     text = "\n".join(head)
@@ -177,11 +173,11 @@ def _pvgis_tmy(path: Path, source: str) -> RawTable:
     inputs = meta.get("inputs", {})
     # CSV has it among the inputs, JSON with the place.
     place = inputs.get("location", {})
-    given = inputs.get("irradiance time offset", place.get("irradiance_time_offset"))
-    notes = () if given is not None else (_FULL_HOURS,)
+    offset_h = inputs.get("irradiance time offset", place.get("irradiance_time_offset"))
+    notes = () if offset_h is not None else (_FULL_HOURS,)
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
-    site, offset_s = _pvgis_site(source, inputs), 3600.0 * float(given or 0.0)
+    site, offset_s = _pvgis_site(source, inputs), 3600.0 * float(offset_h or 0.0)
     return RawTable("PVGIS typical year", site, table, MIDDLE, offset_s=offset_s, notes=notes)
 
 
@@ -212,7 +208,7 @@ def _pvgis_format(path: Path) -> str:
 
 
 def _slope_deg(inputs: dict[str, Any]) -> float | None:
-    """Slope of the surface that a file of PVGIS is for; None where it does not say."""
+    """Return the slope of the surface of PVGIS' light, None if not stated."""
     if "Slope" in inputs:
         match = re.search(r"-?[\d.]+", str(inputs["Slope"]))
         return float(match[0]) if match else None
@@ -272,14 +268,14 @@ def _sam(path: Path, source: str) -> RawTable:
 
 
 def _sam_layout(values: list[str]) -> str:
-    """Name of the layout, by the first word below SAM's heading."""
+    """Return the layout's name by the first word below SAM's heading."""
     return "NSRDB PSM" if values and values[0].startswith("NSRDB") else "SAM"
 
 
-def _renamed(given: Mapping[str, Any], names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
-    """What a file has of some quantities, each by the first of its names that is there."""
-    found = {key: next((n for n in some if n in given), None) for key, some in names.items()}
-    return {key: given[name] for key, name in found.items() if name is not None}
+def _renamed(columns: Mapping[str, Any], names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+    """Return columns by quantity, each by the first of its known names."""
+    present = {key: next((n for n in known if n in columns), None) for key, known in names.items()}
+    return {key: columns[name] for key, name in present.items() if name is not None}
 
 
 def _bsrn(path: Path, source: str) -> RawTable:
@@ -292,7 +288,7 @@ def _bsrn(path: Path, source: str) -> RawTable:
 
 
 def _head_values(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
-    """Numbers of a file's head, in the order of the keys."""
+    """Return numbers of a file's head, in the order of the keys."""
     limits = {"latitude": 90.0, "longitude": 180.0, "TZ": 14.0, "Time Zone": 14.0}
     values = []
     for key in keys:

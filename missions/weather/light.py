@@ -1,10 +1,9 @@
 """Light at flight altitude over time, from the interval means of a weather record.
 
-Within an interval the light follows the clear sky's course: the record says what share of the
-clear sky's direct and of its diffuse light arrived, the clear sky says when. The mean of every
-interval is kept exactly. The same shares hold at flight altitude: clouds and haze of the record are
-taken to be above the aircraft, and what the thinner air above it adds is what it adds under a clear
-sky.
+Within an interval the light follows the clear sky's course, scaled to the record's mean of direct
+and of diffuse light, which is kept exactly. The same shares of clear light hold at flight altitude:
+clouds and haze of the record are taken to be above the aircraft, and thinner air adds as much as
+under a clear sky.
 """
 
 from __future__ import annotations
@@ -27,12 +26,12 @@ _LEAST_MEAN = 1.0
 class RecordedLight:
     """Light, sun and air at even nodes along a record.
 
-    ``site``: where it was taken. ``time_s``: universal time of the nodes, the middles of equal
+    ``site``: place of measurement. ``time_s``: universal time of the nodes, the middles of equal
     steps [s since 1970-01-01]. ``step_h``: length of the steps [h]. ``day_of_year``,
     ``time_solar_h``: fractional day of year (UTC) and local solar time, 0 to 24 [h].
-    ``cos_zenith``: cosine of the sun's zenith angle [-]. ``recorded``, ``clear``: as the record has
-    it, and under a clear sky [W/m2], both at flight altitude. ``temperature_c``: air temperature at
-    flight altitude [C]. ``wind_m_per_s``: wind at flight altitude [m/s].
+    ``cos_zenith``: cosine of the sun's zenith angle [-]. ``recorded``, ``clear``: light of the
+    record and of a clear sky [W/m2], ``temperature_c``: air temperature [C], ``wind_m_per_s``:
+    wind [m/s], all at flight altitude.
     """
 
     site: Site
@@ -50,10 +49,10 @@ class RecordedLight:
 def light_at_altitude(
     weather: Weather, altitude_m: float, *, step_s: float = NODE_STEP_S
 ) -> RecordedLight:
-    """Light of a weather record at flight altitude.
+    """Return the light of a weather record at flight altitude, at a whole number of nodes a day.
 
-    ``step_s``: largest distance of the nodes [s]. A record of shorter intervals is averaged over
-    whole numbers of them. Returns with a whole number of steps a day.
+    ``step_s``: largest distance of the nodes [s]; shorter intervals of a record are averaged over
+    whole numbers of them.
     """
     if not 1.0 <= step_s <= 3.0 * SECONDS_PER_HOUR:
         raise ValueError(f"step_s must be from 1 to 10800 (got {step_s:g})")
@@ -77,9 +76,9 @@ def light_at_altitude(
         np.minimum(direct * _gain(high.dni, low.dni), most), diffuse * _gain(high.dhi, low.dhi)
     )
     temperature, wind = weather.temperature_c, weather.wind_m_per_s
-    own_m, ratio = weather.air_altitude_m, 1.0
-    if own_m is None:
-        own_m, ratio = site.altitude_m, wind_ratio(altitude_m - site.altitude_m)
+    measured_m, ratio = weather.air_altitude_m, 1.0
+    if measured_m is None:
+        measured_m, ratio = site.altitude_m, wind_ratio(altitude_m - site.altitude_m)
     return RecordedLight(
         site=site,
         time_s=time_s,
@@ -91,7 +90,7 @@ def light_at_altitude(
         clear=high,
         temperature_c=None
         if temperature is None
-        else _at_nodes(temperature, parts) - LAPSE_K_PER_M * (altitude_m - own_m),
+        else _at_nodes(temperature, parts) - LAPSE_K_PER_M * (altitude_m - measured_m),
         wind_m_per_s=None if wind is None else _at_nodes(wind, parts) * ratio,
     )
 
@@ -107,21 +106,21 @@ WIND_LAW_UP_TO_M = 300.0
 
 
 def wind_ratio(above_ground_m: float) -> float:
-    """Wind at a height over the wind 10 m above the ground, by the power law up to 300 m [-]."""
+    """Return the wind at a height over the wind at 10 m, by the power law up to 300 m [-]."""
     height = min(max(above_ground_m, WIND_MEASURED_AT_M), WIND_LAW_UP_TO_M)
     return float((height / WIND_MEASURED_AT_M) ** WIND_EXPONENT)
 
 
 def _shared(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArray:
-    """Share interval means out over their steps along the clear sky's course.
+    """Distribute interval means over their steps along the clear sky's course.
 
-    Where the clear sky has next to nothing, the light is spread evenly over the steps with the sun
-    above the horizon; without any it is dropped, for no surface that lies level sees it.
+    With next to no clear light, spread evenly over steps with the sun above the horizon; without
+    such steps dropped, for no level surface sees it.
     """
     clear_mean = clear.mean(axis=1)
-    sunlit = cosine > 0.0
-    count = sunlit.sum(axis=1)
-    even = np.where(sunlit, (sunlit.shape[1] / np.maximum(count, 1))[:, np.newaxis], 0.0)
+    daylight = cosine > 0.0
+    count = daylight.sum(axis=1)
+    even = np.where(daylight, (daylight.shape[1] / np.maximum(count, 1))[:, np.newaxis], 0.0)
     usable = clear_mean > _LEAST_MEAN
     shape = np.where(
         usable[:, np.newaxis], clear / np.where(usable, clear_mean, 1.0)[:, np.newaxis], even
@@ -130,19 +129,19 @@ def _shared(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArr
 
 
 def _gain(high: FloatArray, low: FloatArray) -> FloatArray:
-    """Clear light at flight altitude over that at the ground; 1 where there is next to none."""
+    """Return clear light at flight altitude over clear light at the ground, 1 in the dark."""
     usable = low > _LEAST_MEAN
     return np.where(usable, high / np.where(usable, low, 1.0), 1.0)
 
 
 def _at_nodes(values: FloatArray, parts: int) -> FloatArray:
-    """Interval means at the middles of their steps, straight lines between the intervals."""
+    """Interpolate interval means at the middles of their steps."""
     places = (np.arange(len(values) * parts) + 0.5) / parts - 0.5
     return np.interp(places, np.arange(len(values)), values)
 
 
 def _coarsened(weather: Weather, step_s: float) -> Weather:
-    """Record averaged over whole numbers of its intervals, up to the step."""
+    """Average a record over whole numbers of its intervals, up to the step."""
     many = int(step_s / weather.interval_s + 1e-9)
     if many <= 1:
         return weather

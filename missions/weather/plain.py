@@ -1,4 +1,4 @@
-"""Plain tables of weather: CSV with the site in comment lines."""
+"""Plain CSV tables of weather, with the site in comment lines."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def read_plain(path: Path, source: str) -> RawTable:
 
 
 class _Head(NamedTuple):
-    """Comment lines, line of column names, first row with its line, and where the names begin."""
+    """Comment lines, line of column names, first row with its line, and offset of the names."""
 
     comments: list[str]
     names: str
@@ -97,7 +97,7 @@ class _Head(NamedTuple):
 
 
 def _head(text: str) -> _Head:
-    """Lines of a text up to its first row; the names are empty where it has no table."""
+    """Return the lines up to the first row; the names are empty without a table."""
     comments: list[str] = []
     names, begin, at, number = "", 0, 0, 0
     while at <= len(text):
@@ -115,7 +115,7 @@ def _head(text: str) -> _Head:
 
 
 def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Problem]]:
-    """Values of the comment lines ``# key: value``, and what is wrong with them."""
+    """Return the values of comment lines ``# key: value``, and problems with them."""
     meta: dict[str, Any] = {}
     problems = []
     for number, line in enumerate(lines, start=1):
@@ -139,7 +139,7 @@ def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Pro
 
 
 def _plain_times(column: pd.Series, meta: dict[str, Any], source: str, first: int) -> Any:
-    """Times of a plain table; without a zone they are universal."""
+    """Read the times of a plain table; times without a zone are universal."""
     times = pd.to_datetime(column.astype("string"), format="ISO8601", utc=True, errors="coerce")
     wrong = times.isna().to_numpy().nonzero()[0]
     if len(wrong):

@@ -1,4 +1,4 @@
-"""What is read of a weather file before its values are looked at: text, and a table of columns."""
+"""Raw contents of a weather file: text, and a table of columns."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ _PACKED = {b"PK\x03\x04": "zip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xa
 
 
 class RawTable(NamedTuple):
-    """Table of a file, as pvlib gives it.
+    """Table of a file, as pvlib returns it.
 
-    ``layout``: kind of the file. ``site``: where it was taken. ``table``: columns ``ghi``, ``dni``,
-    ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them; its index
-    is the time, with its zone. ``passed``: share of the interval that has passed at a row's time: 0
-    start, 0.5 middle, 1 end. ``offset_s``: seconds to be added to every row's time. ``interval_s``:
-    length of a row's interval where it may be shorter than the rows are apart. ``first_line``: line
-    of the first row in the file, counted from 1; 0 where a row is no line. ``air_altitude_m``:
-    where temperature and wind are taken, if not near the ground. ``notes``: what is assumed.
+    ``layout``: kind of the file. ``site``: place of measurement. ``table``: columns ``ghi``,
+    ``dni``, ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them;
+    its index is the time, with its zone. ``passed``: share of the interval before a row's time: 0
+    start, 0.5 middle, 1 end. ``offset_s``: seconds to add to every row's time. ``interval_s``:
+    length of a row's interval if shorter than the spacing of rows. ``first_line``: line of the
+    first row in the file, counted from 1; 0 if rows are not lines. ``air_altitude_m``: altitude of
+    temperature and wind, if not near the ground. ``notes``: assumptions.
     """
 
     layout: str
@@ -54,13 +54,13 @@ class RawTable(NamedTuple):
 
 
 def row_error(source: str, line: int, key: str, message: str, rows: int = 1) -> InputError:
-    """Error at the first of some rows; the line is 0 where a row is no line."""
+    """Return an error at the first of some rows; line 0 if rows are not lines."""
     more = f" (and {rows - 1} more rows)" if rows > 1 else ""
     return InputError([Problem(source, int(line) or None, None, key, message + more)])
 
 
 def head_of(path: Path, source: str) -> list[str]:
-    """First lines of a file, packed with gzip or not."""
+    """Return the first lines of a file, packed with gzip or not."""
     try:
         with open_plain(path) as file:
             if os.fstat(file.fileno()).st_size > MAXIMUM_BYTES:
@@ -85,7 +85,7 @@ def head_of(path: Path, source: str) -> list[str]:
 
 
 def _utf8_or_latin1(content: bytes) -> str:
-    """Text in UTF-8, or in Latin-1, which many EPW files are written in."""
+    """Decode UTF-8, else Latin-1, the encoding of many EPW files."""
     content = content.removeprefix(codecs.BOM_UTF8)
     try:
         return content.decode("utf-8")
@@ -94,7 +94,7 @@ def _utf8_or_latin1(content: bytes) -> str:
 
 
 def text_of(path: Path) -> str:
-    """All of a file, packed with gzip or not, its lines ended by a line feed."""
+    """Return a file's text, packed with gzip or not, with line feeds."""
     with open_plain(path) as file:
         content = file.read(MAXIMUM_BYTES + 1)
     if content.startswith(_GZIP):
@@ -114,7 +114,7 @@ def text_of(path: Path) -> str:
 
 @contextmanager
 def as_file(path: Path) -> Iterator[str]:
-    """Plain copy of a file, for readers that take no packed ones and no byte order marks."""
+    """Yield a plain copy of a file, for readers that take neither gzip nor byte order marks."""
     with TemporaryDirectory() as folder:
         plain = Path(folder) / "plain.txt"
         plain.write_text(text_of(path), encoding="utf-8")

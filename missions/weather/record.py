@@ -1,8 +1,7 @@
-"""A weather record: mean light, temperature and wind of equal intervals at a site.
+"""Weather record: mean light, temperature and wind of equal intervals at a site.
 
-Times are universal time, seconds since 1970. Of records without a year of their own (typical
-meteorological years, put together from months of several years) they are those of 2001, a year of
-365 days.
+Times are universal time, seconds since 1970. Typical meteorological years, put together from months
+of several years, get the times of 2001, a year of 365 days.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ TYPICAL_YEAR = 2001
 
 @dataclass(frozen=True)
 class Site:
-    """Where a record was taken.
+    """Place of a weather record.
 
     Attributes
     ----------
@@ -51,10 +50,9 @@ class Site:
 
     @property
     def calendar_offset_h(self) -> float:
-        """Mean solar time minus universal time, on the side of the date line of the place's zone.
+        """Mean solar time minus universal time [h], on the time zone's side of the date line.
 
-        A file that does not name its zone has an offset of zero; its calendar is then that of the
-        longitude.
+        A file without a time zone has an offset of zero; the longitude alone sets its calendar.
         """
         solar_h = self.longitude_deg / 15.0
         return solar_h + 24.0 * float(np.rint((self.utc_offset_h - solar_h) / 24.0))
@@ -71,7 +69,7 @@ class Weather:
     layout : str
         Kind of the file, for instance ``EPW``.
     site : Site
-        Where it was taken.
+        Place of measurement.
     start_s : ndarray
         Start of each interval, universal time [s since 1970-01-01].
     interval_s : float
@@ -83,11 +81,11 @@ class Weather:
     wind_m_per_s : ndarray or None
         Wind speed 10 m above the ground [m/s].
     typical : bool
-        Whether it is a typical year, put together from months of several years.
+        True for a typical year, put together from months of several years.
     repairs : tuple of str
-        What was repaired, each with its count.
+        Repairs, each with its count.
     air_altitude_m : float or None
-        Where temperature and wind are taken, if not near the ground [m].
+        Altitude of temperature and wind [m], None near the ground.
     """
 
     source: str
@@ -108,7 +106,7 @@ class Weather:
         return len(self.start_s)
 
     def origin(self) -> dict[str, Any]:
-        """Where it comes from and what it is, JSON-ready: the head of records of results."""
+        """Return source, layout and site, JSON-ready, for the head of results."""
         return {
             "source": self.source,
             "layout": self.layout,
@@ -123,10 +121,9 @@ class Weather:
 
 
 def day_of_year(time_s: FloatArray) -> FloatArray:
-    """Fractional day of the year of 365 days, 1.0 on 1 January, 00:00 UTC.
+    """Return the fractional day of a year of 365 days, 1.0 on 1 January, 00:00 UTC.
 
-    In leap years 29 February is passed over as a second 28 February, so that a date has the same
-    number every year.
+    29 February counts as a second 28 February, so that a date has the same number every year.
 
     Parameters
     ----------
@@ -141,19 +138,19 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
     whole = np.floor(np.asarray(time_s, float) / SECONDS_PER_DAY)
     date = whole.astype("datetime64[D]")
     year = date.astype("datetime64[Y]")
-    start, end = (one.astype("datetime64[D]") for one in (year, year + 1))
+    start, end = (years.astype("datetime64[D]") for years in (year, year + 1))
     number, leap = (date - start).astype(int), (end - start).astype(int) == 366
     number = number - (leap & (number >= 59))
     return np.asarray(number + 1.0 + (time_s / SECONDS_PER_DAY - whole))
 
 
 def runs_of(marks: BoolArray) -> tuple[IntArray, IntArray]:
-    """First place, and the place after the last, of every run of true values."""
+    """Return first index and the index after the last of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
     return edges[::2], edges[1::2]
 
 
 def run_lengths(marks: BoolArray) -> IntArray:
-    """Lengths of the runs of true values, in their order."""
+    """Return the lengths of the runs of true values, in their order."""
     begin, stop = runs_of(marks)
     return stop - begin

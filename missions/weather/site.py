@@ -1,4 +1,4 @@
-"""A mission at the site of a weather record."""
+"""Mission at the site of a weather record."""
 
 from __future__ import annotations
 
@@ -12,18 +12,17 @@ from solar.clearsky import THIN_AIR_FROM_M
 
 EARTH_RADIUS_KM = 6371.0
 NEAR_KM, FAR_KM = 100.0, 1000.0
-# Height above the ground that a mission without one of its own is flown at [m].
+# Height above the ground of a mission that sets none [m].
 DEFAULT_HEIGHT_M = 120.0
 
 
 def mission_at_site(
     mission: Mission, weather: Weather, *, chosen: bool = True
 ) -> tuple[Mission, tuple[str, ...]]:
-    """Move a mission to the site of a weather record.
+    """Return a mission at the site of a weather record, without its launch, and notes.
 
-    ``mission``: with its latitude or latitudes, and its flight altitude. ``chosen``: whether
-    somebody chose this mission; a default one follows the record anywhere. A mission with climbs is
-    refused. Returns at the site, without launch.
+    ``chosen``: False for a default mission, which follows the record anywhere. Missions with climbs
+    are refused.
     """
     if mission.climb is not None:
         raise file_error(
@@ -78,11 +77,13 @@ def mission_at_site(
 
 def _latitudes_label(mission: Mission) -> str:
     latitudes = mission.latitudes()
-    return " to ".join(latitude_label(one) for one in sorted({latitudes[0], latitudes[-1]}))
+    return " to ".join(
+        latitude_label(latitude) for latitude in sorted({latitudes[0], latitudes[-1]})
+    )
 
 
 def _distance_km(mission: Mission, weather: Weather) -> float:
-    """Great-circle distance from the site to the nearest latitude of a mission [km]."""
+    """Return the great-circle distance from the site to the mission's latitudes [km]."""
     here = np.radians(weather.site.latitude_deg)
     there = np.radians(np.asarray(mission.latitudes()))
     if len(there) > 1:  # a band of latitudes: what lies within is near

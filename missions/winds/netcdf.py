@@ -1,4 +1,4 @@
-"""Percentiles of the wind from NetCDF files with its components, such as those of ERA5.
+"""Percentiles of the wind from NetCDF files of its components, such as ERA5's.
 
 Axes are known by their names, so that their order plays no part; longitudes may count from 0 to 360
 or from -180 to 180, latitudes and levels up or down.
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-# What a file is reduced to, beside the percentile that is asked for.
+# Percentiles that a file is reduced to, besides the requested one.
 PERCENTILES = (5.0, 10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0)
-# Names of axes: those of ERA5 before and after its change of 2024, and of the CF conventions.
+# Names of axes in ERA5 before and after its change of 2024, and in the CF conventions.
 AXES = {
     "time": ("time", "valid_time"),
     "latitude": ("latitude", "lat"),
@@ -54,12 +54,12 @@ _LONGEST_AXIS, _MOST_AT_ONCE = 10_000_000, 100_000_000
 def wind_table_from_netcdf(
     path: str, longitude_deg: float | None = None, *, also: float | None = None
 ) -> WindTable:
-    """Percentiles of the wind speed in a file of its components over time."""
+    """Compute percentiles of the wind speed from components over time."""
     source = printable(path)
     with opened(path, source) as data:
         u, v = (_component(data, name, source) for name in _COMPONENTS)
-        u, v = (_arranged(one, source) for one in (u, v))
-        factors = [_to_m_per_s(one, source) for one in (u, v)]
+        u, v = (_arranged(component, source) for component in (u, v))
+        factors = [_to_m_per_s(component, source) for component in (u, v)]
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
         u, v, at = _at_longitude(u, v, longitude_deg, source)
@@ -70,18 +70,14 @@ def wind_table_from_netcdf(
         latitudes = latitudes_deg(u["latitude"], source)
         if not len(levels):
             raise file_error(source, f"has no level up to {MAXIMUM_ALTITUDE_M:g} m")
-        percentiles = np.array(sorted({*PERCENTILES, *([] if also is None else [also])}))
+        percentiles = np.unique([*PERCENTILES, *([] if also is None else [also])])
         known = sorted(set(months.tolist()))
         north = np.argsort(latitudes)
-        winds = np.stack(
-            [
-                _of_latitude(
-                    _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors, source),
-                    *(months, known, percentiles),
-                )
-                for i in north.tolist()
-            ]
-        )
+        rows = []
+        for i in north.tolist():
+            speed = _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors, source)
+            rows.append(_of_latitude(speed, months, known, percentiles))
+        winds = np.stack(rows)
     if not np.isfinite(winds).all():
         raise file_error(source, "has gaps in the wind")
     fewest = min(int(np.sum(months == month)) for month in known) * u.shape[-1]
@@ -102,7 +98,7 @@ def wind_table_from_netcdf(
 
 @contextmanager
 def opened(path: str, source: str) -> Iterator[xr.Dataset]:
-    """Dataset of a NetCDF file while it is read."""
+    """Yield the dataset of a NetCDF file while it is read."""
     import xarray as xr
 
     try:
@@ -120,10 +116,7 @@ def opened(path: str, source: str) -> Iterator[xr.Dataset]:
 
 
 def _check_sizes(path: str, source: str) -> None:
-    """Refuse a file that unpacks to more than is ever read of one at once.
-
-    Axes are unpacked whole, other variables chunk by chunk.
-    """
+    """Refuse a file that unpacks to too many values at once: whole axes, chunks of variables."""
     import h5py
 
     def check(name: str, item: Any) -> None:
@@ -134,83 +127,87 @@ def _check_sizes(path: str, source: str) -> None:
             (" in a chunk", item.chunks or (), _MOST_AT_ONCE),
         ):
             if math.prod(shape) > most:
-                found = f"{printable(name)[:60]} has {math.prod(shape):,} values{what}"
-                raise file_error(source, f"is not read: {found}, at most {most:,}")
+                text = f"{printable(name)[:60]} has {math.prod(shape):,} values{what}"
+                raise file_error(source, f"is not read: {text}, at most {most:,}")
 
     with h5py.File(path) as file:
         file.visititems(check)
 
 
-def values_of(one: xr.DataArray, source: str) -> FloatArray:
-    """Values of a variable, if they are not too many."""
-    if one.size > _MOST_AT_ONCE:
-        found = f"{one.name} has {one.size:,} values at one place, at most {_MOST_AT_ONCE:,}"
-        raise file_error(source, f"is not read: {found}")
-    return np.asarray(one.to_numpy(), float)
+def values_of(variable: xr.DataArray, source: str) -> FloatArray:
+    """Return the values of a variable, refused if too many."""
+    if variable.size > _MOST_AT_ONCE:
+        text = (
+            f"{variable.name} has {variable.size:,} values at one place, at most {_MOST_AT_ONCE:,}"
+        )
+        raise file_error(source, f"is not read: {text}")
+    return np.asarray(variable.to_numpy(), float)
 
 
 def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArray:
     names = _COMPONENTS[standard_name]
-    for name, one in data.data_vars.items():
-        if name in names or one.attrs.get("standard_name") == standard_name:
-            return merged_versions(one)
+    for name, variable in data.data_vars.items():
+        if name in names or variable.attrs.get("standard_name") == standard_name:
+            return merged_versions(variable)
     raise file_error(source, f"has no {standard_name} (variables named {', '.join(names)})")
 
 
-def merged_versions(one: xr.DataArray) -> xr.DataArray:
-    """Variable of ERA5 with its preliminary months, which older files hold beside the final ones.
+def merged_versions(variable: xr.DataArray) -> xr.DataArray:
+    """Merge final and preliminary months of ERA5, each with gaps where the other has values.
 
-    Each has gaps where the other stands (ECMWF: ERA5, expver 1 and 5).
+    ECMWF: ERA5, expver 1 and 5.
     """
-    if "expver" not in one.dims:
-        return one
-    parts = [one.isel(expver=i, drop=True) for i in np.argsort(one["expver"].to_numpy())]
-    return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(one.attrs)
+    if "expver" not in variable.dims:
+        return variable
+    parts = [variable.isel(expver=i, drop=True) for i in np.argsort(variable["expver"].to_numpy())]
+    return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(variable.attrs)
 
 
-def _to_m_per_s(one: xr.DataArray, source: str) -> float:
-    """Factor from a component's unit to m/s; without a unit it is taken as that."""
-    unit = str(one.attrs.get("units", "m/s"))
+def _to_m_per_s(component: xr.DataArray, source: str) -> float:
+    """Return the factor from a component's unit to m/s, 1 without a unit."""
+    unit = str(component.attrs.get("units", "m/s"))
     plain = unit.lower().replace(" ", "").replace("*", "").replace("^", "")
     for names, factor in _SPEEDS.items():
         if plain in names:
             return factor
     allowed = ", ".join(names[0] for names in _SPEEDS)
-    raise file_error(source, f"has {one.name} in {printable(unit)} (known: {allowed})")
+    raise file_error(source, f"has {component.name} in {printable(unit)} (known: {allowed})")
 
 
-def _arranged(one: xr.DataArray, source: str) -> xr.DataArray:
-    """Component with the axes time, latitude, level and longitude, in this order."""
+def _arranged(component: xr.DataArray, source: str) -> xr.DataArray:
+    """Return a component with the axes time, latitude, level and longitude, in this order."""
     for axis, names in AXES.items():
-        name = next((n for n in names if n in one.coords), None)
+        name = next((n for n in names if n in component.coords), None)
         if name is None:
-            raise file_error(source, f"has no {axis} for {one.name} (named {', '.join(names)})")
-        if name not in one.dims:
-            one = one.expand_dims(name)
-        one = one.rename({name: axis}) if name != axis else one
-    rest = [str(name) for name in one.dims if name not in AXES]
+            raise file_error(
+                source, f"has no {axis} for {component.name} (named {', '.join(names)})"
+            )
+        if name not in component.dims:
+            component = component.expand_dims(name)
+        component = component.rename({name: axis}) if name != axis else component
+    rest = [str(name) for name in component.dims if name not in AXES]
     for name in rest:
-        if one.sizes[name] != 1:
+        if component.sizes[name] != 1:
             raise file_error(source, f"has the axis {name} beside time, latitude, longitude, level")
-        one = one.isel({name: 0})
-    return one.transpose("time", "latitude", "level", "longitude")
+        component = component.isel({name: 0})
+    return component.transpose("time", "latitude", "level", "longitude")
 
 
 def _at_longitude(
     u: xr.DataArray, v: xr.DataArray, longitude_deg: float | None, source: str
 ) -> tuple[xr.DataArray, xr.DataArray, str]:
-    """Components at the longitude nearest to one, and that in words; all of them without one."""
+    """Return components at the nearest longitude, or at all, and say so."""
     longitudes = u["longitude"].to_numpy().astype(float)
     if longitude_deg is None:
         return u, v, f"all {len(longitudes)} longitudes" if len(longitudes) > 1 else "one longitude"
     nearest = nearest_longitude(longitudes, longitude_deg, source)
     east = east_deg(longitudes[nearest])
-    some = slice(nearest, nearest + 1)
-    return u[..., some], v[..., some], f"longitude {east:g}, nearest to {longitude_deg:g}"
+    column = slice(nearest, nearest + 1)
+    return u[..., column], v[..., column], f"longitude {east:g}, nearest to {longitude_deg:g}"
 
 
 def latitudes_deg(axis: xr.DataArray, source: str) -> FloatArray:
-    """Latitudes of a grid."""
+    """Return the latitudes of a grid [deg]."""
     values = np.atleast_1d(axis.to_numpy()).astype(float)
     if np.any(np.abs(values) > 90.0):
         raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
@@ -218,18 +215,18 @@ def latitudes_deg(axis: xr.DataArray, source: str) -> FloatArray:
 
 
 def east_deg(longitude_deg: float) -> float:
-    """Longitude from -180 to 180."""
+    """Return a longitude from -180 to 180 [deg]."""
     return (longitude_deg + 180.0) % 360.0 - 180.0
 
 
-def nearest_longitude(longitudes: FloatArray, wanted_deg: float, source: str) -> int:
-    """Place of the longitude nearest to one, no further away than the grid is wide."""
-    away = np.abs((longitudes - wanted_deg + 180.0) % 360.0 - 180.0)
+def nearest_longitude(longitudes: FloatArray, longitude_deg: float, source: str) -> int:
+    """Return the index of the nearest longitude, at most a grid spacing away."""
+    away = np.abs((longitudes - longitude_deg + 180.0) % 360.0 - 180.0)
     nearest = int(np.argmin(away))
     spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
     if away[nearest] > max(spacing, 1e-6):
         ends = " to ".join(dict.fromkeys(f"{f(longitudes):g}" for f in (np.min, np.max)))
-        raise file_error(source, f"has longitudes {ends}, not {wanted_deg:g} of the mission")
+        raise file_error(source, f"has longitudes {ends}, not {longitude_deg:g} of the mission")
     return nearest
 
 
@@ -240,7 +237,7 @@ def _months(u: xr.DataArray, source: str) -> FloatArray:
 
 
 def altitudes_m(level: Any, source: str) -> FloatArray:
-    """Altitude of levels [m]; that of a pressure in the standard atmosphere."""
+    """Return the altitude of levels [m]; of pressures in the standard atmosphere."""
     unit = str(level.attrs.get("units", "")).lower()
     values = level.to_numpy().astype(float)
     if unit in _METRES:
@@ -255,8 +252,10 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
 def _speed_m_per_s(
     u: xr.DataArray, v: xr.DataArray, factors: list[float], source: str
 ) -> FloatArray:
-    """Wind speed at one latitude; one is read at a time."""
-    components = [f * values_of(one, source) for f, one in zip(factors, (u, v), strict=True)]
+    """Return the wind speed at a latitude; latitudes are read one by one."""
+    components = [
+        f * values_of(component, source) for f, component in zip(factors, (u, v), strict=True)
+    ]
     speed = np.hypot(*components)
     if np.any(speed > STRONGEST_M_PER_S):
         fastest = f"{np.nanmax(speed):.4g} m/s"
@@ -267,7 +266,7 @@ def _speed_m_per_s(
 def _of_latitude(
     speed: FloatArray, months: FloatArray, known: list[int], percentiles: FloatArray
 ) -> FloatArray:
-    """Percentiles at one latitude, shape ``(level, month, percentile)``."""
+    """Return percentiles at a latitude, shape ``(level, month, percentile)``."""
     of_months = [
         np.percentile(speed[months == month], percentiles, axis=(0, 2)).T for month in known
     ]

@@ -1,4 +1,4 @@
-"""``wind`` of a mission: the share of the time in which a wind is not exceeded."""
+"""``wind`` of a mission: wind that is not exceeded for a share of the time."""
 
 from __future__ import annotations
 
@@ -25,9 +25,8 @@ _NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 class WindStatistics(Record):
     """Wind that is not exceeded for a share of the time, by latitude, altitude and month.
 
-    ``file``: a CSV table or a NetCDF file with wind components; the shipped table without one.
-    ``hold_station``: whether the aircraft flies faster where this wind is faster than its own
-    airspeed.
+    ``file``: CSV table or NetCDF file with wind components, by default the shipped table.
+    ``hold_station``: the aircraft flies faster in wind above its airspeed.
     """
 
     percentile: Annotated[float, Strict(), Field(gt=0.0, lt=100.0, allow_inf_nan=False)]
@@ -35,7 +34,7 @@ class WindStatistics(Record):
     hold_station: Flag = False
 
     def table(self, longitude_deg: float | None = None) -> WindTable:
-        """Table of winds."""
+        """Return the table of winds."""
         if self.file is None:
             return shipped_winds()
         if self._is_netcdf:
@@ -49,7 +48,7 @@ class WindStatistics(Record):
         altitude_m: float,
         longitude_deg: float | None,
     ) -> FloatArray:
-        """Wind speed in each scenario [m/s]; ``altitude_m`` may be an array, on the last axes."""
+        """Return the wind [m/s], shape ``(scenario,)`` or ``(scenario, altitude)``."""
         months = [month_and_day(int(day))[0] for day in day_of_year]
         shape = (len(months),) + (1,) * getattr(altitude_m, "ndim", 0)
         table = self.table(longitude_deg)
@@ -57,12 +56,12 @@ class WindStatistics(Record):
         return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
 
     def strongest_m_per_s(self, winds_m_per_s: Callable[[], FloatArray]) -> float:
-        """Strongest of the winds of scenarios [m/s]."""
+        """Return the strongest of the scenarios' winds [m/s]."""
         strongest: float = plain_number(winds_m_per_s().max(axis=0))
         return strongest
 
     def known_between_deg(self, longitude_deg: float | None) -> tuple[float, float]:
-        """Latitudes between which the wind is known [deg]."""
+        """Return the latitudes between which the wind is known [deg]."""
         known = self.table(longitude_deg).latitude_deg
         return float(np.min(known)), float(np.max(known))
 
@@ -71,18 +70,18 @@ class WindStatistics(Record):
         return self.file is not None and self.file.lower().endswith(_NETCDF)
 
     def _state(self) -> str:
-        """Size and time of change of the file, which tell what it holds without reading it."""
+        """Return size and time of change of the file, which change with its contents."""
         assert self.file is not None
         about = Path(self.file).stat()
         return f"{about.st_size} {about.st_mtime_ns}"
 
     def contents_read(self) -> str | None:
-        """Tell the contents of the file from others; none for the shipped table."""
+        """Return a text that changes with the file's contents; None if shipped."""
         return None if self.file is None else self._state()
 
     @field_serializer("file")
     def _with_contents(self, file: str | None, info: SerializationInfo) -> str | None:
-        """Path, and what tells its contents from others where one asks for contents."""
+        """Return the path, with the state of its contents in such a context."""
         contents = self.contents_read() if (info.context or {}).get("contents") else None
         return file if contents is None else f"{file} {contents}"
 
@@ -91,7 +90,7 @@ class WindStatistics(Record):
 def _read(
     path: str, state: str, longitude_deg: float | None = None, percentile: float | None = None
 ) -> WindTable:
-    """Table of a file; ``state`` tells a changed one from the one that is kept."""
+    """Read the table of a file, cached until its ``state`` changes."""
     if percentile is None:
         return wind_table_from_text(read_text(path), printable(path))
     return wind_table_from_netcdf(path, longitude_deg, also=percentile)

@@ -1,7 +1,6 @@
-"""Percentiles of the wind over latitude, altitude and month, and reading between them.
+"""Percentiles of the wind over latitude, altitude and month, and interpolation between them.
 
-Between latitudes, altitudes and percentiles of a table values are linear; each month stands for
-itself. Nothing is read beyond a table's ends.
+Linear in latitude, altitude and percentile, constant within a month; no extrapolation.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ _ENDS = {
 
 
 class _Neighbours(NamedTuple):
-    """Two neighbours on an axis and the weight of the upper one."""
+    """Indices of two neighbours on an axis, and the weight of the upper one."""
 
     lower: NDArray[np.integer]
     upper: NDArray[np.integer]
@@ -44,7 +43,7 @@ class _Neighbours(NamedTuple):
 
 
 def _neighbours(axis: FloatArray, values: ArrayLike) -> _Neighbours:
-    """Neighbours of values within an axis, which may have a single point."""
+    """Find the neighbours of values within an axis, which may have a single point."""
     at = np.asarray(values, float)
     upper = np.clip(np.searchsorted(axis, at), min(1, len(axis) - 1), len(axis) - 1)
     lower = np.maximum(upper - 1, 0)
@@ -55,7 +54,7 @@ def _neighbours(axis: FloatArray, values: ArrayLike) -> _Neighbours:
 
 @dataclass(frozen=True, eq=False)
 class WindTable:
-    """Percentiles of the wind speed, on axes that ascend.
+    """Percentiles of the wind speed, on ascending axes.
 
     ``wind_m_per_s`` has the shape ``(latitude, altitude, month, percentile)``.
     """
@@ -75,15 +74,15 @@ class WindTable:
         months: ArrayLike = (),
         percentile: ArrayLike = (),
     ) -> str | None:
-        """Why the table does not know some of these, in words; none where it knows all."""
-        asked = (
+        """Return the first request that the table does not cover, in words, else None."""
+        requests = (
             ("latitude_deg", latitude_deg, self.latitude_deg, ""),
             ("altitude_m", altitude_m, self.altitude_m, ""),
             ("percentile", percentile, self.percentiles, ": give wind.file with others"),
         )
-        for name, values, axis, hint in asked:
-            given = np.atleast_1d(np.asarray(values, float))
-            outside = given[(given < axis[0]) | (given > axis[-1])]
+        for name, values, axis, hint in requests:
+            requested = np.atleast_1d(np.asarray(values, float))
+            outside = requested[(requested < axis[0]) | (requested > axis[-1])]
             if outside.size:
                 known = f"{axis[0]:g}" if len(axis) == 1 else f"{axis[0]:g} to {axis[-1]:g}"
                 hint = hint if self.source == SHIPPED_SOURCE else ""
@@ -96,7 +95,7 @@ class WindTable:
     def at(
         self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike, percentile: float
     ) -> FloatArray:
-        """Wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
+        """Return the wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
         curve = self.curve(latitude_deg, altitude_m, month)
         trouble = self.trouble(percentile=percentile)
         if trouble is not None:
@@ -105,7 +104,7 @@ class WindTable:
         return np.asarray(curve[..., lower] * (1.0 - weight) + curve[..., upper] * weight)
 
     def curve(self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike) -> FloatArray:
-        """Wind speed of every percentile of the table, on the last axis [m/s]."""
+        """Return the wind speed of every percentile of the table, on the last axis [m/s]."""
         trouble = self.trouble(latitude_deg=latitude_deg, altitude_m=altitude_m, months=month)
         if trouble is not None:
             raise file_error(self.source, trouble)
@@ -156,13 +155,13 @@ def _rayleigh(speed: FloatArray, wind: FloatArray, share: float) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def shipped_winds() -> WindTable:
-    """The shipped table: 95th percentiles, zonal, from 9.1 to 33 km."""
+    """Read the shipped table: 95th percentiles, zonal, from 9.1 to 33 km."""
     file = resources.files("missions").joinpath("winds", "data", _SHIPPED)
     return wind_table_from_text(gzip.decompress(file.read_bytes()).decode(), SHIPPED_SOURCE)
 
 
 def wind_table_from_text(text: str, source: str) -> WindTable:
-    """Table of a CSV text: a row for each latitude, altitude, month and percentile."""
+    """Read CSV text: a row for each latitude, altitude, month and percentile."""
     lines = text.splitlines()
     first = next((i for i, s in enumerate(lines) if s.strip() and not s.startswith("#")), None)
     names = [] if first is None else [name.strip() for name in lines[first].split(",")]
@@ -199,7 +198,7 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
 
 
 def _number_rows(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
-    """Rows of a table as numbers; the first is the line ``first`` of its file."""
+    """Convert rows to numbers; ``first``: line of the first row in the file."""
     kept = [s for s in lines if s.strip()]
     if not kept:
         raise file_error(source, "has no row")
