@@ -18,10 +18,10 @@ import missions
 import sizing
 from sizing import load_aircraft
 from sizing.aircraft import Aircraft
-from sizing.results.tables import Column, Table
 from sizing.structures.loads import lift_curve_slope
 from studies.exchange.airplane import airplane_text
 from studies.exchange.geometry import lifting_surfaces
+from studies.render.tables import Column, Table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -33,12 +33,12 @@ from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.results.sizing import size
 from sizing.results.sizing_study import SizingStudy
-from sizing.results.tables import Column, Table
 from sizing.results.weather_sizing import size_in_weather
 from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.report_reproduction import reference, reproduce
 from studies.output.catalogues import catalogue_table
+from studies.render.tables import Column, Table
 
 
 def _markdown(*tables: Table) -> str:

@@ -45,8 +45,6 @@ from .results.analysis import Analysis as Analysis
 from .results.analysis import analyse as analyse
 from .results.sizing import size as size
 from .results.sizing_study import SizingStudy as SizingStudy
-from .results.tables import Summary as Summary
-from .results.tables import Table as Table
 from .results.uncertainty import UncertaintyAnalysis as UncertaintyAnalysis
 from .results.uncertainty import analyse_uncertainty as analyse_uncertainty
 from .results.weather import WeatherAnalysis as WeatherAnalysis

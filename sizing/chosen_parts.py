@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from sizing.aircraft import Aircraft
+from sizing.catalogues.choice import taken
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import Design
+from sizing.parameters import parameter
 
 
 def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> None:
@@ -35,3 +37,31 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> No
     if sized and parts["propeller"].pop("product", None) is not None:
         for key in PARTS_OF_PROPELLER:
             parts["propeller"].setdefault(key, getattr(propulsion.propeller, key))
+
+
+def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[str, Any]:
+    """Return the file of an aircraft as data, with an optimum put in.
+
+    Without ``whole_cells`` the cells of the file are left out, but for their technology: they are
+    another design's.
+    """
+    data = aircraft.model_dump(mode="json", exclude_unset=True)
+    data["name"] = f"{data['name']}-sized"
+    for name in ("wingspan_m", "aspect_ratio", "battery_mass_kg", "module_area_m2"):
+        section, key = parameter(name).key.split(".")
+        data[section][key] = getattr(design.variables, name)
+    put_parts_in(data, aircraft, design)
+    if whole_cells:
+        return data
+    if data["modules"].pop("layout", None) is not None:
+        # The boards of the strings, which may have less than the power that they take.
+        data["modules"]["mppt_mass_kg_per_w"] = aircraft.modules.mppt_mass_kg_per_w
+        if data["modules"].pop("mppt_board", None) is not None:
+            data["modules"]["mppt_efficiency"] = aircraft.modules.mppt_efficiency
+    if data["battery"].pop("pack", None) is not None:
+        technology = aircraft.battery.model_dump(mode="json")
+        of_entry = {one.key for one in taken(aircraft.battery, "")}
+        for key in ("specific_energy_wh_per_kg", "charge_limit"):
+            if key not in of_entry:
+                data["battery"][key] = technology[key]
+    return data

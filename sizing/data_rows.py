@@ -1,4 +1,4 @@
-"""Rows of the tables that the package brings as data."""
+"""Rows of the tables that the packages bring as data."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import csv
 from importlib import resources
 
 
-def data_rows(name: str) -> list[dict[str, str]]:
-    """Return the rows of ``data/NAME.csv`` by its heads; lines from ``#`` on are comments."""
-    text = (resources.files("sizing") / "data" / f"{name}.csv").read_text(encoding="utf-8")
+def data_rows(name: str, package: str = "sizing") -> list[dict[str, str]]:
+    """Return the rows of ``data/NAME.csv`` of a package by its heads.
+
+    Lines from ``#`` on are comments.
+    """
+    text = (resources.files(package) / "data" / f"{name}.csv").read_text(encoding="utf-8")
     return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))

@@ -23,6 +23,8 @@ from .output.design_plots import plot_sensitivities as plot_sensitivities
 from .output.figures.drawing import save_figure as save_figure
 from .output.figures.options import FigureOptions as FigureOptions
 from .output.gridded import to_table as to_table
+from .render.tables import Summary as Summary
+from .render.tables import Table as Table
 from .report.document import make_report as make_report
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep

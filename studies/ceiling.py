@@ -17,11 +17,7 @@ from sizing.ceiling import (
     highest_perpetual_altitude,
 )
 from sizing.day.light import SolarModel
-from sizing.results.notes import extrapolation_blocks, extrapolation_caption
-from sizing.results.quantities import EXCESS_TIME, group, table_of
-from sizing.results.records import hours
-from sizing.results.serialise import plain
-from sizing.results.tables import Line, Result, Table, data_frame
+from sizing.results.result import Result, data_frame
 from sizing.validity.extrapolations import merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
@@ -35,6 +31,11 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.quantities import EXCESS_TIME, group, table_of
+from studies.render.notes import extrapolation_blocks, extrapolation_caption
+from studies.render.numbers import hours
+from studies.render.tables import Line, Table
+from studies.serialise import plain
 
 if TYPE_CHECKING:
     import pandas as pd

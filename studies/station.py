@@ -16,9 +16,7 @@ from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.mass_budget import design_of
-from sizing.results.notes import extrapolation_blocks
-from sizing.results.quantities import described
-from sizing.results.tables import Column, Line, Result, Table, data_frame
+from sizing.results.result import Result, data_frame
 from sizing.station import FASTEST, station_keeping, winds_of
 from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import collect_extrapolations, merge_extrapolations
@@ -36,6 +34,9 @@ from studies.output.gridded import (
     extrapolations_of,
     shown_places,
 )
+from studies.quantities import described
+from studies.render.notes import extrapolation_blocks
+from studies.render.tables import Column, Line, Table
 from studies.study import Study
 
 if TYPE_CHECKING:

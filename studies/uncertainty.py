@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sizing.results.quantities import EXCESS_TIME
-from sizing.results.records import percentiles
+from sizing.results.numbers import percentiles
 from sizing.results.uncertainty import UncertaintyAnalysis
 from sizing.uncertainty.inputs import UncertainInput
 from studies.output.figures.drawing import (
@@ -24,6 +23,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.quantities import EXCESS_TIME
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,8 +16,8 @@ from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
-from sizing.results.tables import Column, Table
 from solar.modules import STC_TEMPERATURE_C
+from studies.render.tables import Column, Table
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))

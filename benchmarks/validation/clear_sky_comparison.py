@@ -20,10 +20,10 @@ import numpy as np
 
 from missions.air import standard_air
 from missions.dates import date_label
-from sizing.results.tables import Column, Table
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.sun import cos_zenith, declination, hour_angle
 from solar.types import FloatArray
+from studies.render.tables import Column, Table
 
 
 @dataclass(frozen=True)

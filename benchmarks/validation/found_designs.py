@@ -18,7 +18,7 @@ from sizing.parameters import with_parameter
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.results.tables import Column, Table
+from studies.render.tables import Column, Table
 
 
 @dataclass(frozen=True)

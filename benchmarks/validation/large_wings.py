@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from benchmarks.validation.structures import PublishedStructure, published_structures
-from sizing.results.tables import Column, Table
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION
+from studies.render.tables import Column, Table
 
 AIRCRAFT = ("atlantiksolar", "zephyr-7", "zephyr-8", "phasa-35", "heliplat", "helios")
 _CARBON = {"cloth_shear_modulus_pa": 33e9, "cloth_density_kg_per_m3": 1600.0}

@@ -19,10 +19,10 @@ from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
 from sizing.day.module_power import modelled_power, own_surroundings
-from sizing.results.tables import Column, Table
 from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import FloatArray
+from studies.render.tables import Column, Table
 
 LATITUDES_DEG = (0.0, 15.0, 30.0, 45.0, 55.0, 65.0)
 DAYS = (80, 172, 355)

@@ -17,7 +17,6 @@ from benchmarks.validation.figure_script import write_figure
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.polar_table import shipped_airfoils
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.results.tables import Column, Table
 from sizing.smooth import Value
 from solar.types import FloatArray
 from studies.output.figures.drawing import (
@@ -34,6 +33,7 @@ from studies.output.figures.drawing import (
     to_bytes,
 )
 from studies.output.figures.options import DEFAULT, FigureOptions
+from studies.render.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

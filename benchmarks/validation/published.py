@@ -14,11 +14,11 @@ from missions.library import load_mission
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.performance import performance, perpetual_days
-from sizing.results.tables import Column, Table
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 from solar.names import CORRECTION_NAMES, ModelName
 from studies.models.report_reproduction import MEASURED_W, PERIOD_H, PUBLISHED_W
+from studies.render.tables import Column, Table
 
 REPORT = "Oettershagen, solar power models, table 3"
 AIRFRAME = "AtlantikSolar AS-2, as built"

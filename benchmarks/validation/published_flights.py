@@ -24,8 +24,8 @@ from sizing.day.replay import CalendarRun, calendar_run
 from sizing.library import load_aircraft
 from sizing.mass_budget import design_of
 from sizing.performance import performance, perpetual_days
-from sizing.results.tables import Column, Table
 from solar.names import ATTITUDE_MODELS
+from studies.render.tables import Column, Table
 
 _STEP_H = 1.0 / 30.0
 

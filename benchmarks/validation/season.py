@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from sizing.results.tables import Column, Table
+from studies.render.tables import Column, Table
 
 AIRCRAFT, MISSION, LATITUDE_DEG = "atlantiksolar-as2", "rafz-july", 47.6
 DAYS_PER_MONTH = 365.0 / 12.0

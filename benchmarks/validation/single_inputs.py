@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.validation.flight_inputs import INPUTS, MISSES, Input, Miss, Spread
 from benchmarks.validation.published_flights import Trial
-from sizing.results.tables import Column, Table
+from studies.render.tables import Column, Table
 
 _SCAN = 6
 _HALVINGS = 7

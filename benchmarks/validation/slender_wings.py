@@ -22,10 +22,10 @@ from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from sizing.results.tables import Column, Table
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import assess
 from studies.output.terminal import show
+from studies.render.tables import Column, Table
 
 # AC Propulsion's SoLong, flown 48 h in June 2005: 4.75 m, 28 lb, 44 % of it battery (The Engineer,
 # July 2005). Assumptions: 1.5 m2 of wing (76 cells alone are 1.2 m2), battery in the fuselage,

@@ -21,7 +21,6 @@ from benchmarks.validation.built_aircraft import (
 )
 from benchmarks.validation.figure_script import write_figure
 from missions.air import gust_speed_fraction, standard_air
-from sizing.results.tables import Column, Table
 from sizing.smooth import Value
 from sizing.structures.models import (
     SPAR_CALIBRATION,
@@ -44,6 +43,7 @@ from studies.output.figures.drawing import (
     to_bytes,
 )
 from studies.output.figures.options import DEFAULT, FigureOptions
+from studies.render.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

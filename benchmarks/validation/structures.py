@@ -14,12 +14,12 @@ import yaml
 
 from benchmarks.validation.built_aircraft import calibrated_rib_wing
 from missions.air import GRAVITY_M_PER_S2, gust_speed_fraction, standard_air
-from sizing.results.tables import Column, Table
 from sizing.structures.build import build_qualities
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import SPAR_CALIBRATION, SparStructure, StructureModel
 from sizing.structures.rib_wing import RibWingStructure
 from solar.types import FloatArray
+from studies.render.tables import Column, Table
 
 _CARRIED = ("battery", "modules", "propulsion", "systems")
 # The mass of an aircraft that cannot carry itself grows beyond this multiple of the published one.

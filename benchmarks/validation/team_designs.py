@@ -22,9 +22,9 @@ from sizing.library import refuse_named_twice
 from sizing.mass_budget import closed_design
 from sizing.parameters import BUILD_KEY
 from sizing.results.sizing import size
-from sizing.results.tables import Column, Table
 from sizing.sized_structure import structure_parts
 from sizing.structures.build import build_qualities
+from studies.render.tables import Column, Table
 
 
 @cache

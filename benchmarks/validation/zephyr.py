@@ -14,7 +14,7 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from sizing.results.tables import Column, Table
+from studies.render.tables import Column, Table
 
 PUBLISHED_SPAN_M, PUBLISHED_MASS_KG, PUBLISHED_BATTERY_KG = 25.0, 75.0, 24.0
 

@@ -1,9 +1,7 @@
-"""What :func:`sizing.analyse` and :func:`sizing.size` return, how it reads, and its record.
+"""What :func:`sizing.analyse` and :func:`sizing.size` compute: plain numbers, names and arrays.
 
-* ``analysis``, ``sizing``, ``sizing_study``: results and how they are computed, plain numbers, with
-  ``propulsion``, ``parts``, ``conditions``, ``requirements`` and ``season``
-* ``quantities``: the table of quantities: key, path, words, unit, form, importance
-* ``serialise``: any result as data for JSON
-* ``render``: a result at a level as blocks, with ``sentences`` and ``tables``, which knows text,
-  Markdown, HTML and LaTeX
+* ``analysis``, ``uncertainty``, ``weather``: analyses; ``sizing``, ``weather_sizing``: sizings
+* ``result``: what all of them are; how they read and their records are those of the layer above
+* ``measures`` of flights; ``margins`` of requirements, ``propulsion``, ``parts``, ``conditions``,
+  ``qualities``, ``season``: what results are made of
 """

@@ -21,12 +21,10 @@ from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
-from sizing.results import quantities as q
 from sizing.results.conditions import CalendarFlight, ClimbOfDay, ModelError
-from sizing.results.design_result import DesignResult
+from sizing.results.measures import MEASURES, OF_SCENARIO
 from sizing.results.propulsion import VaryingEfficiency, varying_efficiency
-from sizing.results.records import check_subjects
-from sizing.results.tables import data_frame
+from sizing.results.result import DesignResult, check_subjects, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.extrapolations import (
@@ -40,6 +38,17 @@ from solar.names import CorrectionName, ModelName
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+_OF_FRAME = (
+    "status",
+    "excess_time_h",
+    "charge_margin_h",
+    "endurance_h",
+    "minimum_state_of_charge",
+    "solar_energy_wh",
+    "load_energy_wh",
+)
 
 
 class ClimbCheck(NamedTuple):
@@ -74,7 +83,7 @@ class LimitedFlight:
 class Scenario:
     """A scenario of an analysis, by its quantities; ``climb`` for a mission with climbs alone."""
 
-    quantities: dict[q.Quantity, Any]
+    quantities: dict[str, Any]
     model: str
     correction: str
     latitude_deg: float
@@ -82,6 +91,13 @@ class Scenario:
     date: str
     uncertainty: ModelError
     climb: ClimbOfDay | None
+
+
+def _in_worst(key: str, text: str) -> property:
+    """Return an attribute: a measure of the worst scenario."""
+    return property(
+        lambda analysis: analysis.value_in_worst(key), doc=f"{text}, in the worst scenario."
+    )
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -123,21 +139,29 @@ class Analysis(DesignResult):
         """Index of the scenario with the least excess time."""
         return self.performance.worst_scenario()
 
-    excess_time_h = q.attribute_in_worst(q.EXCESS_TIME)
-    charge_margin_h = q.attribute_in_worst(q.CHARGE_MARGIN)
-    endurance_h = q.attribute_in_worst(q.ENDURANCE)
-    best_launch_h = q.attribute_in_worst(q.BEST_LAUNCH)
-    minimum_state_of_charge = q.attribute_in_worst(q.MINIMUM_CHARGE)
-    status = q.attribute_in_worst(q.STATUS)
-    sunrise_h = q.attribute_in_worst(q.SUNRISE)
-    sunset_h = q.attribute_in_worst(q.SUNSET)
-    equal_power_morning_h = q.attribute_in_worst(q.EQUAL_POWER_MORNING)
-    equal_power_evening_h = q.attribute_in_worst(q.EQUAL_POWER_EVENING)
-    full_charge_h = q.attribute_in_worst(q.FULL_CHARGE)
-    power_out_w = q.attribute_in_worst(q.LOAD)
-    solar_energy_wh = q.attribute_in_worst(q.SOLAR_ENERGY)
-    load_energy_wh = q.attribute_in_worst(q.LOAD_ENERGY)
-    curtailed_energy_wh = q.attribute_in_worst(q.CURTAILED_ENERGY)
+    excess_time_h = _in_worst("excess_time_h", "Excess time [h]")
+    charge_margin_h = _in_worst("charge_margin_h", "Time of a full battery [h]")
+    endurance_h = _in_worst("endurance_h", "Longest flight over all launch times [h]")
+    best_launch_h = _in_worst("best_launch_h", "Solar time of the launch of the longest flight [h]")
+    minimum_state_of_charge = _in_worst("minimum_state_of_charge", "Least state of charge [-]")
+    status = _in_worst("status", "How the day ends")
+    sunrise_h = _in_worst("sunrise_h", "Sunrise, solar time [h]")
+    sunset_h = _in_worst("sunset_h", "Sunset, solar time [h]")
+    equal_power_morning_h = _in_worst(
+        "equal_power_morning_h", "Solar time at which solar power first equals the load [h]"
+    )
+    equal_power_evening_h = _in_worst(
+        "equal_power_evening_h", "Solar time at which solar power last equals the load [h]"
+    )
+    full_charge_h = _in_worst("full_charge_h", "Solar time of the first full charge [h]")
+    power_out_w = _in_worst("power_out_w", "Nominal load [W]")
+    solar_energy_wh = _in_worst(
+        "solar_energy_wh", "Electric energy of the modules over the day [Wh]"
+    )
+    load_energy_wh = _in_worst("load_energy_wh", "Energy drawn over the day [Wh]")
+    curtailed_energy_wh = _in_worst(
+        "curtailed_energy_wh", "Energy not collected, the battery full [Wh]"
+    )
 
     @property
     def design(self) -> Design:
@@ -162,7 +186,7 @@ class Analysis(DesignResult):
             return None
         flown = self.performance
         launch_h, endurance_h = float(longest.launch_h), float(longest.endurance_h)
-        sunrise_h = float(self.scenario()[q.SUNRISE])
+        sunrise_h = float(self.scenario()["sunrise_h"])
         from_sunrise_h = from_noon_h = np.nan
         if np.isfinite(sunrise_h):
             from_sunrise_h, from_noon_h = flown.flight_time_h(at, [sunrise_h, 12.0])
@@ -235,27 +259,27 @@ class Analysis(DesignResult):
         return varying_efficiency(self.aircraft, flown)
 
     @cached_property
-    def values(self) -> dict[q.Quantity, Any]:
-        """Quantities of all scenarios: infinite where unlimited, NaN where there is none."""
-        return {one: self._values_of(one) for one in q.SCENARIO}
+    def values(self) -> dict[str, Any]:
+        """Measures of all scenarios: infinite where unlimited, NaN where there is none."""
+        return {key: self._values_of(key) for key in OF_SCENARIO}
 
-    def _values_of(self, one: q.Quantity) -> Any:
-        """One of them: the longest flights take a search, which the others need not wait for."""
-        if one is q.ENDURANCE:
+    def _values_of(self, key: str) -> Any:
+        """Return a measure: the longest flights take a search, which the others need not await."""
+        if key == "endurance_h":
             return [np.inf if e is None else float(e.endurance_h) for e in self.endurances]
-        if one is q.BEST_LAUNCH:
+        if key == "best_launch_h":
             return [np.nan if e is None else float(e.launch_h) for e in self.endurances]
-        return one.of(self.performance)
+        return MEASURES[key](self.performance)
 
-    def value_in_worst(self, one: q.Quantity) -> float | str:
-        """Quantity of the worst scenario: infinite where unlimited, NaN where there is none."""
-        value = self._values_of(one)[self.worst]
+    def value_in_worst(self, key: str) -> float | str:
+        """Return a measure of the worst scenario: infinite where unlimited, NaN without one."""
+        value = self._values_of(key)[self.worst]
         return value if isinstance(value, str) else float(value)
 
-    def scenario(self, index: int | None = None) -> dict[q.Quantity, Any]:
-        """Quantities of a scenario, by default of the worst."""
+    def scenario(self, index: int | None = None) -> dict[str, Any]:
+        """Return the measures of a scenario, by default of the worst."""
         at = self.worst if index is None else index
-        return {one: values[at] for one, values in self.values.items()}
+        return {key: values[at] for key, values in self.values.items()}
 
     @cached_property
     def scenarios(self) -> tuple[Scenario, ...]:
@@ -297,7 +321,7 @@ class Analysis(DesignResult):
         """Metrics of every scenario, one row each; infinite where unlimited."""
         scenarios = self.performance.day.scenarios
         place = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        return data_frame(place | {one.name: self.values[one] for one in q.SCENARIO_FRAME})
+        return data_frame(place | {key: self.values[key] for key in _OF_FRAME})
 
     def trajectory(self) -> pd.DataFrame:
         """Power and state of charge over the cycle of every scenario, one row per node of time."""

@@ -1,16 +1,11 @@
-"""An aircraft by its parts, for results: balance and drag, solar and battery cells."""
+"""Whole solar and battery cells of an aircraft and of a sizing, in numbers."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
-from sizing.catalogues.choice import taken
-from sizing.chosen_parts import put_parts_in
-from sizing.design import Design
-from sizing.parameters import parameter
-from sizing.results.quantities import CHOSEN
-from sizing.results.records import finite_values
+from sizing.results.numbers import finite_values
 
 if TYPE_CHECKING:
     from sizing.program.whole_cells import WholeCells
@@ -77,31 +72,3 @@ def sizing_record(cells: WholeCells, aircraft: Aircraft) -> dict[str, Any]:
         "tried": [finite_values(one.__dict__) for one in cells.tried],
     }
     return record | (cells_record(aircraft) if cells.aircraft is not None else {})
-
-
-def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[str, Any]:
-    """Aircraft's file as data, with an optimum put in.
-
-    Without ``whole_cells`` those of the file are another design's, and leave the technology they
-    had given.
-    """
-    data = aircraft.model_dump(mode="json", exclude_unset=True)
-    data["name"] = f"{data['name']}-sized"
-    for one in CHOSEN:
-        section, key = parameter(one.name).key.split(".")
-        data[section][key] = one.of(design)
-    put_parts_in(data, aircraft, design)
-    if whole_cells:
-        return data
-    if data["modules"].pop("layout", None) is not None:
-        # The boards of the strings, which may have less than the power that they take.
-        data["modules"]["mppt_mass_kg_per_w"] = aircraft.modules.mppt_mass_kg_per_w
-        if data["modules"].pop("mppt_board", None) is not None:
-            data["modules"]["mppt_efficiency"] = aircraft.modules.mppt_efficiency
-    if data["battery"].pop("pack", None) is not None:
-        technology = aircraft.battery.model_dump(mode="json")
-        of_entry = {one.key for one in taken(aircraft.battery, "")}
-        for key in ("specific_energy_wh_per_kg", "charge_limit"):
-            if key not in of_entry:
-                data["battery"][key] = technology[key]
-    return data

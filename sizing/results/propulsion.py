@@ -19,23 +19,20 @@ from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
-from sizing.results.records import amount, percent
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
 
-# Key of every row, and its words.
-_SHOWN = 1e-5  # of the chain: the fourth digit of what is printed
-_ROWS = {
-    "aerodynamic_w": "drag of level flight",
-    **{f"{link}_loss_w": f"lost in the {link}" for link in reversed(LINKS)},
-    "propulsion_w": "propulsion in level flight (measured)",
-    "turbulence_w": "turbulence",
-    "avionics_w": "avionics",
-    "payload_w": "payload",
-    "supply_loss_w": "lost in the power supply",
-    "heater_w": "heater of the battery",
-}
+_ROWS = (
+    "aerodynamic_w",
+    *(f"{link}_loss_w" for link in reversed(LINKS)),
+    "propulsion_w",
+    "turbulence_w",
+    "avionics_w",
+    "payload_w",
+    "supply_loss_w",
+    "heater_w",
+)
 
 
 @dataclass(frozen=True)
@@ -57,25 +54,6 @@ class PowerBudget:
     def bus_w(self) -> float:
         """Sum of the rows [W]."""
         return sum(self.watts.values())
-
-    def rows(self) -> tuple[tuple[str, float], ...]:
-        """Rows in words, without those of nothing."""
-        return tuple((_ROWS[key], one) for key, one in self.watts.items() if one > 1e-9)
-
-    def note(self) -> str:
-        """What the efficiencies are."""
-        if not self.efficiencies:
-            return "Only the whole power of a measured aircraft is known, not the share of drag."
-        chain = f"From battery to thrust: {percent(self.efficiencies['chain'])}"
-        if self.point is None:
-            return f"{chain} by constants of the file (assumed)."
-        point, off = self.point, (self.assumed or 0.0) - self.efficiencies["chain"]
-        rest = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > _SHOWN else ""
-        return (
-            f"{chain} at the operating point: propeller {float(point.rotation_rpm):.0f} rpm, "
-            f"motor {float(point.motor_current_a):.2f} A, duty {float(point.duty):.2f} of "
-            f"{amount(float(point.bus_power_w / point.bus_current_a), 'V')}{rest}."
-        )
 
     @property
     def every_w(self) -> dict[str, float | None]:

@@ -14,11 +14,8 @@ from sizing.parameters import all_replaced
 from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.result import SizingResult
-from sizing.results import quantities as q
 from sizing.structures.build import build_qualities
 from sizing.structures.models import OwnStructure
-
-_SHOWN = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from missions.dates import date_code
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.chosen_parts import sized_data
 from sizing.climb import beside_constant
 from sizing.day.light import SolarModel
 from sizing.design import Design, DesignVariables, Masses
@@ -27,15 +29,14 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
-from sizing.results import quantities as q
 from sizing.results.conditions import BatteryCondition, ClimbOfDay, ModelError, battery_condition
-from sizing.results.design_result import DesignResult
-from sizing.results.parts import sized_data, sizing_record
+from sizing.results.margins import RequirementMargin, requirement_margins
+from sizing.results.measures import MEASURES
+from sizing.results.numbers import NEGLIGIBLE
+from sizing.results.parts import sizing_record
 from sizing.results.qualities import BuiltDesign
-from sizing.results.records import NEGLIGIBLE
-from sizing.results.requirements import RequirementMargin, requirement_margins
+from sizing.results.result import SERIALISER, DesignResult, data_frame
 from sizing.results.season import Survival
-from sizing.results.tables import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.checks import record_check, stall_margin_within_polar
@@ -44,6 +45,33 @@ from sizing.validity.ranges import Extrapolation
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+_OF_DESIGN = (
+    "wingspan_m",
+    "aspect_ratio",
+    "battery_mass_kg",
+    "module_area_m2",
+    "total_mass_kg",
+    "airspeed_m_per_s",
+    "stall_speed_m_per_s",
+    "wing_loading_kg_per_m2",
+    "climb_rate_m_per_s",
+    "power_out_w",
+)
+_OF_PROPULSION = (
+    "propeller_diameter_m",
+    "propeller_pitch_m",
+    "gear_ratio",
+    "motor_speed_constant_rpm_per_v",
+)
+_OF_SCENARIO = (
+    "excess_time_h",
+    "charge_margin_h",
+    "minimum_state_of_charge",
+    "solar_energy_wh",
+    "load_energy_wh",
+)
 
 
 class WorstScenario(NamedTuple):
@@ -250,7 +278,9 @@ class SizingStudy(DesignResult):
     def power_out_w(self) -> float | None:
         """Load of the optimum [W]."""
         flown = self.result.simulated
-        return None if flown is None else float(q.LOAD.of(flown)[flown.worst_scenario()])
+        return (
+            None if flown is None else float(MEASURES["power_out_w"](flown)[flown.worst_scenario()])
+        )
 
     @property
     def simulated(self) -> Reached | None:
@@ -323,19 +353,18 @@ class SizingStudy(DesignResult):
             values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
         return values
 
-    def design_values(self) -> list[tuple[q.Quantity, float]]:
-        """Quantities of the optimum that tables show."""
-        design, perf, quantities = self._optimum(), self.result.simulated, self.quantities
-        assert perf is not None
+    def design_values(self) -> dict[str, float]:
+        """Return the numbers of the optimum that tables show."""
+        design, quantities = self._optimum(), self.quantities
         assert quantities is not None
-        known = design.variables._asdict() | quantities | {q.LOAD.name: self.power_out_w}
-        chosen = [one for one in q.CHOSEN_PROPULSION if known[one.name] is not None]
-        return [(one, float(known[one.name])) for one in (*q.SIZED_TABLE, *chosen)]
+        known = design.variables._asdict() | quantities | {"power_out_w": self.power_out_w}
+        chosen = [key for key in _OF_PROPULSION if known[key] is not None]
+        return {key: float(known[key]) for key in (*_OF_DESIGN, *chosen)}
 
     def to_frame(self) -> pd.DataFrame:
-        """Design as rows of quantity, value and unit; values are NaN without an optimum."""
-        values = self.design_values() if self.feasible else [(o, np.nan) for o in q.SIZED_TABLE]
-        rows = [(one.label, value, one.unit) for one, value in values]
+        """Return the design, a row each number with its unit; NaN without an optimum."""
+        values = self.design_values() if self.feasible else dict.fromkeys(_OF_DESIGN, np.nan)
+        rows = import_module(SERIALISER).rows_of(values)
         return data_frame(rows, columns=["quantity", "value", "unit"])
 
     @property
@@ -362,12 +391,15 @@ class SizingStudy(DesignResult):
         perf = self.result.simulated
         scenarios = self.mission.scenarios() if perf is None else perf.day.scenarios
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        reached = {o.name: np.nan if perf is None else o.of(perf) for o in q.REACHED_FRAME}
+        reached = {key: np.nan if perf is None else MEASURES[key](perf) for key in _OF_SCENARIO}
         return data_frame(places | reached)
 
 
 def _reached(flown: Performance) -> Reached:
     at = flown.worst_scenario()
-    excess_h, margin_h, charge = (float(one.of(flown)[at]) for one in q.REACHED)
+    excess_h, margin_h, charge = (
+        float(MEASURES[key](flown)[at])
+        for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
+    )
     mass_kg, solar = float(flown.design.total_mass_kg), flown.solar
     return Reached(excess_h, margin_h, charge, mass_kg, solar.model, solar.correction)

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
-from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
-from sizing.results.records import check_subjects, percentiles
-from sizing.results.tables import Result, data_frame
+from sizing.results.numbers import percentiles
+from sizing.results.result import Result, check_subjects, data_frame
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
 from sizing.validity.ranges import Extrapolation
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DEFAULT_SAMPLES = 8192
+_OF_FRAME = ("excess_time_h", "minimum_state_of_charge", "total_mass_kg", "propulsion_power_w")
 _LEAST_SAMPLES, _MOST_SAMPLES = 64, 2**20
 # Draws whose endurance is searched for: a launch of each is refined.
 _ENDURANCE_SAMPLES, _CLIMBING_ENDURANCE_SAMPLES = 1024, 256
@@ -105,9 +105,9 @@ class UncertaintyAnalysis(Result):
         return Proportion.of((excess > 0.0) & (excess >= self.required_h))
 
     @property
-    def percentiles(self) -> dict[Quantity, dict[str, float]]:
+    def percentiles(self) -> dict[str, dict[str, float]]:
         """P90, P50 and P10 of excess time, state of charge and endurance."""
-        return {one: draw_percentiles(values) for one, values in self.scattered().items()}
+        return {key: draw_percentiles(values) for key, values in self.scattered().items()}
 
     @property
     def spreads(self) -> tuple[DrawnInput, ...]:
@@ -124,14 +124,15 @@ class UncertaintyAnalysis(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """A row a draw: its inputs, excess time, least state of charge, mass and power."""
-        return data_frame(
-            self.values | {one.name: getattr(self.flights, one.name) for one in DRAWN}
-        )
+        return data_frame(self.values | {key: getattr(self.flights, key) for key in _OF_FRAME})
 
-    def scattered(self) -> dict[Quantity, FloatArray]:
-        """Excess time, state of charge and endurance of the draws."""
-        known = vars(self.flights) | {ENDURANCE.name: self.endurance_h}
-        return {one: known[one.name] for one in (EXCESS_TIME, MINIMUM_CHARGE, ENDURANCE)}
+    def scattered(self) -> dict[str, FloatArray]:
+        """Return excess time, state of charge and endurance of the draws."""
+        return {
+            "excess_time_h": self.flights.excess_time_h,
+            "minimum_state_of_charge": self.flights.minimum_state_of_charge,
+            "endurance_h": self.endurance_h,
+        }
 
     @property
     def lobes(self) -> dict[str, NDArray[np.bool_]]:

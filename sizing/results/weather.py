@@ -17,9 +17,8 @@ from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.conditions import BatteryCondition, battery_condition_of_days
-from sizing.results.records import check_subjects, finite, percentiles
-from sizing.results.serialise import plain
-from sizing.results.tables import Result, data_frame
+from sizing.results.numbers import finite, percentiles
+from sizing.results.result import Result, check_subjects, data_frame
 from sizing.results.weather_years import YearInWeather, YearToYear, years_of
 from sizing.validity.checks import (
     battery_checks,
@@ -262,7 +261,7 @@ class WeatherAnalysis(Result):
 
     def to_years_frame(self) -> pd.DataFrame:
         """A row a year: days, those that close, longest run and endurance."""
-        return data_frame([plain(one, "YearInFrame") for one in self.years])
+        return data_frame([year.row() for year in self.years])
 
     @property
     def months(self) -> list[dict[str, Any]]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
 from missions.weather.record import run_lengths
 from sizing.day.record import WeatherRun
-from sizing.results.records import percentiles
+from sizing.results.numbers import percentiles
 
 # A year that lacks more days than these is told, and not counted among the whole ones.
 _MISSING_DAYS = 7
@@ -39,6 +40,13 @@ class YearInWeather:
     def share_of_days_that_close(self) -> float:
         """Days that close over days [-]."""
         return self.days_that_close / self.days
+
+    def row(self) -> dict[str, Any]:
+        """Return the year as a row of a frame."""
+        row = vars(self) | {"share_of_days_that_close": self.share_of_days_that_close}
+        del row["endurance_h"]
+        ends = {f"endurance_{name}_h": self.endurance_h[name] for name in ("p90", "p50", "p10")}
+        return row | ends
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,14 @@ from click.core import ParameterSource
 
 from missions.files.errors import printable
 from missions.files.writing import to_json, write_files_atomically
-from sizing.results.tables import Line, Result, Summary, Table
+from sizing.results.result import Result
 from studies.cli.command import check_outputs
 from studies.cli.files import DEFAULT_MISSION, Case, mission_beside
 from studies.cli.telling import tell_error
 from studies.output.figures.drawing import to_bytes
 from studies.output.formats import image_format, table_bytes
 from studies.output.terminal import show, tell_line
+from studies.render.tables import Line, Summary, Table
 from studies.report import pdf
 
 if TYPE_CHECKING:

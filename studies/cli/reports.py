@@ -12,13 +12,13 @@ from missions.files.texts import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
-from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS
 from sizing.results.sizing_study import SizingStudy
 from studies.cli.files import Case, uncertain_inputs_of
 from studies.cli.outputs import PAGE, PRINTED
 from studies.cli.telling import progress_of
 from studies.output.run_folder import RESULTS, RunFolder
 from studies.output.sizing_files import sized_inputs
+from studies.quantities import EXCESS_TIME, TOTAL_MASS
 from studies.report import document
 from studies.report.pdf import to_pdf
 from studies.report.subject import Subject

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from sizing.aircraft import ParametricAirframe
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, parameter, parameter_value, unit_text
-from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
-from sizing.results.records import finite_values
-from sizing.results.tables import MISSING, Column, Table, data_frame
+from sizing.results.numbers import finite_values
+from sizing.results.result import data_frame
+from studies import quantities as q
+from studies.render.tables import MISSING, Column, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -193,7 +194,7 @@ def _balance(analysis: Analysis) -> list[Entry]:
 
 def _energy(analysis: Analysis) -> list[Entry]:
     """Metrics of the worst scenario."""
-    values = ((one, float(analysis.scenario()[one])) for one in q.SHEET_ENERGY)
+    values = ((one, float(analysis.scenario()[one.name])) for one in q.SHEET_ENERGY)
     return [_entry("energy", one, None if isnan(value) else value) for one, value in values]
 
 

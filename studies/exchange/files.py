@@ -11,11 +11,11 @@ from missions.files.writing import write_bytes_atomically
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
-from sizing.results.tables import UNLIMITED
 from solar.names import CorrectionName, ModelName
 from studies.exchange.airplane import airplane_text, missing_library
 from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet
 from studies.output.formats import missing_writer, table_bytes, workbook_bytes
+from studies.render.tables import UNLIMITED
 
 # Geometry alone needs no mission; tables hold what the aircraft does on one.
 GEOMETRY_FORMATS = ("avl", "vspscript", "py")

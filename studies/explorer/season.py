@@ -21,8 +21,8 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from sizing.design import Design
 from sizing.performance import performance
-from sizing.results.quantities import EXCESS_TIME
 from solar.types import FloatArray
+from studies.quantities import EXCESS_TIME
 
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
 COARSE_STEP_H = 0.25

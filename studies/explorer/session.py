@@ -29,7 +29,7 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis, analyse
-from sizing.results.records import finite
+from sizing.results.numbers import finite
 from solar._version import __version__
 from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps

@@ -23,9 +23,9 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX, label, with_parameter
 from sizing.performance import performance
 from sizing.program.objectives import Objective
-from sizing.results.requirements import constraint_words
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
+from studies.render.words import constraint_words
 
 if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy

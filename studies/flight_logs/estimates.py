@@ -20,10 +20,10 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import all_replaced, parameter_value
-from sizing.results.tables import Column, Table
 from solar.types import FloatArray, IntArray
 from studies.flight_logs.fit import CONFIDENCE, Fit, correlation_time
 from studies.flight_logs.forward import Forward
+from studies.render.tables import Column, Table
 
 # Half-widths of intervals beyond which nothing is said to be known [min, deg].
 _UNKNOWN_MIN, _UNKNOWN_DEG = 120.0, 45.0

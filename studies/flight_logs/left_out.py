@@ -12,12 +12,12 @@ from missions.logs.plausible import Kind, span_text
 from missions.logs.table import GAP_STEPS, FlightLog, Gap
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import NoChargeLimit, charge_rate_per_h
-from sizing.results.tables import Column, Table
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.fit import Fit, fitted
 from studies.flight_logs.forward import Forward, Samples
+from studies.render.tables import Column, Table
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
 _OF_VALUES: Mapping[Kind, Reason] = {

@@ -10,10 +10,10 @@ import pandas as pd
 
 from missions.logs.plausible import utc_text
 from missions.logs.table import FlightLog
-from sizing.results.tables import Column, Table
 from solar.geometry import ModuleGeometry
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.forward import Forward, Samples
+from studies.render.tables import Column, Table
 
 _MOST_ROWS = 14
 _HOURS = (0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0)

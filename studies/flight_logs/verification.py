@@ -19,8 +19,7 @@ from missions.logs.plausible import utc_text
 from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.results.render import ALL
-from sizing.results.tables import Column, Line, Result, Table
+from sizing.results.result import Result
 from solar.names import ModelName
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
@@ -44,6 +43,8 @@ from studies.flight_logs.residuals import (
     residuals,
     surfaces_of,
 )
+from studies.render.results import ALL
+from studies.render.tables import Column, Line, Table
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.

@@ -20,7 +20,6 @@ from sizing.day.module_power import path_troubles
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective
-from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from sizing.validity.checks import (
     at_highest,
     charge_rate_check,
@@ -31,6 +30,7 @@ from sizing.validity.checks import (
 from sizing.validity.extrapolations import add_effects, collect_extrapolations
 from sizing.validity.ranges import Check, Extrapolation
 from solar.types import FloatArray
+from studies.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from studies.study import merged
 
 # Cells simulated at once: their arrays over one day take some 10 MB each.

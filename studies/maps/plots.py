@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 from missions.dates import MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission.scenarios import latitude_label
 from sizing.program.objectives import Objective
-from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (
     cell_edges,
     draw_cells,
@@ -37,6 +36,7 @@ from studies.output.figures.drawing import (
 from studies.output.figures.options import DEFAULT
 from studies.output.gridded import SIZED, OnGrid, extrapolations_of, flown_caption
 from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
+from studies.render.notes import extrapolation_caption
 
 if TYPE_CHECKING:
     from solar.types import FloatArray

@@ -15,11 +15,9 @@ from missions.mission.scenarios import latitude_label
 from missions.weather.record import runs_of
 from sizing.day.metrics import Status
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.results import quantities as q
-from sizing.results.notes import extrapolation_blocks
-from sizing.results.serialise import serialise
-from sizing.results.tables import Column, Line, Result
+from sizing.results.result import Result
 from solar.types import BoolArray, IntArray
+from studies import quantities as q
 from studies.output.gridded import (
     SIZED,
     TOO_WINDY,
@@ -30,6 +28,9 @@ from studies.output.gridded import (
     shown_places,
     status_names,
 )
+from studies.render.notes import extrapolation_blocks
+from studies.render.tables import Column, Line
+from studies.serialise import serialise
 
 _ROWS = {1: 15, 2: 1000}  # latitudes of the table, by level
 _DAYS = 365

@@ -18,7 +18,6 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.program import cells as cell_sizing
 from sizing.program.cells import CellSizings
 from sizing.program.objectives import SizingStatus
-from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.validity.checks import (
     charge_rate_check,
     charge_rate_is_open,
@@ -29,6 +28,7 @@ from sizing.validity.extrapolations import cell_texts
 from solar.types import FloatArray
 from studies.maps.cells import MapConfiguration, scenarios_of
 from studies.output.gridded import SIZED, TOO_WINDY
+from studies.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from studies.study import merged
 
 

@@ -16,7 +16,6 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
 from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.results.quantities import MAP, described
 from sizing.validity.checks import charge_rate_is_open, check_own_models
 from sizing.validity.extrapolations import add_effects
 from sizing.validity.ranges import Extrapolation
@@ -36,6 +35,7 @@ from studies.output.gridded import (
     resize_objective,
     told_of_cells,
 )
+from studies.quantities import MAP, described
 from studies.study import Study
 
 if TYPE_CHECKING:

@@ -22,10 +22,7 @@ from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import RESIZE_NAMES, Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.results.notes import extrapolation_blocks
-from sizing.results.quantities import group, table_of
-from sizing.results.render import ALL
-from sizing.results.tables import Column, Line, Result, Table
+from sizing.results.result import Result
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import (
     collect_extrapolations,
@@ -44,6 +41,10 @@ from studies.models.solar_models import (
     perpetual_line,
     reference_model,
 )
+from studies.quantities import group, table_of
+from studies.render.notes import extrapolation_blocks
+from studies.render.results import ALL
+from studies.render.tables import Column, Line, Table
 
 if TYPE_CHECKING:
     import pandas as pd

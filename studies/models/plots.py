@@ -9,7 +9,6 @@ import numpy as np
 
 from missions.dates import MONTH_NAMES, MONTH_STARTS
 from sizing.program.objectives import Objective
-from sizing.results.notes import extrapolation_caption
 from studies.maps.season import Season
 from studies.models.comparison import Comparison
 from studies.models.prediction import Case
@@ -25,6 +24,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT, library
+from studies.render.notes import extrapolation_caption
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -20,7 +20,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.module_power import modelled_power, own_surroundings
 from sizing.library import load_aircraft
-from sizing.results.tables import Column, Line, Result, Table
+from sizing.results.result import Result
 from solar.names import MODEL_NAMES, ModelName
 from solar.types import FloatArray
 from studies.output.figures.drawing import (
@@ -33,6 +33,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.render.tables import Column, Line, Table
 
 if TYPE_CHECKING:
     import pandas as pd

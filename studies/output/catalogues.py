@@ -7,7 +7,7 @@ from typing import Any
 
 from sizing.catalogues.choice import Kind, entries
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, MpptEntry
-from sizing.results.tables import Column, Table
+from studies.render.tables import Column, Table
 
 _TITLES: dict[Kind, str] = {
     "cells": "solar cells: modules.cell",

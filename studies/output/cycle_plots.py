@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from sizing.results.notes import extrapolation_caption
-from sizing.results.records import clock_label
 from sizing.validity.ranges import where_error_is_known
 from studies.output.figures.drawing import (
     CHARGE,
@@ -26,6 +24,8 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.render.notes import extrapolation_caption
+from studies.render.tables import clock_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,9 +12,7 @@ from sizing.day.light import SolarModel
 from sizing.parameters import label, unit_text
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
-from sizing.results.notes import extrapolation_caption
 from sizing.results.parts import cells_record
-from sizing.results.sentences import cells_lines
 from sizing.validity.ranges import Extrapolation
 from studies.output.figures.drawing import (
     CHARGE,
@@ -28,6 +26,8 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT, library
+from studies.render.notes import extrapolation_caption
+from studies.render.sentences import cells_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

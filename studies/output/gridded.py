@@ -25,14 +25,14 @@ from sizing.day.light import SolarModel
 from sizing.day.metrics import FLOWN
 from sizing.parameters import label
 from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
-from sizing.results.quantities import DESIGN_COLUMNS, REACHED, described
-from sizing.results.requirements import requirements
-from sizing.results.tables import data_frame
+from sizing.results.result import data_frame
 from sizing.validity.extrapolations import from_text, merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar._version import __version__
 from solar.versions import FORMAT_VERSION
 from studies.output.formats import csv_bytes, table_bytes, workbook_bytes
+from studies.quantities import DESIGN_COLUMNS, REACHED, described
+from studies.render.words import requirements
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -13,16 +13,16 @@ from missions.mission.mission import MAXIMUM_SCENARIOS
 from sizing.program.objectives import Objective
 from sizing.program.ranges import WidestRange
 from sizing.results.analysis import Analysis, analyse
-from sizing.results.notes import extrapolation_caption
-from sizing.results.serialise import serialise
+from sizing.results.result import data_frame
 from sizing.results.sizing_study import SizingStudy
-from sizing.results.tables import data_frame
 from sizing.structures.rib_wing import RibWingStructure
 from studies.output import design_plots
 from studies.output.cycle_plots import plot_cycle
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
+from studies.render.notes import extrapolation_caption
+from studies.serialise import serialise
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

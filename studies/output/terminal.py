@@ -10,8 +10,9 @@ from typing import Any
 import click
 
 from missions.files.errors import printable
-from sizing.results.layout import RULE
-from sizing.results.tables import Emphasis, Result, Summary, Table
+from sizing.results.result import Result
+from studies.render.layout import RULE
+from studies.render.tables import Emphasis, Summary, Table
 
 # Letters beyond ASCII that results have, for a terminal that has none.
 _PLAIN = str.maketrans(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from sizing.results.tables import Table
+from studies.render.tables import Table
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,11 @@ from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import performance
-from sizing.results.records import relative_change
-from sizing.results.sentences import battery_line, uncertainty_line
-from sizing.results.tables import Column, Table, facts
+from sizing.results.numbers import relative_change
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import BoolArray
+from studies.render.sentences import battery_line, uncertainty_line
+from studies.render.tables import Column, Table, facts
 from studies.report.blocks import Block, Items, Listing, Section, Tables, Text, sentence
 from studies.report.subject import Subject
 

@@ -12,9 +12,10 @@ from sizing.limits import DesignInFlight
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
-from sizing.results import quantities as q
-from sizing.results.records import with_unit
-from sizing.results.render import (
+from sizing.results.margins import requirement_margins
+from studies import quantities as q
+from studies.render.numbers import with_unit
+from studies.render.results import (
     balance_table,
     build_table,
     drag_table,
@@ -24,15 +25,17 @@ from sizing.results.render import (
     requirement_table,
     sensitivity_table,
 )
-from sizing.results.requirements import constraint_words, requirement_margins
-from sizing.results.sentences import (
+from studies.render.sentences import (
     balance_lines,
     cells_lines,
     cross_check_line,
     loss_line,
+    power_note,
+    power_rows,
     wind_rows,
 )
-from sizing.results.tables import facts
+from studies.render.tables import facts
+from studies.render.words import constraint_words
 from studies.report.blocks import Bars, Block, Section, Tables, Text, sentence
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import aircraft_drawing
@@ -69,7 +72,7 @@ def aircraft_section(subject: Subject) -> Section:
 
 def _design_tables(subject: Subject) -> Iterator[Any]:
     aircraft, analysis = subject.aircraft, subject.analysis
-    design, values = analysis.performance.design, analysis.scenario()
+    design = analysis.performance.design
     modules, mission = aircraft.modules, subject.mission
     flown = DesignInFlight(aircraft, design)
     yield facts(
@@ -101,12 +104,12 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
         "power and energy",
         [
             ("propulsion power", _fact(q.PROPULSION_POWER, design)[1]),
-            q.LOAD.fact(values[q.LOAD]),
+            q.LOAD.fact(analysis.power_out_w),
             _fact(q.BATTERY_ENERGY, design),
             ("specific energy", f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg"),
             ("battery over total mass", f"{share:.0f} %"),
             ("module efficiency", f"{100.0 * modules.efficiency_stc:.1f} %"),
-            q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY]),
+            q.SOLAR_ENERGY.fact(analysis.solar_energy_wh),
         ],
     )
     required_h = max(mission.required_excess_time_h, 0.0)
@@ -128,7 +131,7 @@ def budget_section(subject: Subject) -> Section:
         "mass budget", "kg", ".3f", _mass_rows(subject.aircraft, flown.design), "total mass"
     )
     power = Bars(
-        "load in level flight", "W", ".2f", used.rows(), "load", note=used.note(),
+        "load in level flight", "W", ".2f", power_rows(used), "load", note=power_note(used),
     )  # fmt: skip
     shares, balance = subject.analysis.drag_coefficients, subject.analysis.balance
     parts = [] if shares is None else [drag_table(shares)]

@@ -12,13 +12,13 @@ from matplotlib.contour import ContourSet
 from missions.dates import DAYS_PER_YEAR, date_label
 from missions.mission.scenarios import latitude_label
 from sizing.results.analysis import Analysis
-from sizing.results.quantities import MINIMUM_CHARGE
-from sizing.results.render import ALL, flight_table, scenario_table
-from sizing.results.tables import Line, Summary, Table
 from studies.maps.plots import plot_map
 from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
+from studies.quantities import MINIMUM_CHARGE
+from studies.render.results import ALL, flight_table, scenario_table
+from studies.render.tables import Line, Summary, Table
 from studies.report.blocks import Block, Items, Section, Tables, Text
 from studies.report.figures import page_figure, page_options
 from studies.report.subject import Subject
@@ -70,7 +70,7 @@ def day_section(subject: Subject) -> Section:
     where = analysis.performance.day.scenarios.label(analysis.worst)
     several = len(analysis.performance.cycle.status) > 1
     height = 5.2 if analysis.climb is None else 7.2
-    _, least = MINIMUM_CHARGE.fact(analysis.scenario()[MINIMUM_CHARGE])
+    _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
     described = (
         f"Solar power and load over the hours of the day, and below the state of charge, which is "
         f"least, {least}, in the morning."

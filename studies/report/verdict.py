@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sizing.results import quantities as q
-from sizing.results.records import hours
-from sizing.results.sentences import landing
 from sizing.validity.ranges import where_error_is_known
+from studies import quantities as q
+from studies.render.numbers import hours
+from studies.render.sentences import landing
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
 
@@ -55,7 +55,7 @@ def verdict(subject: Subject) -> Verdict:
         return _of_landing(subject, f"{who}, {weakest}", lows, error)
     fails = f"{who} does not fly perpetually: {weakest}"
     if not analysis.is_perpetual:
-        hold_h = float(analysis.scenario()[q.ENDURANCE])
+        hold_h = float(analysis.endurance_h)
         longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
         without = hours(max(-float(excess), 0.0))
         text = f"{fails} it flies for {longest}, {without} of every day are without power"
@@ -146,11 +146,11 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     coverage = aircraft.modules.area_m2 * ratio / span**2
     yield Fact("modules", f"{aircraft.modules.area_m2:.3g}", "m²",
                f"{100.0 * coverage:.0f} % of the wing")  # fmt: skip
-    yield _fact(q.LOAD, values, f"sun: {q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY])[1]} a day")
+    yield _fact(q.LOAD, values, f"sun: {q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)[1]} a day")
 
 
-def _fact(quantity: q.Quantity, values: Mapping[q.Quantity, Any], note: str) -> Fact:
-    label, text = quantity.fact(values[quantity])
+def _fact(quantity: q.Quantity, values: Mapping[str, Any], note: str) -> Fact:
+    label, text = quantity.fact(values[quantity.name])
     number, _, unit = text.partition(" ")
     return Fact(label, number, unit, note)
 

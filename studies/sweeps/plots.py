@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from sizing.day.metrics import ENDS
 from sizing.program.objectives import Objective
-from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (
     draw_cells,
     draw_colour_bar,
@@ -52,6 +51,7 @@ from studies.output.gridded import (
     reasons_without_result,
     to_table,
 )
+from studies.render.notes import extrapolation_caption
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.results import MORE_IS_BETTER, pareto_table
 

@@ -33,7 +33,13 @@ from sizing.mass_budget import (
 from sizing.parameters import MISSION_PREFIX
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.results.quantities import (
+from sizing.smooth import Value
+from sizing.validity.checks import flight_checks
+from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
+from solar.schema import Record
+from solar.types import FloatArray
+from studies.output import gridded
+from studies.quantities import (
     CHOSEN,
     ENDURANCE,
     LOAD,
@@ -44,12 +50,6 @@ from sizing.results.quantities import (
     TOTAL_MASS,
     described,
 )
-from sizing.smooth import Value
-from sizing.validity.checks import flight_checks
-from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
-from solar.schema import Record
-from solar.types import FloatArray
-from studies.output import gridded
 from studies.study import blanks_of
 from studies.sweeps.axes import design_variable
 

@@ -13,10 +13,7 @@ from numpy.typing import NDArray
 
 from sizing.parameters import parameter
 from sizing.program.objectives import Objective
-from sizing.results.notes import extrapolation_blocks
-from sizing.results.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
-from sizing.results.serialise import serialise
-from sizing.results.tables import Column, Line, Result, Table
+from sizing.results.result import Result
 from studies.output.gridded import (
     CLIMB,
     extrapolations_of,
@@ -24,6 +21,10 @@ from studies.output.gridded import (
     reasons_without_result,
     to_table,
 )
+from studies.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
+from studies.render.notes import extrapolation_blocks
+from studies.render.tables import Column, Line, Table
+from studies.serialise import serialise
 from studies.sweeps.axes import unit_label, without_unit
 
 _ROWS = 15  # of the table of a summary

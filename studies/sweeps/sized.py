@@ -13,9 +13,9 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import all_replaced
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.results.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
 from sizing.validity.extrapolations import as_text, extrapolations
 from solar.types import FloatArray
+from studies.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
 from studies.sweeps.points import SweepConfiguration, columns_of, flyable
 

@@ -26,7 +26,6 @@ from sizing.day.light import SolarModel
 from sizing.day.metrics import ENDS, Status
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.validity.checks import check_own_models
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
@@ -39,6 +38,7 @@ from studies.output.gridded import (
     resize_objective,
     told_of_cells,
 )
+from studies.quantities import ASPECT_RATIO, WINGSPAN
 from studies.study import VARIED, Study
 from studies.sweeps.axes import (
     DESIGN_KEYS,

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from missions.dates import MONTH_NAMES
 from sizing.day.record import WeatherRun
-from sizing.results.notes import extrapolation_caption
 from sizing.results.weather import WeatherAnalysis
 from solar.types import BoolArray
 from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
+from studies.render.notes import extrapolation_caption
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,6 +11,7 @@ from documented import DOCS, ROOT
 import missions
 import sizing
 
+LAYERS = ("solar", "missions", "sizing", "studies")
 PAGE = (DOCS / "architecture.md").read_text(encoding="utf-8")
 NAMES = sorted(set(re.findall(r"`([a-z_.]+):([A-Za-z_.]+)`", PAGE)))
 
@@ -35,7 +36,7 @@ def functions_entered(call):
 
     def watch(frame, event, _):
         module = frame.f_globals.get("__name__", "")
-        if event == "call" and module.partition(".")[0] in ("solar", "missions", "sizing"):
+        if event == "call" and module.partition(".")[0] in LAYERS:
             entered.setdefault(f"{module}:{frame.f_code.co_qualname}")
 
     sys.setprofile(watch)

@@ -14,9 +14,9 @@ from missions.files.shipped import (
     shipped_text,
 )
 from missions.files.writing import to_json
-from sizing.results.layout import Grid
 from studies.cli.commands.start import List, Show
 from studies.output import terminal
+from studies.render.layout import Grid
 
 _HEADINGS = {"aircraft": "aircraft", "mission": "missions", "weather": "weather records"}
 

@@ -13,9 +13,7 @@ from sizing.day.module_power import path_troubles
 from sizing.program.reliability import check_reliability
 from sizing.program.survival import check_survival
 from sizing.results import sizing
-from sizing.results.render import SUMMARY
 from sizing.results.sizing_study import SizingStudy
-from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
 from studies.cli import files as checks
 from studies.cli.commands.design import Size
@@ -26,6 +24,8 @@ from studies.cli.telling import progress_of
 from studies.models.solar_models import perpetual_by_model, perpetual_line
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
+from studies.render.results import SUMMARY
+from studies.render.tables import Line, Summary
 
 _MOST_SCENARIOS = 12  # VM and FM take some 10 ms for each
 
@@ -71,15 +71,15 @@ def size(options: Size) -> None:
 
 def _summary(study: SizingStudy, options: Size) -> Summary:
     """Summary of a sizing, and what the other solar power models say of the optimum."""
-    found = study.at_level(SUMMARY + options.verbose)
+    summary: Summary = study.at_level(SUMMARY + options.verbose)
     if not study.feasible or options.weather_file is not None:
-        return found
+        return summary
     aircraft, mission = study.sized_aircraft(), study.sized_mission()
     blown = path_troubles(aircraft, mission)[0] is not None
     if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
-        return found
+        return summary
     line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()), mission)
-    return Summary((*found.blocks, Line(f"the optimum by all solar power models: {line}")))
+    return Summary((*summary.blocks, Line(f"the optimum by all solar power models: {line}")))
 
 
 def _refuse_unsizable(case: Case, options: Size) -> None:

@@ -27,7 +27,7 @@ from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
 from sizing.results.conditions import battery_condition
-from sizing.results.sentences import battery_line
+from studies.render.sentences import battery_line
 
 PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
 temperatures = st.floats(-60.0, 60.0)

@@ -22,8 +22,8 @@ from sizing.program.sensitivity import (
     sensitivities,
 )
 from sizing.program.size import size_aircraft
-from sizing.results.sentences import cross_check_line
 from studies.output.design_plots import plot_sensitivities
+from studies.render.sentences import cross_check_line
 
 pytestmark = pytest.mark.slow
 

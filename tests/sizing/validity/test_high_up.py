@@ -11,11 +11,11 @@ from weather_files import clear_record
 import sizing
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import analyse
-from sizing.results.notes import extrapolation_caption
 from sizing.results.sizing import size
 from sizing.validity.ranges import Extrapolation
 from studies.maps.study import feasibility_map, resized_map
 from studies.output.gridded import extrapolations_of
+from studies.render.notes import extrapolation_caption
 
 # Perpetual there on the longest day, by less than the assumptions are worth.
 HIGH = mission(altitude_m=10000.0, dates={"on": "06-21"})

@@ -15,7 +15,7 @@ from command_line import BIRD, FIELD, Run, edited, files
 
 from missions.files.shipped import shipped_text
 from sizing.library import load_aircraft
-from sizing.results.requirements import RECOMMENDED_STALL_MARGIN
+from sizing.results.margins import RECOMMENDED_STALL_MARGIN
 from sizing.validity.ranges import ranges
 from studies.cli import __main__ as cli
 

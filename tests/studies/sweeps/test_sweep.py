@@ -27,9 +27,9 @@ from sizing.mass_budget import design_of
 from sizing.performance import performance
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from sizing.results.tables import Table
 from studies.maps.study import prepare as prepare_map
 from studies.output.gridded import SizingStatus, to_table
+from studies.render.tables import Table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import judge_points, plain_data

@@ -11,8 +11,8 @@ from propulsors import VOLTAGE, aircraft
 import sizing
 from missions.library import load_mission
 from sizing.mass_budget import parametric_design
-from sizing.results.render import requirement_table
-from sizing.results.requirements import requirement_margins
+from sizing.results.margins import requirement_margins
+from studies.render.results import requirement_table
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})
 

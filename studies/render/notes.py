@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from sizing.results.records import hours
-from sizing.results.tables import Line
 from sizing.validity.ranges import Extrapolation
+from studies.render.numbers import hours
+from studies.render.tables import Line
 
 HEADING = "outside the range of a model:"
 # Of what is assumed instead of a model, by the model: whose excess time a note has.

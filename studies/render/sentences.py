@@ -17,15 +17,17 @@ from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import unit_text
 from sizing.performance import Performance
+from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.relaxed_flight import Relaxation
-from sizing.results import quantities as q
 from sizing.results.conditions import BatteryCondition, Spread, wind_of
 from sizing.results.propulsion import Instant, PartMasses, PowerBudget, VaryingEfficiency
-from sizing.results.records import amount, change_text, clock_label, hours, percent, with_unit
-from sizing.results.requirements import constraint_words, parameter_words
 from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
+from studies import quantities as q
+from studies.render.numbers import amount, change_text, hours, percent, with_unit
+from studies.render.tables import clock_label
+from studies.render.words import constraint_words, parameter_words
 
 if TYPE_CHECKING:
     from sizing.program.cross_check import CrossCheck
@@ -390,6 +392,40 @@ def catalogue_line(aircraft: Aircraft) -> str | None:
 # ---- Parts
 
 
+_POWER_WORDS = {
+    "aerodynamic_w": "drag of level flight",
+    **{f"{link}_loss_w": f"lost in the {link}" for link in reversed(LINKS)},
+    "propulsion_w": "propulsion in level flight (measured)",
+    "turbulence_w": "turbulence",
+    "avionics_w": "avionics",
+    "payload_w": "payload",
+    "supply_loss_w": "lost in the power supply",
+    "heater_w": "heater of the battery",
+}
+_SHOWN = 1e-5  # of the chain: the fourth digit of what is printed
+
+
+def power_rows(budget: PowerBudget) -> tuple[tuple[str, float], ...]:
+    """Return the rows of a power budget in words [W], without those of nothing."""
+    return tuple((_POWER_WORDS[key], w) for key, w in budget.watts.items() if w > 1e-9)
+
+
+def power_note(budget: PowerBudget) -> str:
+    """Return what the efficiencies of a power budget are."""
+    if not budget.efficiencies:
+        return "Only the whole power of a measured aircraft is known, not the share of drag."
+    chain = f"From battery to thrust: {percent(budget.efficiencies['chain'])}"
+    if budget.point is None:
+        return f"{chain} by constants of the file (assumed)."
+    point, off = budget.point, (budget.assumed or 0.0) - budget.efficiencies["chain"]
+    rest = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > _SHOWN else ""
+    return (
+        f"{chain} at the operating point: propeller {float(point.rotation_rpm):.0f} rpm, "
+        f"motor {float(point.motor_current_a):.2f} A, duty {float(point.duty):.2f} of "
+        f"{amount(float(point.bus_power_w / point.bus_current_a), 'V')}{rest}."
+    )
+
+
 # Words that are long in a sentence.
 _LEFT_OUT = ("lost in the ", " of level flight", " in level flight (measured)")
 
@@ -397,13 +433,13 @@ _LEFT_OUT = ("lost in the ", " of level flight", " in level flight (measured)")
 def power_line(budget: PowerBudget, mission: Mission) -> str:
     """Power budget in a sentence; faster flight against the wind is not part of it."""
     parts = []
-    for name, watts in budget.rows():
+    for name, watts in power_rows(budget):
         for words in _LEFT_OUT:
             name = name.replace(words, "")
         parts.append(f"{name} {amount(watts, 'W')}")
     slow = " at its own airspeed" if mission.holds_station else ""
     rows = f"{amount(budget.bus_w, 'W')}: {', '.join(parts)}"
-    return f"power in level flight{slow}, {rows}. {budget.note()}"
+    return f"power in level flight{slow}, {rows}. {power_note(budget)}"
 
 
 def part_masses_line(masses: PartMasses) -> str:

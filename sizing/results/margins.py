@@ -1,16 +1,12 @@
-"""How far a design is from every requirement on it, in one table, and requirements in words.
+"""How far a design is from every requirement on it.
 
-Results name requirements, bounds and parameters in JSON by what the program calls them; people read
-them here, with the key of the file that changes them. Besides what is demanded, two margins that a
-design office looks at: airspeed over stall speed, and climb at the highest altitude and with an
-empty battery.
+Besides what is demanded, two margins that a design office looks at: airspeed over stall speed, and
+climb at the highest altitude and with an empty battery.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import cache
-from types import MappingProxyType
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -18,86 +14,11 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.data_rows import data_rows
 from sizing.design import Design, bus_voltage_v
-from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
-from sizing.parameters import catalogue, label, unit, unit_text
+from sizing.parameters import label, unit, unit_text
 from sizing.performance import Performance
-from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
-
-
-@cache
-def requirements() -> Mapping[str, Mapping[str, str]]:
-    """Words, key and reason of every requirement with a name of its own."""
-    rows = data_rows("requirements")
-    return MappingProxyType({row["name"]: MappingProxyType(row) for row in rows})
-
-
-_ENDS = ("maximum", "minimum")
-
-
-class Words(NamedTuple):
-    """A constraint for people: what, in which scenario, and the key that changes it."""
-
-    label: str
-    where: str = ""
-    key: str = ""
-
-    @property
-    def without_key(self) -> str:
-        """What limits, and where."""
-        return f"{self.label} at {self.where}" if self.where else self.label
-
-    def __str__(self) -> str:
-        return f"{self.without_key} ({self.key})" if self.key else self.without_key
-
-
-def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
-    """Words for a requirement or bound as results name it.
-
-    ``name``: such as ``excess_time (45° N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
-    maximum`` or ``wingspan_m at its bound``. ``aircraft``: whose design space has the keys of
-    limits; without it they are those under ``limits``. Returns the name itself where nothing is
-    known of it.
-    """
-    bounded, at_its, end = name.partition(" at its ")
-    if at_its:
-        largest, fields = f"maximum_{bounded}", DesignSpace.model_fields
-        key = f"{bounded}.{end}" if end in _ENDS else bounded
-        key = largest if largest in fields else key
-        known = bounded in fields or largest in fields
-        return Words(f"{label(bounded)} at its {end}", "", f"design_space.{key}" if known else "")
-    plain, _, rest = name.partition(" (")
-    where = rest.removesuffix(")")
-    named = requirements().get(plain)
-    if named is not None and named["words"]:
-        return Words(named["words"], where, named["key"])
-    quantity, _, end = plain.rpartition("_")
-    if end in _ENDS and quantity in catalogue():
-        key = f"limits.{quantity}.{end}"
-        if aircraft is not None and (row := aircraft.design_space.limit_rows().get(plain)):
-            key = row.key
-        return Words(f"{label(quantity)} at its {end}", where, f"design_space.{key}")
-    return Words(plain, where)
-
-
-def parameter_words(key: str) -> str:
-    """Label of a parameter by its key, limits of the design space included.
-
-    ``key``: of the aircraft's or, behind ``mission.``, of the mission's file. Returns the key
-    itself where the catalogue has no label.
-    """
-    if key in catalogue():
-        return label(key)
-    last = key.removeprefix("design_space.").removeprefix("limits.")
-    for end, word in zip(_ENDS, ("largest", "least"), strict=True):
-        quantity = last.removesuffix(f".{end}").removeprefix(f"{end}_")
-        if quantity != last and quantity in catalogue():
-            return f"{word} {label(quantity)}"
-    return key
-
 
 # Take-off safety speed over stall speed, CS-23.51 and 14 CFR 23.51 (amendment 62).
 RECOMMENDED_STALL_MARGIN = 1.2
@@ -121,22 +42,6 @@ class RequirementMargin(NamedTuple):
     relative: bool = True
     recommended: bool = False
 
-    @property
-    def value_text(self) -> str:
-        """Value with its unit."""
-        if not np.isfinite(self.value):
-            return _unlimited_or_none(self.value)
-        return f"{round(self.value, 3):.4g} {self.unit}".strip()
-
-    @property
-    def text(self) -> str:
-        """Margin in words."""
-        if not np.isfinite(self.margin):
-            return _unlimited_or_none(self.margin)
-        if self.relative:
-            return f"{100.0 * self.margin:+.1f} %"
-        return f"{self.margin:+.2f} {self.unit}".strip()
-
 
 def requirement_margins(
     aircraft: Aircraft, flown: Performance, required_h: float
@@ -147,25 +52,23 @@ def requirement_margins(
     every scenario [h].
     """
     mission, design, worst = flown.mission, flown.design, flown.worst_scenario()
-    excess_h, charge = (
-        float(np.asarray(one.of(flown))[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE)
-    )
-    where = f", {flown.day.scenarios.label(worst)}"
-    found = [
-        _absolute(EXCESS_TIME.name, f"{EXCESS_TIME.label}{where}", excess_h, required_h, "h"),
-        _absolute(
-            *(MINIMUM_CHARGE.name, f"{MINIMUM_CHARGE.label}{where}"), 100.0 * charge, 0.0, "%"
-        ),
+    excess_h = float(flown.cycle.excess_time_h[worst])
+    charge_percent = 100.0 * float(flown.cycle.minimum_state_of_charge[worst])
+    at = flown.day.scenarios.label(worst)
+    charge_name, charge_label = "minimum_state_of_charge", f"minimum state of charge, {at}"
+    margins = [
+        _absolute("excess_time_h", f"excess time, {at}", excess_h, required_h, "h"),
+        _absolute(charge_name, charge_label, charge_percent, 0.0, "%"),
     ]
     winds = mission.wind_to_beat_m_per_s(mission.scenario_winds_m_per_s(flown.day.scenarios))
     wind = float(np.max(winds))
     if wind > 0.0 and design.airspeed_m_per_s is not None:
         speed = float(design.airspeed_m_per_s)
         name, text = "airspeed_above_wind", "airspeed above the wind"
-        found.append(_at_least(name, text, speed, wind, "m/s"))
+        margins.append(_at_least(name, text, speed, wind, "m/s"))
     if isinstance(aircraft.airframe, ParametricAirframe):
-        found += _of_parametric(aircraft, mission, design)
-    return found
+        margins += _of_parametric(aircraft, mission, design)
+    return margins
 
 
 def _of_parametric(
@@ -238,10 +141,6 @@ def _of_parts(aircraft: Aircraft, design: Design) -> Iterator[RequirementMargin]
     if current is not None:
         used = float(point.motor_current_a)
         yield _at_most("motor_current", "current of the motor", used, current, "A")
-
-
-def _unlimited_or_none(value: float) -> str:
-    return "unlimited" if value > 0.0 else "none"
 
 
 def _absolute(name: str, text: str, value: float, limit: float, of: str) -> RequirementMargin:

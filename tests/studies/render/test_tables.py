@@ -8,9 +8,9 @@ import math
 import pandas as pd
 import pytest
 
-from sizing.results.layout import Grid
-from sizing.results.records import change_text, clock_label, date_and_clock
-from sizing.results.tables import Column, Line, Summary, Table, facts
+from studies.render.layout import Grid
+from studies.render.numbers import change_text, date_and_clock
+from studies.render.tables import Column, Line, Summary, Table, clock_label, facts
 
 COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
 MASSES = Table("mass budget", COLUMNS, (("structure", 0.7081), ("battery", None)), ("a note",))

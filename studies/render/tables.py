@@ -2,8 +2,7 @@
 
 A :class:`Table` holds plain values with a name, a label and a unit for every column. It renders
 itself as text, Markdown, HTML, CSV or a pandas frame. A :class:`Summary` is a few lines and
-tables in the order in which they are read. Results describe themselves in these terms and know
-nothing of terminals, pages or files.
+tables in the order in which they are read.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ import io
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from sizing.parameters import unit_text
-from sizing.results.layout import Grid, paragraph, side_by_side
+from sizing.results.result import data_frame
+from studies.render.layout import Grid, paragraph, side_by_side
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,13 +31,6 @@ _WIDTH = 80
 
 Emphasis = Literal["plain", "strong", "faint", "warning"]
 StyledLine: TypeAlias = tuple[str, Emphasis]
-
-
-def data_frame(data: Any, columns: list[str] | None = None) -> pd.DataFrame:
-    """Frame of pandas, whose import takes longer than most results themselves."""
-    import pandas as pd
-
-    return pd.DataFrame(data, columns=columns)
 
 
 @dataclass(frozen=True)
@@ -270,41 +262,6 @@ class Summary:
 
     def _repr_html_(self) -> str:
         return self.to_html()
-
-
-class Result:
-    """A result, which is plain numbers: others render and serialise it.
-
-    :mod:`sizing.results.render` knows how it reads, :mod:`sizing.results.serialise` its record.
-    """
-
-    def headline(self) -> str:
-        """Result in one line."""
-        return str(import_module("sizing.results.render").headline(self))
-
-    def summary(self) -> Summary:
-        """Result as it fits a screen."""
-        return self.at_level(1)
-
-    def at_level(self, level: int) -> Summary:
-        """Result as people read it: a summary at level 1, all of it at level 2."""
-        rendered = import_module("sizing.results.render").render(self, level)
-        assert isinstance(rendered, Summary)
-        return rendered
-
-    def to_dict(self) -> dict[str, Any]:
-        """Whole result, JSON-ready; null where a number is unlimited or not defined."""
-        record: dict[str, Any] = import_module("sizing.results.serialise").serialise(self)
-        return record
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self.headline()}>"
-
-    def __str__(self) -> str:
-        return self.summary().to_text()
-
-    def _repr_html_(self) -> str:
-        return self.summary().to_html()
 
 
 def clock_label(clock_h: float | None) -> str:

@@ -15,12 +15,12 @@ import missions
 import sizing
 from missions.files.writing import to_yaml
 from sizing.aircraft import Aircraft
+from sizing.chosen_parts import sized_data
 from sizing.relaxed_flight import Relaxation
-from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
-from sizing.results.parts import sized_data
-from sizing.results.render import flight_table, relaxation_table
 from sizing.results.sizing_study import SizingStudy
+from studies import quantities as q
+from studies.render.results import flight_table, relaxation_table
 
 
 @pytest.fixture(scope="module")

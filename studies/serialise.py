@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from solar.versions import software_record
+from studies.quantities import TABLE
 
 RECORDS = {
     # ---- What is analysed
@@ -107,11 +108,6 @@ RECORDS = {
         correction=performance.solar.correction
         """,
     "YearInWeather": "+ share_of_days_that_close",
-    "YearInFrame": """
-        year whole days days_that_close clear_sky_days_that_close longest_run_days
-        share_of_days_that_close endurance_p90_h=endurance_h.p90
-        endurance_p50_h=endurance_h.p50 endurance_p10_h=endurance_h.p10
-        """,
     # ---- Altitudes
     "Ceiling": """
         aircraft=aircraft.name mission=mission.name model=solar.model correction=solar.correction
@@ -186,6 +182,11 @@ def serialise(value: Any, entry: str = "") -> Any:
     ``entry``: of :data:`RECORDS`; by default that of the value's class.
     """
     return _finite(plain(value, entry))
+
+
+def rows_of(values: Mapping[str, Any]) -> list[tuple[str, Any, str]]:
+    """Return quantities by their keys as rows: words, value and unit."""
+    return [(TABLE[key].label, value, TABLE[key].unit) for key, value in values.items()]
 
 
 def _finite(value: Any) -> Any:

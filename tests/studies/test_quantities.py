@@ -13,9 +13,9 @@ from sizing.aerodynamics.parabolic import level_flight_power_w
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import design_of
 from sizing.parameters import parameter
-from sizing.results import quantities
 from sizing.results.analysis import Analysis
-from sizing.results.quantities import Quantity
+from studies import quantities
+from studies.quantities import Quantity
 
 EVERY = [one for one in quantities.TABLE.values() if one.meaning or one.path]
 LOSS = Quantity("loss_m_per_s", "loss", "m/s", ".2f")
@@ -53,11 +53,11 @@ def test_shares_are_told_in_per_cent() -> None:
 def test_an_analysis_has_the_values_of_its_cycles(analysis: Analysis) -> None:
     cycle, values = analysis.performance.cycle, analysis.scenario()
     worst = int(np.argmin(cycle.excess_time_h))
-    assert set(values) == set(quantities.SCENARIO)
-    assert values[quantities.EXCESS_TIME] == cycle.excess_time_h[worst]
-    assert values[quantities.LOAD_ENERGY] == cycle.energy_budget.load_wh[worst]
+    assert list(values) == [one.name for one in quantities.SCENARIO]
+    assert values["excess_time_h"] == cycle.excess_time_h[worst]
+    assert values["load_energy_wh"] == cycle.energy_budget.load_wh[worst]
     other = analysis.scenario(1)
-    assert other[quantities.SUNRISE] == analysis.performance.day.sunrise_h[1]
+    assert other["sunrise_h"] == analysis.performance.day.sunrise_h[1]
 
 
 def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(
@@ -66,7 +66,7 @@ def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(
     record, frame = analysis.to_dict()["scenarios"][1], analysis.to_frame()
     for one in quantities.SCENARIO:
         assert one.name in record
-    assert list(frame)[2:] == [one.name for one in quantities.SCENARIO_FRAME]
+    assert set(list(frame)[2:]) < set(record)
     assert frame["charge_margin_h"][1] == record["charge_margin_h"]
 
 

@@ -12,8 +12,8 @@ import pytest
 
 import missions
 import sizing
-from sizing.results import serialise as of
-from sizing.results.serialise import serialise
+from studies import serialise as of
+from studies.serialise import serialise
 
 
 class Colour(IntEnum):

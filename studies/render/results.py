@@ -22,21 +22,22 @@ from sizing.day.replay import CalendarRun
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import unit_text
 from sizing.relaxed_flight import Relaxation
-from sizing.results import quantities as q
-from sizing.results import sentences as say
 from sizing.results.conditions import CalendarFlight, wind_of
-from sizing.results.notes import extrapolation_blocks
-from sizing.results.records import amount, change_text, date_and_clock, hours, percent, with_unit
-from sizing.results.render_chance import (
+from sizing.results.margins import RequirementMargin
+from sizing.validity.ranges import where_error_is_known
+from studies import quantities as q
+from studies.render import sentences as say
+from studies.render.chance import (
     uncertainty_blocks,
     uncertainty_headline,
     weather_blocks,
     weather_headline,
 )
-from sizing.results.requirements import RequirementMargin, constraint_words, parameter_words
-from sizing.results.serialise import serialise
-from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
-from sizing.validity.ranges import where_error_is_known
+from studies.render.notes import extrapolation_blocks
+from studies.render.numbers import amount, change_text, date_and_clock, hours, percent, with_unit
+from studies.render.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from studies.render.words import constraint_words, parameter_words
+from studies.serialise import serialise
 
 if TYPE_CHECKING:
     from sizing.day.light import SolarModel
@@ -196,22 +197,22 @@ def _analysis_parts(analysis: Analysis) -> list[Any]:
     return blocks
 
 
-def _endurance(values: Mapping[q.Quantity, Any]) -> float | str:
-    endurance_h, unlimited = values[q.ENDURANCE], values[q.STATUS] in ("perpetual", "always_lit")
+def _endurance(values: Mapping[str, Any]) -> float | str:
+    endurance_h, unlimited = values["endurance_h"], values["status"] in ("perpetual", "always_lit")
     return "over a year" if np.isinf(endurance_h) and not unlimited else float(endurance_h)
 
 
 def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
     values, design = analysis.scenario(), analysis.design
-    shown = {one: values[one] for one in q.IN_FLIGHT} | {q.ENDURANCE: _endurance(values)}
-    if np.isnan(values[q.SUNRISE]) or np.isnan(values[q.BEST_LAUNCH]):
+    shown = {one: values[one.name] for one in q.IN_FLIGHT} | {q.ENDURANCE: _endurance(values)}
+    if np.isnan(analysis.sunrise_h) or np.isnan(analysis.best_launch_h):
         del shown[q.BEST_LAUNCH]  # without sun every launch is as good
     of_design = {one: one.of(design) for one in q.OF_AIRCRAFT}
     return [
         *_facts_of(shown, level),
         *_climb_facts(analysis, level),
         *_facts_of(of_design, level),
-        *_facts_of({one: values[one] for one in (q.LOAD, q.SOLAR_ENERGY)}, level),
+        *_facts_of({one: values[one.name] for one in (q.LOAD, q.SOLAR_ENERGY)}, level),
         *say.wind_rows(analysis.mission),
     ]
 
@@ -260,7 +261,7 @@ def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Ta
         values = analysis.scenario(index)
         place = latitude_label(float(scenarios.latitude_deg[index]))
         day = date_label(int(scenarios.day_of_year[index]))
-        rows.append((place, day, *(values[one] for one in q.REACHED), _endurance(values)))
+        rows.append((place, day, *(values[one.name] for one in q.REACHED), _endurance(values)))
     columns = (*q.group("latitude date"), *q.REACHED, q.ENDURANCE)
     return Table("all scenarios", columns, tuple(rows))
 
@@ -369,7 +370,8 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     clear = "clear-sky " if study.survival is not None else ""
     excess, charge = (one.fact(one.of(flown)[flown.worst_scenario()]) for one in q.ENOUGH)
     where = f"{clear}{q.EXCESS_TIME.label}, {flown.day.scenarios.label(flown.worst_scenario())}"
-    values, flight, objective = dict(study.design_values()), study.mission.flight, study.objective
+    flight, objective = study.mission.flight, study.objective
+    values = {q.TABLE[key]: value for key, value in study.design_values().items()}
     rows = _facts_of(values, level)
     if objective.variable not in (*(one.name for one in values), "worst_excess_time_h"):
         value = with_unit(study.result.objective_value, ".4g", objective)
@@ -567,15 +569,31 @@ def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
     rows = tuple(
         (
             f"{one.label}{' (recommended)' if one.recommended else ''}",
-            one.value_text,
+            _margin_value_text(one),
             f"{one.limit:.5g} {one.unit}".strip(),
-            one.text
+            _margin_text(one)
             if one.recommended or one.margin >= -ROW_TOLERANCE
-            else f"{one.text}, violated",
+            else f"{_margin_text(one)}, violated",
         )
         for one in margins
     )
     return Table("margins of the requirements", columns, rows)
+
+
+def _margin_value_text(row: RequirementMargin) -> str:
+    """Return the value of a requirement with its unit."""
+    if not np.isfinite(row.value):
+        return UNLIMITED if row.value > 0.0 else "none"
+    return f"{round(row.value, 3):.4g} {row.unit}".strip()
+
+
+def _margin_text(row: RequirementMargin) -> str:
+    """Return the margin of a requirement, in per cent of its limit or in its unit."""
+    if not np.isfinite(row.margin):
+        return UNLIMITED if row.margin > 0.0 else "none"
+    if row.relative:
+        return f"{100.0 * row.margin:+.1f} %"
+    return f"{row.margin:+.2f} {row.unit}".strip()
 
 
 def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:

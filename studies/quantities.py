@@ -8,21 +8,17 @@ the groups that are to have it; what a design may also be bounded by is in
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any
 
-import numpy as np
-
 from sizing.data_rows import data_rows
-from sizing.day.metrics import Status
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance
-from sizing.results.records import finite
-from sizing.results.tables import CLOCK, UNLIMITED, Column, Table
+from sizing.results.measures import MEASURES, OF_SCENARIO
+from studies.render.tables import CLOCK, UNLIMITED, Column, Table
 
 
 @dataclass(frozen=True)
@@ -42,9 +38,10 @@ class Quantity(Column):
     short: str = field(default="", kw_only=True)
 
     def of(self, result: Any) -> Any:
-        """Value of a design, or of one in flight; or in every scenario of a performance."""
-        computed = _COMPUTED.get(self.name)
-        return attrgetter(self.path or self.name)(result) if computed is None else computed(result)
+        """Return the value of a design, or of one in flight; of a performance in every scenario."""
+        known: Mapping[str, Callable[[Any], Any]]
+        known = MEASURES if isinstance(result, Performance) else _OF_DESIGN
+        return known.get(self.name, attrgetter(self.path or self.name))(result)
 
     @property
     def variable(self) -> str:
@@ -65,60 +62,15 @@ class Quantity(Column):
         return self.label, text if bare or text in (self.missing, UNLIMITED) else f"{text} {unit}"
 
 
-def attribute_in_worst(one: Quantity) -> property:
-    """Attribute of an analysis: the quantity in its worst scenario."""
-    unit = f" [{one.unit}]" if one.unit else ""
-    return property(
-        lambda analysis: analysis.value_in_worst(one),
-        doc=f"{one.meaning or one.label or one.name}{unit}, in the worst scenario.",
-    )
-
-
-def attribute_of_design(one: Quantity) -> property:
-    """Attribute of an analysis or a sizing: the quantity of its design, NaN without one."""
-
-    def value(result: Any) -> float | None:
-        design = result.design
-        return math.nan if design is None else finite(one.of(design))
-
-    return property(value, doc=f"{one.meaning or one.label} [{one.unit}].")
-
-
-# ---- Values that are more than an attribute
-
-
-def _in_daylight(flight: Performance, hours: Any) -> Any:
-    """Instants of the sun; NaN where it does not rise or does not set."""
-    return np.where(flight.day.sunset_h > flight.day.sunrise_h, hours, np.nan)
-
-
-def _status_names(flight: Performance) -> list[str]:
-    """Status for users; a cycle without any solar power is one of the limited ones."""
-    every = (Status(int(number)) for number in flight.cycle.status)
-    return [(Status.limited if end is Status.never_lit else end).name for end in every]
-
-
-def _best_launches(flight: Performance) -> Any:
-    return [np.nan if longest is None else longest.launch_h for longest in flight.endurances()]
-
-
-_COMPUTED: dict[str, Any] = {
-    "stall_speed_m_per_s": QUANTITIES["stall_speed_m_per_s"],
-    "wing_loading_kg_per_m2": QUANTITIES["wing_loading_kg_per_m2"],
-    "status": _status_names,
-    "best_launch_h": _best_launches,
-    "sunrise_h": lambda flight: _in_daylight(flight, flight.day.sunrise_h),
-    "sunset_h": lambda flight: _in_daylight(flight, flight.day.sunset_h),
-    "day_length_h": lambda flight: flight.day.sunset_h - flight.day.sunrise_h,
-    "power_out_w": lambda flight: np.broadcast_to(flight.nominal_load_w, flight.cycle.status.shape),
-}
+# Of a design by its key, where they are more than an attribute.
+_OF_DESIGN = {key: QUANTITIES[key] for key in ("stall_speed_m_per_s", "wing_loading_kg_per_m2")}
 
 
 # ---- The table
 
 
 def _read() -> dict[str, Quantity]:
-    rows = data_rows("quantities")
+    rows = data_rows("quantities", "studies")
     return {row["key"]: _from_row(row) for row in rows}
 
 
@@ -200,15 +152,8 @@ BELOW_ZERO = "An excess time below 0 is the time of the day without enough power
 
 # ---- Groups: what is made of quantities
 
-# Record of a scenario, and the frame of them all.
-SCENARIO = (
-    *(EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, BEST_LAUNCH, MINIMUM_CHARGE, STATUS, SUNRISE, SUNSET),
-    *(EQUAL_POWER_MORNING, EQUAL_POWER_EVENING, FULL_CHARGE, LOAD, SOLAR_ENERGY),
-    *(LOAD_ENERGY, CURTAILED_ENERGY),
-)
-SCENARIO_FRAME = (
-    *(STATUS, EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, MINIMUM_CHARGE, SOLAR_ENERGY, LOAD_ENERGY),
-)
+# Measures of a scenario.
+SCENARIO = tuple(TABLE[key] for key in OF_SCENARIO)
 # Facts of an analysis: of its flight, and of its aircraft.
 IN_FLIGHT = (
     *(EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, BEST_LAUNCH, MINIMUM_CHARGE, FULL_CHARGE),
@@ -218,7 +163,6 @@ OF_AIRCRAFT = (TOTAL_MASS, BATTERY_ENERGY, AIRSPEED)
 ENOUGH = (EXCESS_TIME, MINIMUM_CHARGE)
 # What a sized design reaches in its worst scenario, and in each.
 REACHED = (EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE)
-REACHED_FRAME = (*REACHED, SOLAR_ENERGY, LOAD_ENERGY)
 # Variables of a map, of trade studies and of maps of sized designs.
 MAP = group(
     "excess_time_h minimum_state_of_charge charge_margin_h equal_power_morning_h "

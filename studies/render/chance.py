@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sizing.results import quantities as q
-from sizing.results import sentences as say
-from sizing.results.notes import extrapolation_blocks
-from sizing.results.records import PERCENTILES, clock_label, hours, percent
-from sizing.results.tables import Line, Table, facts
+from sizing.results.numbers import PERCENTILES
+from sizing.results.uncertainty import draw_percentiles
+from studies import quantities as q
+from studies.render import sentences as say
+from studies.render.notes import extrapolation_blocks
+from studies.render.numbers import hours, percent
+from studies.render.tables import Line, Table, clock_label, facts
 
 if TYPE_CHECKING:
     from sizing.results.uncertainty import UncertaintyAnalysis
@@ -71,10 +73,8 @@ def _spread_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
     return rows
 
 
-def _three(quantity: q.Quantity, values: dict[q.Quantity, Any]) -> str:
-    from sizing.results.uncertainty import draw_percentiles  # which is rendered here
-
-    ends = draw_percentiles(values[quantity]).values()
+def _three(quantity: q.Quantity, values: dict[str, Any]) -> str:
+    ends = draw_percentiles(values[quantity.name]).values()
     return ", ".join(quantity.fact(value)[1] for value in ends)
 
 

@@ -8,7 +8,7 @@ import sizing
 from sizing.aircraft import Aircraft
 from sizing.parameters import catalogue
 from sizing.program.transcription import Form, build_program
-from sizing.results.requirements import constraint_words, parameter_words
+from studies.render.words import constraint_words, parameter_words
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,48 @@
+"""Plain numbers of results: what JSON can hold, relative changes and percentiles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from solar.types import FloatArray
+
+# What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative
+# to it.
+NEGLIGIBLE = 1e-6
+
+# As reports on solar power have them: P90 is exceeded in 90 % of all cases.
+PERCENTILES = {"p90": 10.0, "p50": 50.0, "p10": 90.0}
+
+
+def finite(value: Any) -> float | None:
+    """Number for JSON: null where it is infinite, not defined or missing."""
+    if value is None:
+        return None
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Record with null for numbers that are infinite or not defined."""
+    return {
+        name: finite(value) if isinstance(value, float) else value for name, value in record.items()
+    }
+
+
+def relative_change(before: float, after: float) -> float | None:
+    """Change over the value before it [-]; None of what was next to nothing."""
+    return None if abs(before) <= NEGLIGIBLE else (after - before) / before
+
+
+def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
+    """P90, exceeded in 90 % of cases, P50 and P10.
+
+    By the method ``inverted_cdf`` each is a value that occurred.
+    """
+    return {
+        name: float(np.percentile(values, at, method=method)) for name, at in PERCENTILES.items()
+    }

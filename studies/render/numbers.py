@@ -1,0 +1,57 @@
+"""Numbers as people read them: with units, changes in per cent, hours and dates."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from missions.dates import date_label
+from sizing.parameters import unit_text
+from sizing.results.numbers import relative_change
+from studies.render.tables import MISSING, UNLIMITED, clock_label
+
+if TYPE_CHECKING:
+    from sizing.program.objectives import Objective
+
+
+def change_text(before: float, after: float) -> str:
+    """Change over the value before it, in percent."""
+    relative = relative_change(before, after)
+    if relative is None:
+        return MISSING
+    percent = round(100.0 * relative, 1)
+    return f"{percent:+.1f} %" if percent else "0.0 %"  # too small to show, it has no sign
+
+
+def with_unit(value: float | None, digits: str, objective: Objective) -> str:
+    """Value of an objective with its unit; an excess time may be unlimited."""
+    if value is None or math.isnan(value):
+        return MISSING
+    return (
+        UNLIMITED if math.isinf(value) else f"{value:{digits}} {unit_text(objective.unit)}".rstrip()
+    )
+
+
+# How numbers with a unit are written in sentences.
+_FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "Wh": ".1f", "V": ".1f", "A": ".1f", "m/s": ".1f"}
+
+
+def amount(value: float, unit: str) -> str:
+    """Number with its unit, with the digits that people read of it."""
+    return f"{format(float(value), _FORMS[unit])} {unit}"
+
+
+def percent(share: float, form: str = ".1f") -> str:
+    """Share in per cent."""
+    return f"{format(100.0 * float(share), form)} %"
+
+
+def hours(value: float) -> str:
+    """Hours with two decimals."""
+    return UNLIMITED if math.isinf(value) else f"{value:.2f} h"
+
+
+def date_and_clock(clock_h: float, first_day: int) -> str:
+    """Hours since the midnight that begins a day of the year, as a date and a clock reading."""
+    days, hour = divmod(round(clock_h * 60.0) / 60.0, 24.0)
+    return f"{date_label(first_day + int(days))} {clock_label(hour)}"
