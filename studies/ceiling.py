@@ -63,39 +63,6 @@ class Ceiling(Result):
         claimed += [flight for flight in ends if flight not in claimed]
         return merge_extrapolations([flight.extrapolations for flight in claimed], "altitudes")
 
-    def headline(self) -> str:
-        """Ceiling and best altitude in one line."""
-        ceiling, required = self.found, self.found.required_excess_time_h
-        climb = self.mission.climb
-        more = [] if climb is None else [f"climbs to {climb.ceiling_m:g} m"]
-        more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
-        how = f" with {' and '.join(more)}" if more else ""
-        best = f"; largest excess time {hours(ceiling.best.excess_time_h)}"
-        best += f" at {ceiling.best.altitude_m:.0f} m"
-        of = "" if climb is None else "night floors "
-        ends = [ceiling.flights[end].altitude_m for end in (0, -1)]
-        said = f"no perpetual flight{how} from {of}{ends[0]:.0f} to {ends[1]:.0f} m"
-        if ceiling.highest is not None:
-            beyond = " and beyond the search" if ceiling.at_search_limit else ""
-            if climb is not None and ceiling.highest.altitude_m >= climb.ceiling_m:
-                beyond = ", the ceiling itself"
-            up_to = f"{ceiling.highest.altitude_m:.0f} m{beyond}"
-            night = "" if climb is None else " from night floors"
-            said = f"perpetual flight{how}{night} up to {up_to}"
-            if ceiling.highest.altitude_m < self.mission.altitude_m:
-                # Altitudes below were not tried, where the excess time may be larger.
-                said, best = f"{said}, below the mission's {self.mission.altitude_m:g} m", ""
-        return f"{self.aircraft.name} on {self.mission.name}: {said}{best}"
-
-    def blocks(self, level: int) -> list[Any]:
-        """Headline, altitudes around and below the ceiling, and what they rest on."""
-        note = f"{self.solar.label}; energy of the day, electric"
-        if self.mission.climb is not None:
-            note += "; power and airspeed at the night's floor"
-        outside = extrapolation_blocks(self.extrapolations, level)
-        table = self.table(_ROWS[level])
-        return [Line(self.headline(), "strong"), table, *outside, Line(note, "faint")]
-
     def table(self, most: int = _ROWS[2]) -> Table:
         """Altitudes from the lowest to where the day has no power, and the ceiling."""
         scenarios, climbs = self.mission.scenarios(), self.mission.climb is not None
@@ -116,6 +83,41 @@ class Ceiling(Result):
     def to_frame(self) -> pd.DataFrame:
         """All altitudes, one row each."""
         return data_frame(plain(self.found.flights))
+
+
+def headline(ceiling: Ceiling) -> str:
+    """Return the ceiling and best altitude in one line."""
+    search, required = ceiling.found, ceiling.found.required_excess_time_h
+    climb = ceiling.mission.climb
+    more = [] if climb is None else [f"climbs to {climb.ceiling_m:g} m"]
+    more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
+    how = f" with {' and '.join(more)}" if more else ""
+    best = f"; largest excess time {hours(search.best.excess_time_h)}"
+    best += f" at {search.best.altitude_m:.0f} m"
+    of = "" if climb is None else "night floors "
+    ends = [search.flights[end].altitude_m for end in (0, -1)]
+    said = f"no perpetual flight{how} from {of}{ends[0]:.0f} to {ends[1]:.0f} m"
+    if search.highest is not None:
+        beyond = " and beyond the search" if search.at_search_limit else ""
+        if climb is not None and search.highest.altitude_m >= climb.ceiling_m:
+            beyond = ", the ceiling itself"
+        up_to = f"{search.highest.altitude_m:.0f} m{beyond}"
+        night = "" if climb is None else " from night floors"
+        said = f"perpetual flight{how}{night} up to {up_to}"
+        if search.highest.altitude_m < ceiling.mission.altitude_m:
+            # Altitudes below were not tried, where the excess time may be larger.
+            said, best = f"{said}, below the mission's {ceiling.mission.altitude_m:g} m", ""
+    return f"{ceiling.aircraft.name} on {ceiling.mission.name}: {said}{best}"
+
+
+def blocks(ceiling: Ceiling, level: int) -> list[Any]:
+    """Return the headline, altitudes around and below the ceiling, and what they rest on."""
+    note = f"{ceiling.solar.label}; energy of the day, electric"
+    if ceiling.mission.climb is not None:
+        note += "; power and airspeed at the night's floor"
+    outside = extrapolation_blocks(ceiling.extrapolations, level)
+    table = ceiling.table(_ROWS[level])
+    return [Line(headline(ceiling), "strong"), table, *outside, Line(note, "faint")]
 
 
 def perpetual_ceiling(

@@ -94,32 +94,6 @@ class Station(Result):
         """Fastest airspeed of perpetual flight [m/s], NaN where no day is perpetual."""
         return self.cells["airspeed"].values
 
-    def headline(self) -> str:
-        """Best month and place in one line."""
-        best = np.unravel_index(int(np.argmax(self.share)), self.share.shape)
-        name = f"{self.aircraft.name} on {self.mission.name}"
-        if not self.share.any():
-            return f"{name}: no perpetual flight, so that it holds no place"
-        return (
-            f"{name}: holds its place for up to {100.0 * self.share[best]:.0f} % of the time "
-            f"({self._label(int(best[0]))}, {MONTH_NAMES[self.months[best[1]] - 1]})"
-        )
-
-    def blocks(self, level: int) -> list[Any]:
-        """Headline and tables, from one latitude or altitude to the next of a summary."""
-        notes = [Line(f"{self.solar.label}; winds from {self.source}", "faint")]
-        if not np.all(np.isfinite(self.airspeed_m_per_s)):
-            notes.insert(0, Line("-: no perpetual flight", "faint"))
-        if self.at_end:
-            text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
-            notes.insert(0, Line(text, "faint"))
-        outside = extrapolation_blocks(self.extrapolations, level)
-        tables = [self.table(level)]
-        if "chosen_altitude" in self.cells:
-            altitude_km = self.cells["chosen_altitude"].values / 1000.0
-            tables.append(self._by_month("altitude of that share [km]", altitude_km, ".1f", level))
-        return [Line(self.headline(), "strong"), *tables, *outside, *notes]
-
     def table(self, level: int = 2) -> Table:
         """Share of the time [%] by row and month; empty where no day is perpetual."""
         title = "share of the time on station [%]"
@@ -163,6 +137,34 @@ class Station(Result):
         unit = "deg" if self.over == "latitude" else "m"
         columns = {f"{self.over}_{unit}": rows, "month": months, **self.columns}
         return data_frame({name: values.ravel() for name, values in columns.items()})
+
+
+def headline(station: Station) -> str:
+    """Return the best month and place in one line."""
+    best = np.unravel_index(int(np.argmax(station.share)), station.share.shape)
+    name = f"{station.aircraft.name} on {station.mission.name}"
+    if not station.share.any():
+        return f"{name}: no perpetual flight, so that it holds no place"
+    return (
+        f"{name}: holds its place for up to {100.0 * station.share[best]:.0f} % of the time "
+        f"({station._label(int(best[0]))}, {MONTH_NAMES[station.months[best[1]] - 1]})"
+    )
+
+
+def blocks(station: Station, level: int) -> list[Any]:
+    """Return the headline and tables, from one latitude or altitude to the next of a summary."""
+    notes = [Line(f"{station.solar.label}; winds from {station.source}", "faint")]
+    if not np.all(np.isfinite(station.airspeed_m_per_s)):
+        notes.insert(0, Line("-: no perpetual flight", "faint"))
+    if station.at_end:
+        text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
+        notes.insert(0, Line(text, "faint"))
+    outside = extrapolation_blocks(station.extrapolations, level)
+    tables = [station.table(level)]
+    if "chosen_altitude" in station.cells:
+        altitude_km = station.cells["chosen_altitude"].values / 1000.0
+        tables.append(station._by_month("altitude of that share [km]", altitude_km, ".1f", level))
+    return [Line(headline(station), "strong"), *tables, *outside, *notes]
 
 
 def station(

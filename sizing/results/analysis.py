@@ -22,9 +22,10 @@ from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
 from sizing.results.conditions import CalendarFlight, ClimbOfDay, ModelError
+from sizing.results.design_result import DesignResult, check_subjects
 from sizing.results.measures import MEASURES, OF_SCENARIO
 from sizing.results.propulsion import VaryingEfficiency, varying_efficiency
-from sizing.results.result import DesignResult, check_subjects, data_frame
+from sizing.results.result import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.extrapolations import (

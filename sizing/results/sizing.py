@@ -24,8 +24,8 @@ from sizing.program.sensitivity import constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft
 from sizing.program.whole_cells import size_whole_cells
 from sizing.relaxed_flight import Relaxation
+from sizing.results.design_result import check_subjects
 from sizing.results.qualities import designs_by_build
-from sizing.results.result import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from sizing.validity.checks import check_own_models
 from solar.names import CorrectionName, ModelName

@@ -30,12 +30,13 @@ from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
 from sizing.results.conditions import BatteryCondition, ClimbOfDay, ModelError, battery_condition
+from sizing.results.design_result import DesignResult
 from sizing.results.margins import RequirementMargin, requirement_margins
 from sizing.results.measures import MEASURES
 from sizing.results.numbers import NEGLIGIBLE
 from sizing.results.parts import sizing_record
 from sizing.results.qualities import BuiltDesign
-from sizing.results.result import SERIALISER, DesignResult, data_frame
+from sizing.results.result import SERIALISER, data_frame
 from sizing.results.season import Survival
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment

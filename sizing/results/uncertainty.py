@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
+from sizing.results.design_result import check_subjects
 from sizing.results.numbers import percentiles
-from sizing.results.result import Result, check_subjects, data_frame
+from sizing.results.result import Result, data_frame
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
 from sizing.validity.ranges import Extrapolation

@@ -17,8 +17,9 @@ from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.conditions import BatteryCondition, battery_condition_of_days
+from sizing.results.design_result import check_subjects
 from sizing.results.numbers import finite, percentiles
-from sizing.results.result import Result, check_subjects, data_frame
+from sizing.results.result import Result, data_frame
 from sizing.results.weather_years import YearInWeather, YearToYear, years_of
 from sizing.validity.checks import (
     battery_checks,

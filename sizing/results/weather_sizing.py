@@ -13,7 +13,7 @@ from sizing.program.objectives import Objective
 from sizing.program.relaxations import relaxations
 from sizing.program.result import SizingStatus
 from sizing.program.survival import SurvivalSizing, check_survival, in_the_record
-from sizing.results.result import check_subjects
+from sizing.results.design_result import check_subjects
 from sizing.results.season import SeasonDays, Survival
 from sizing.results.sizing import checked_objective, study_of
 from sizing.results.sizing_study import SizingStudy

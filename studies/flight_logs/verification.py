@@ -43,8 +43,7 @@ from studies.flight_logs.residuals import (
     residuals,
     surfaces_of,
 )
-from studies.render.results import ALL
-from studies.render.tables import Column, Line, Table
+from studies.render.tables import ALL, Column, Line, Table
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -105,35 +104,6 @@ class Verification(Result):
     def best_model(self) -> ModelName:
         """Model whose residuals are shown: the most detailed of those that could be computed."""
         return self.samples.best_model
-
-    def headline(self) -> str:
-        """Aircraft, log and its length in one line."""
-        start, end = utc_label(self.log.time_s[0]), utc_label(self.log.time_s[-1])
-        return (
-            f"{self.aircraft} against {self.log.source}: {start} to {end}, "
-            f"{len(self.samples.time_s)} of {len(self.log)} samples with the sun up"
-        )
-
-    def blocks(self, level: int) -> list[Any]:
-        """Errors and estimates, then those of all models, residuals and what is left out."""
-        blocks: list[Any] = [Line(self.headline(), "strong")]
-        units = zip(("clock", "heading"), self.applied, ("min", "deg"), strict=True)
-        if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
-            blocks.append(f"compared without a {' and a '.join(taken)}, as asked for")
-        blocks += self.tables() if level >= ALL else [self.overview(), self.estimates_table(level)]
-        if options := [" ".join(one.apply) for one in self.estimates if one.apply]:
-            blocks += ["to apply an estimate, add its option:", *options]
-        if self.excluded.any():
-            blocks.append(f"{self.excluded.sum()} samples are left out of errors and residuals")
-        if level < ALL:
-            return blocks
-        blocks += [f"- {note}" for note in self.notes]
-        definition = (
-            "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
-            "after a moving average over so many seconds to either side as filter says; estimated: "
-            "with clock, heading and factor on power as estimated"
-        )
-        return [*blocks, Line(definition, "faint")]
 
     def overview(self) -> Table:
         """Errors of the most detailed model in every window and on every day."""
@@ -233,6 +203,41 @@ class Verification(Result):
     def to_csv(self) -> str:
         """Samples as CSV text."""
         return str(self.to_frame().round(_DECIMALS).to_csv(index=False))
+
+
+def headline(verification: Verification) -> str:
+    """Return the aircraft, log and its length in one line."""
+    start, end = utc_label(verification.log.time_s[0]), utc_label(verification.log.time_s[-1])
+    return (
+        f"{verification.aircraft} against {verification.log.source}: {start} to {end}, "
+        f"{len(verification.samples.time_s)} of {len(verification.log)} samples with the sun up"
+    )
+
+
+def blocks(verification: Verification, level: int) -> list[Any]:
+    """Return errors and estimates, then those of all models, residuals and what is left out."""
+    shown: list[Any] = [Line(headline(verification), "strong")]
+    units = zip(("clock", "heading"), verification.applied, ("min", "deg"), strict=True)
+    if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
+        shown.append(f"compared without a {' and a '.join(taken)}, as asked for")
+    shown += (
+        verification.tables()
+        if level >= ALL
+        else [verification.overview(), verification.estimates_table(level)]
+    )
+    if options := [" ".join(one.apply) for one in verification.estimates if one.apply]:
+        shown += ["to apply an estimate, add its option:", *options]
+    if verification.excluded.any():
+        shown.append(f"{verification.excluded.sum()} samples are left out of errors and residuals")
+    if level < ALL:
+        return shown
+    shown += [f"- {note}" for note in verification.notes]
+    definition = (
+        "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
+        "after a moving average over so many seconds to either side as filter says; estimated: "
+        "with clock, heading and factor on power as estimated"
+    )
+    return [*shown, Line(definition, "faint")]
 
 
 def utc_label(time_s: float) -> str:

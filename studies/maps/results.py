@@ -50,14 +50,6 @@ class MapResult(Result):
         """What each cell is sized for; empty for a fixed aircraft."""
         return str(self.data.attrs.get("objective", ""))
 
-    def headline(self) -> str:
-        """Aircraft, mission and what is mapped."""
-        names = (json.loads(self.data.attrs[key])["name"] for key in ("aircraft", "mission"))
-        what = (
-            f"best designs for {self.objective}" if self.objective else f"seasons of {self._goal}"
-        )
-        return f"{' on '.join(names)}: {what}"
-
     def to_dict(self) -> dict[str, Any]:
         """Days that end in each way and ranges of numbers, lists over the latitudes."""
         numbers = self._days_of_designs() if self.objective else self._days_of_flights()
@@ -70,32 +62,6 @@ class MapResult(Result):
             | {"extrapolations": extrapolations_of(self.data)}
         )
         return record
-
-    def blocks(self, level: int) -> list[Any]:
-        """Headline and table, round latitudes in a summary, and how it was computed."""
-        data, days = self.data, self.data["day"].to_numpy()
-        record, latitudes = self.to_dict(), self._latitudes
-        columns, rows = (self._designs if self.objective else self._seasons)(record)
-        without = {"failed_days": "failed", "too_windy_days": "too windy for the path"}
-        lacking = {key: head for key, head in without.items() if any(record.get(key, ()))}
-        places = shown_places(latitudes.tolist(), _ROWS[level])
-        table = q.table_of(
-            "",
-            (q.TABLE["latitude"], *columns, *(Column(*one) for one in lacking.items())),
-            (
-                {"latitude": latitude_label(latitudes[i])}
-                | rows[i]
-                | {key: record[key][i] for key in lacking}
-                for i in places
-            ),
-        )
-        notes = [f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"]
-        if len(places) < len(rows):
-            notes.insert(0, f"{len(places)} of {len(rows)} latitudes; -v and --out FILE have all")
-        outside = extrapolation_blocks(extrapolations_of(data), level)
-        if not self.objective and any(row[q.EXCESS_TIME.name] < 0.0 for row in rows):
-            outside.append(q.BELOW_ZERO)
-        return [Line(self.headline(), "strong"), table, *notes, *outside]
 
     # ---- Of a fixed aircraft
 
@@ -203,6 +169,42 @@ class MapResult(Result):
     def _days_of(self, status: int) -> IntArray:
         """On how many days each latitude ends in a way."""
         return np.asarray(np.sum(self.data["status"].to_numpy() == status, axis=1))
+
+
+def headline(result: MapResult) -> str:
+    """Return the aircraft, mission and what is mapped."""
+    names = (json.loads(result.data.attrs[key])["name"] for key in ("aircraft", "mission"))
+    what = (
+        f"best designs for {result.objective}" if result.objective else f"seasons of {result._goal}"
+    )
+    return f"{' on '.join(names)}: {what}"
+
+
+def blocks(result: MapResult, level: int) -> list[Any]:
+    """Return the headline and table, round latitudes in a summary, and how it was computed."""
+    data, days = result.data, result.data["day"].to_numpy()
+    record, latitudes = result.to_dict(), result._latitudes
+    columns, rows = (result._designs if result.objective else result._seasons)(record)
+    without = {"failed_days": "failed", "too_windy_days": "too windy for the path"}
+    lacking = {key: head for key, head in without.items() if any(record.get(key, ()))}
+    places = shown_places(latitudes.tolist(), _ROWS[level])
+    table = q.table_of(
+        "",
+        (q.TABLE["latitude"], *columns, *(Column(*one) for one in lacking.items())),
+        (
+            {"latitude": latitude_label(latitudes[i])}
+            | rows[i]
+            | {key: record[key][i] for key in lacking}
+            for i in places
+        ),
+    )
+    notes = [f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"]
+    if len(places) < len(rows):
+        notes.insert(0, f"{len(places)} of {len(rows)} latitudes; -v and --out FILE have all")
+    outside = extrapolation_blocks(extrapolations_of(data), level)
+    if not result.objective and any(row[q.EXCESS_TIME.name] < 0.0 for row in rows):
+        outside.append(q.BELOW_ZERO)
+    return [Line(headline(result), "strong"), table, *notes, *outside]
 
 
 def season_text(days: IntArray, perpetual: BoolArray) -> str:

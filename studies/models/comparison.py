@@ -43,8 +43,7 @@ from studies.models.solar_models import (
 )
 from studies.quantities import group, table_of
 from studies.render.notes import extrapolation_blocks
-from studies.render.results import ALL
-from studies.render.tables import Column, Line, Table
+from studies.render.tables import ALL, Column, Line, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,54 +97,6 @@ class Comparison(Result):
         """Excess of mean solar energy over that of the reference [-]; none without any sun."""
         truth_wh = self.reference.prediction.mean_solar_energy_wh
         return case.prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
-
-    def headline(self) -> str:
-        """First case against the reference, summed up: designs if there are any.
-
-        The first case is the least trustworthy one, where the models are listed from the simplest
-        to the fullest and the corrections from none.
-        """
-        case, reference, name = self.cases[0], self.reference, self.aircraft.name
-        by, truth = model_label(case.solar), model_label(reference.solar)
-        itself = case.solar == reference.solar
-        if case.built is None or reference.built is None:
-            text = f"By {by} {name} {case.prediction.outcome()}"
-            other = "" if itself else f"; evaluated by {truth} it {reference.prediction.outcome()}"
-            return f"{text}{other}."
-        aside = reference.built.result(self.objective)
-        aside = "" if itself else f" (sized with {truth}: {aside})"
-        if case.built.judged is None:
-            none = f"no design of {name} meets the requirements"
-            if case.built.sizing.status is not SizingStatus.infeasible:
-                none = f"{name} comes to no result, as the solver does not converge"
-            return f"Sized with {by}, {none}{aside}."
-        joined = " and" if itself else f"; evaluated by {truth} it"
-        outcome = case.built.judged.outcome(self.required_excess_time_h)
-        text = f"Sized with {by}, {name} has {case.built.result(self.objective)}"
-        return f"{text}{joined} {outcome}{aside}."
-
-    def blocks(self, level: int) -> list[Any]:
-        """Predictions, the headline and what is outside of models; then designs and notes."""
-        reference = self.reference.solar
-        worst = dict.fromkeys(case.prediction.scenario for case in self.cases)
-        lines = [
-            f"reference: {reference.label}; solar energy: of a day, mean of all scenarios",
-            f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
-            *self.notes,
-        ]
-        if self.mission.climb is not None:
-            lines.append(self.mission.climb_label)
-        title = (
-            f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, evaluated by "
-            f"{model_label(reference)}"
-        )
-        notes = [Line(f"- {line}", "faint") for line in lines]
-        outside = extrapolation_blocks(self.extrapolations, level)
-        tables: Sequence[Table] = self.tables()
-        if level < ALL:
-            tables = [replace(tables[0], title="", sections=())]
-            notes = [Line(text, "faint") for text in self.notes]
-        return [Line(title, "strong"), *tables, self.headline(), *outside, *notes]
 
     def perpetual_line(self) -> str:
         """How many of the models and corrections say that the flight is not perpetual."""
@@ -235,6 +186,55 @@ class Comparison(Result):
         left_out = ["season_latitudes", "design", "design_violated_requirements", "design_judged"]
         frame = frame.drop(columns=left_out, errors="ignore")
         return frame.rename(columns=lambda name: name.removesuffix("_label"))
+
+
+def headline(comparison: Comparison) -> str:
+    """Return the first case against the reference, summed up: designs if there are any.
+
+    The first case is the least trustworthy one, where the models are listed from the simplest
+    to the fullest and the corrections from none.
+    """
+    case, reference, name = comparison.cases[0], comparison.reference, comparison.aircraft.name
+    by, truth = model_label(case.solar), model_label(reference.solar)
+    itself = case.solar == reference.solar
+    if case.built is None or reference.built is None:
+        text = f"By {by} {name} {case.prediction.outcome()}"
+        other = "" if itself else f"; evaluated by {truth} it {reference.prediction.outcome()}"
+        return f"{text}{other}."
+    aside = reference.built.result(comparison.objective)
+    aside = "" if itself else f" (sized with {truth}: {aside})"
+    if case.built.judged is None:
+        none = f"no design of {name} meets the requirements"
+        if case.built.sizing.status is not SizingStatus.infeasible:
+            none = f"{name} comes to no result, as the solver does not converge"
+        return f"Sized with {by}, {none}{aside}."
+    joined = " and" if itself else f"; evaluated by {truth} it"
+    outcome = case.built.judged.outcome(comparison.required_excess_time_h)
+    text = f"Sized with {by}, {name} has {case.built.result(comparison.objective)}"
+    return f"{text}{joined} {outcome}{aside}."
+
+
+def blocks(comparison: Comparison, level: int) -> list[Any]:
+    """Return the predictions, the headline, extrapolations, designs and notes."""
+    aircraft, mission = comparison.aircraft, comparison.mission
+    reference = comparison.reference.solar
+    worst = dict.fromkeys(case.prediction.scenario for case in comparison.cases)
+    lines = [
+        f"reference: {reference.label}; solar energy: of a day, mean of all scenarios",
+        f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
+        *comparison.notes,
+    ]
+    if mission.climb is not None:
+        lines.append(mission.climb_label)
+    subject, models = f"{aircraft.name} on {mission.name}", len(comparison.cases)
+    title = f"{subject}: {models} models, evaluated by {model_label(reference)}"
+    notes = [Line(f"- {line}", "faint") for line in lines]
+    outside = extrapolation_blocks(comparison.extrapolations, level)
+    tables: Sequence[Table] = comparison.tables()
+    if level < ALL:
+        tables = [replace(tables[0], title="", sections=())]
+        notes = [Line(text, "faint") for text in comparison.notes]
+    return [Line(title, "strong"), *tables, headline(comparison), *outside, *notes]
 
 
 _OF_ALL = "model correction mean_solar_energy_wh solar_energy_above_reference"

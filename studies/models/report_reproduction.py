@@ -33,6 +33,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.render.numbers import percent
 from studies.render.tables import Column, Line, Table
 
 if TYPE_CHECKING:
@@ -87,26 +88,6 @@ class Reproduction(Result):
     models_w: dict[ModelName, float]
     windows_w: tuple[float, ...]
     varied: tuple[Varied, ...] = ()
-
-    def headline(self) -> str:
-        """Largest difference from the report."""
-        published = [*PUBLISHED_W.values(), *(w.published_w for w in WINDOWS)]
-        pairs = zip(self._means_w(), published, strict=True)
-        worst = max((computed / p - 1.0 for computed, p in pairs), key=abs)
-        return f"{self.aircraft.name} on {self.mission.name}: means of power within " + (
-            f"{100.0 * abs(worst):.1f} % of the report's"
-        )
-
-    def blocks(self, level: int) -> list[Any]:
-        """Both tables, and the assumptions, at every level."""
-        given = assumptions(self.mission)
-        path = given["flight_path"]
-        assumed = (
-            f"Assumed: {path['kind']} of {path['radius_m']:g} m at {path['airspeed_m_per_s']:g} "
-            f"m/s, pitch {path['pitch_deg']:g} deg, wind {given['wind_m_per_s']:g} m/s from "
-            f"{given['wind_from_deg']:g} deg, air {given['ambient_temperature_c']:g} C."
-        )
-        return [Line(self.headline(), "strong"), *self.tables(), Line(assumed, "faint")]
 
     def tables(self) -> tuple[Table, ...]:
         """Published against computed; and what each assumption changes, if that was asked for."""
@@ -170,6 +151,27 @@ class Reproduction(Result):
 
     def _means_w(self) -> list[float]:
         return [*self.models_w.values(), *self.windows_w]
+
+
+def headline(reproduction: Reproduction) -> str:
+    """Return the largest difference from the report."""
+    published = [*PUBLISHED_W.values(), *(w.published_w for w in WINDOWS)]
+    pairs = zip(reproduction._means_w(), published, strict=True)
+    worst = max((computed / p - 1.0 for computed, p in pairs), key=abs)
+    subject = f"{reproduction.aircraft.name} on {reproduction.mission.name}"
+    return f"{subject}: means of power within {percent(abs(worst))} of the report's"
+
+
+def blocks(reproduction: Reproduction, level: int) -> list[Any]:
+    """Return both tables, and the assumptions, at every level."""
+    given = assumptions(reproduction.mission)
+    path = given["flight_path"]
+    assumed = (
+        f"Assumed: {path['kind']} of {path['radius_m']:g} m at {path['airspeed_m_per_s']:g} "
+        f"m/s, pitch {path['pitch_deg']:g} deg, wind {given['wind_m_per_s']:g} m/s from "
+        f"{given['wind_from_deg']:g} deg, air {given['ambient_temperature_c']:g} C."
+    )
+    return [Line(headline(reproduction), "strong"), *reproduction.tables(), Line(assumed, "faint")]
 
 
 def reference() -> tuple[Aircraft, Mission]:

@@ -1,6 +1,7 @@
 """Results as people read them.
 
-* ``results``: blocks of a result at a level; ``chance`` those of draws and of weather records
+* ``results``: blocks of any result at a level; ``analysis``, ``sizing``, ``uncertainty`` and
+  ``weather`` have those of the sizing layer, with ``parts`` and ``sizing_tables``
 * ``sentences``: what needs judgement; ``words`` of requirements, ``numbers`` with their units
 * ``tables``: blocks as text, Markdown, HTML, CSV and frames; ``layout`` of their text
 """

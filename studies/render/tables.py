@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     Block: TypeAlias = "str | Line | Table | tuple[Table, ...]"
 
+SUMMARY, ALL = 1, 2  # levels of a result
 UNLIMITED = "unlimited"
 MISSING = "-"
 CLOCK = "clock"  # form of hours of a day

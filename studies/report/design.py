@@ -14,17 +14,8 @@ from sizing.program.objectives import Objective
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.margins import requirement_margins
 from studies import quantities as q
+from studies.render.analysis import balance_table, drag_table
 from studies.render.numbers import with_unit
-from studies.render.results import (
-    balance_table,
-    build_table,
-    drag_table,
-    margin_table,
-    multiplier_table,
-    neighbour_table,
-    requirement_table,
-    sensitivity_table,
-)
 from studies.render.sentences import (
     balance_lines,
     cells_lines,
@@ -33,6 +24,14 @@ from studies.render.sentences import (
     power_note,
     power_rows,
     wind_rows,
+)
+from studies.render.sizing import margin_table
+from studies.render.sizing_tables import (
+    build_table,
+    multiplier_table,
+    neighbour_table,
+    requirement_table,
+    sensitivity_table,
 )
 from studies.render.tables import facts
 from studies.render.words import constraint_words

@@ -16,7 +16,7 @@ from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
-from sizing.results.result import check_subjects
+from sizing.results.design_result import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from solar.names import CorrectionName, ModelName
 from studies.output.run_folder import InputFile, RunInputs, run_record

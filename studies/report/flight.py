@@ -17,8 +17,8 @@ from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
 from studies.quantities import MINIMUM_CHARGE
-from studies.render.results import ALL, flight_table, scenario_table
-from studies.render.tables import Line, Summary, Table
+from studies.render.analysis import flight_table, scenario_table
+from studies.render.tables import ALL, Line, Summary, Table
 from studies.report.blocks import Block, Items, Section, Tables, Text
 from studies.report.figures import page_figure, page_options
 from studies.report.subject import Subject

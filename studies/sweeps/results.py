@@ -49,14 +49,6 @@ class SweepResult(Result):
     top: int | None = None
     front: tuple[str, str] | None = None
 
-    def headline(self) -> str:
-        """How many points end in which way."""
-        ends = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in self.counts.items())
-        count = self.data["status"].size
-        noun = "point" if count == 1 else "points"
-        subject = self.data.attrs["title"].removeprefix("Trade study of ")
-        return f"{subject}: trade study of {count} {noun}, {ends}"
-
     @property
     def counts(self) -> dict[str, int]:
         """Points that end in each way."""
@@ -82,23 +74,6 @@ class SweepResult(Result):
             record["pareto_front"] = {"x": x, "y": y, "points": rows}
         written: dict[str, Any] = serialise(record)
         return written
-
-    def blocks(self, level: int) -> list[Any]:
-        """Headline, the best points, and what lies outside the range of a model."""
-        rows, what = self._ordered()
-        top = (_ROWS if level == 1 else len(rows)) if self.top is None else self.top
-        blocks: list[Any] = [Line(self.headline(), "strong")]
-        if self.data["status"].size > 1:
-            blocks.append(what)
-        blocks.append(self._table(rows.head(top)))
-        if (rows["excess_time"].head(top) < 0.0).any():
-            blocks.append(Line(BELOW_ZERO, "faint"))
-        if len(rows) > top:
-            more = f"{len(rows) - top} more not shown"
-            blocks.append(f"{more}: --top N shows more, -v and --out FILE have all")
-        if CLIMB in self.data.attrs:
-            blocks.append(Line(self.data.attrs[CLIMB], "faint"))
-        return [*blocks, *extrapolation_blocks(extrapolations_of(self.data), level)]
 
     def _ordered(self) -> tuple[pd.DataFrame, str]:
         """Points in their order, and that order in words."""
@@ -144,6 +119,33 @@ class SweepResult(Result):
         columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
         cells = rows[names].astype(object).itertuples(index=False, name=None)
         return Table("", columns, tuple(tuple(map(_spaced, row)) for row in cells))
+
+
+def headline(result: SweepResult) -> str:
+    """Return how many points end in which way."""
+    ends = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in result.counts.items())
+    count = result.data["status"].size
+    noun = "point" if count == 1 else "points"
+    subject = result.data.attrs["title"].removeprefix("Trade study of ")
+    return f"{subject}: trade study of {count} {noun}, {ends}"
+
+
+def blocks(result: SweepResult, level: int) -> list[Any]:
+    """Return the headline, the best points, and what lies outside the range of a model."""
+    rows, what = result._ordered()
+    top = (_ROWS if level == 1 else len(rows)) if result.top is None else result.top
+    shown: list[Any] = [Line(headline(result), "strong")]
+    if result.data["status"].size > 1:
+        shown.append(what)
+    shown.append(result._table(rows.head(top)))
+    if (rows["excess_time"].head(top) < 0.0).any():
+        shown.append(Line(BELOW_ZERO, "faint"))
+    if len(rows) > top:
+        more = f"{len(rows) - top} more not shown"
+        shown.append(f"{more}: --top N shows more, -v and --out FILE have all")
+    if CLIMB in result.data.attrs:
+        shown.append(Line(result.data.attrs[CLIMB], "faint"))
+    return [*shown, *extrapolation_blocks(extrapolations_of(result.data), level)]
 
 
 def _plain(name: str) -> str:

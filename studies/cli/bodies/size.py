@@ -24,8 +24,7 @@ from studies.cli.telling import progress_of
 from studies.models.solar_models import perpetual_by_model, perpetual_line
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
-from studies.render.results import SUMMARY
-from studies.render.tables import Line, Summary
+from studies.render.tables import SUMMARY, Line, Summary
 
 _MOST_SCENARIOS = 12  # VM and FM take some 10 ms for each
 

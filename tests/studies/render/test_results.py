@@ -20,7 +20,8 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results.analysis import Analysis
 from sizing.results.sizing_study import SizingStudy
 from studies import quantities as q
-from studies.render.results import flight_table, relaxation_table
+from studies.render.analysis import flight_table
+from studies.render.parts import relaxation_table
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,216 @@
+"""An analysis as people read it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.dates import date_label, day_of_year
+from missions.mission.scenarios import latitude_label
+from sizing.balance.assessment import BalanceAssessment
+from sizing.balance.drag import DragShares
+from sizing.day.replay import CalendarRun
+from sizing.results.conditions import CalendarFlight
+from studies import quantities as q
+from studies.render import sentences as say
+from studies.render.notes import extrapolation_blocks
+from studies.render.numbers import amount, date_and_clock, hours, percent
+from studies.render.parts import (
+    battery_lines,
+    facts_of,
+    in_columns,
+    relaxation_table,
+    sources,
+    structure_lines,
+    wind_source,
+)
+from studies.render.tables import ALL, MISSING, Line, Table, facts
+
+if TYPE_CHECKING:
+    from sizing.results.analysis import Analysis
+
+
+def headline(analysis: Analysis) -> str:
+    """Return aircraft, mission, excess time and status in one line."""
+    excess = " ".join(q.EXCESS_TIME.fact(analysis.excess_time_h))
+    return (
+        f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}: {excess}, "
+        f"{_status(analysis)}"
+    )
+
+
+def _where(analysis: Analysis) -> str:
+    return analysis.performance.day.scenarios.label(analysis.worst)
+
+
+def _status(analysis: Analysis) -> str:
+    return str(analysis.status).replace("_", " ")
+
+
+def blocks(analysis: Analysis, level: int) -> list[Any]:
+    """Return the answer, facts, what would make it perpetual, and how sure it is."""
+    scenarios = len(analysis.performance.cycle.status)
+    several = scenarios > 1
+    title = (
+        f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}"
+        f"{f', worst of {scenarios} scenarios' if several else ''}: {_status(analysis)}"
+    )
+    shown: list[Any] = [Line(title, "strong"), say.answer(analysis)]
+    shown += in_columns(_analysis_facts(analysis, level), analysis.masses_kg, level)
+    if level >= ALL:
+        shown += _analysis_parts(analysis)
+        if several:
+            shown.append(scenario_table(analysis))
+    if analysis.relaxations and level >= ALL:
+        shown.append(relaxation_table(analysis.relaxations, "perpetual"))
+    elif analysis.relaxations:
+        shown.append(say.relaxations_line(analysis.relaxations[:2], "perpetual"))
+    if analysis.flight is not None:
+        table = flight_table(analysis.flight)
+        text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
+        shown.append(table if level >= ALL else f"{table.title}: {text}")
+    if level >= ALL:
+        shown += battery_lines(analysis)
+        shown += say.cells_lines(analysis.cells or {})
+    beyond = say.coverage_line(analysis)
+    if beyond is not None:
+        shown.append(Line(beyond, "warning"))
+    shown += [*extrapolation_blocks(analysis.extrapolations, level), *sources(analysis, level)]
+    if analysis.excess_time_h < 0.0:
+        shown.append(Line(q.BELOW_ZERO, "faint"))
+    error = say.uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
+    return [*shown, Line(error, "faint")]
+
+
+def _analysis_parts(analysis: Analysis) -> list[Any]:
+    """Power, propulsion, structure, drag and balance."""
+    budget, masses = analysis.power_budget, analysis.part_masses
+    assert budget is not None
+    shown: list[Any] = [say.power_line(budget, analysis.mission), *wind_source(analysis.mission)]
+    if masses is not None:
+        shown.append(say.part_masses_line(masses))
+    if analysis.varying_efficiency is not None:
+        shown.append(say.varying_line(analysis.varying_efficiency))
+    shown += structure_lines(analysis)
+    shares, balance = analysis.drag_coefficients, analysis.balance
+    if shares is not None:
+        share = 100.0 * float(shares.parasitic / shares.total)
+        text = (
+            f"Parasitic drag, all but the wing and the trim: C_D {float(shares.parasitic):.5f}, "
+            f"{share:.1f} % of the drag."
+        )
+        shown += [drag_table(shares), text]
+    if balance is not None:
+        shown += [balance_table(balance), *say.balance_lines(balance)]
+    return shown
+
+
+def _endurance(values: Mapping[str, Any]) -> float | str:
+    endurance_h, unlimited = values["endurance_h"], values["status"] in ("perpetual", "always_lit")
+    return "over a year" if np.isinf(endurance_h) and not unlimited else float(endurance_h)
+
+
+def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
+    values, design = analysis.scenario(), analysis.design
+    shown = {one: values[one.name] for one in q.IN_FLIGHT} | {q.ENDURANCE: _endurance(values)}
+    if np.isnan(analysis.sunrise_h) or np.isnan(analysis.best_launch_h):
+        del shown[q.BEST_LAUNCH]  # without sun every launch is as good
+    of_design = {one: one.of(design) for one in q.OF_AIRCRAFT}
+    return [
+        *facts_of(shown, level),
+        *_climb_facts(analysis, level),
+        *facts_of(of_design, level),
+        *facts_of({one: values[one.name] for one in (q.LOAD, q.SOLAR_ENERGY)}, level),
+        *say.wind_rows(analysis.mission),
+    ]
+
+
+def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
+    """What climbing does in the worst scenario; nothing where the mission does not climb."""
+    climb = analysis.worst_scenario.climb
+    if climb is None:
+        return []
+    held = climb.held_up_to_m
+    # A limited flight is flown from a full battery, and may climb where the repeated day does not.
+    day = "" if analysis.performance.cycle.perpetual[analysis.worst] else ", repeated day"
+    gain_h = round(climb.gain_in_excess_time_h, 2) + 0.0  # zero added: -0 is no loss
+    rows = [
+        (f"highest altitude{day}", f"{climb.maximum_altitude_m:.0f} m"),
+        ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
+    ]
+    if held is not None:
+        rows.insert(0, ("wind held up to", "nowhere" if np.isnan(held) else f"{held:.0f} m"))
+    if level >= ALL:
+        constant = q.EXCESS_TIME.fact(climb.constant_altitude_excess_time_h)[1]
+        rows += [
+            (f"gliding in the evening{day}", hours(climb.gliding_h)),
+            (f"stored potential energy{day}", amount(climb.stored_height_wh, "Wh")),
+            ("excess time at constant altitude", constant),
+        ]
+        if (checked := analysis.climb_check_h) is not None:
+            more_h = (round(one_h - analysis.excess_time_h, 2) + 0.0 for one_h in checked)
+            texts = (f"{hours(h)} ({more:+.2f})" for h, more in zip(checked, more_h, strict=True))
+            rows.append(("by the program, by the minute", ", ".join(texts)))
+    return rows
+
+
+def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Table:
+    """Metrics of scenarios, a row each: of all, or of those of an index."""
+    scenarios = analysis.performance.day.scenarios
+    rows = []
+    for index in range(len(scenarios)) if shown is None else shown:
+        values = analysis.scenario(index)
+        place = latitude_label(float(scenarios.latitude_deg[index]))
+        day = date_label(int(scenarios.day_of_year[index]))
+        rows.append((place, day, *(values[one.name] for one in q.REACHED), _endurance(values)))
+    columns = (*q.group("latitude date"), *q.REACHED, q.ENDURANCE)
+    return Table("all scenarios", columns, tuple(rows))
+
+
+def flight_table(run: CalendarRun) -> Table:
+    """Replayed flight as a list of facts."""
+    flight = CalendarFlight.of(run)
+    first_day = day_of_year(run.launch.date)
+    rows = [("launch (local time)", f"{date_label(first_day)} {run.launch.time_local}")]
+    for clock in flight.full_charge_clock_h:
+        rows.append((q.FULL_CHARGE.label, date_and_clock(clock, first_day)))
+    rows += [
+        q.MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
+        ("flown", hours(flight.duration_h)),
+        ("state of charge at the end", percent(flight.final_state_of_charge)),
+    ]
+    if flight.empty_clock_h is not None:
+        rows.append(("battery empty", date_and_clock(flight.empty_clock_h, first_day)))
+    return facts("flight on the calendar", rows)
+
+
+_DRAG_WORDS = {
+    "wing_profile": "wing, profile",
+    "wing_induced": "wing, induced",
+    "horizontal_tail": "horizontal tail",
+    "vertical_tail": "vertical tail",
+    "gaps": "gaps, leaks, protuberances",
+    "other": "constants of the file",
+}
+_MASS_WORDS = {"mppt": "MPPT", "spar_caps": "spar caps", "spar_web": "spar web"}
+
+
+def drag_table(shares: DragShares) -> Table:
+    """Drag of the parts of level flight, with their shares."""
+    columns = q.group("part drag_coefficient share_of_drag")
+    rows = [
+        (_DRAG_WORDS.get(name, name), float(one), float(one / shares.total))
+        for name, one in (*shares._asdict().items(), ("sum", shares.total))
+        if one != 0.0
+    ]
+    return Table("drag budget of level flight", columns, tuple(rows))
+
+
+def balance_table(balance: BalanceAssessment) -> Table:
+    """Masses with their places."""
+    columns = q.group("item mass_kg place_m")
+    rows = [(_MASS_WORDS.get(one.name, one.name), one.mass_kg, one.x_m) for one in balance.items]
+    rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
+    return Table("balance, from the leading edge of the wing root", columns, tuple(rows))

@@ -1,0 +1,102 @@
+"""Blocks that results of an analysis and of a sizing have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from missions.mission import Mission
+from sizing.parameters import unit_text
+from sizing.relaxed_flight import Relaxation
+from sizing.results.conditions import wind_of
+from studies import quantities as q
+from studies.render import sentences as say
+from studies.render.numbers import amount
+from studies.render.tables import ALL, MISSING, Line, Table, facts
+from studies.render.words import parameter_words
+
+if TYPE_CHECKING:
+    from sizing.results.analysis import Analysis
+    from sizing.results.sizing_study import SizingStudy
+
+
+_SCREEN, _GAPS = 80, 2 + 5 + 2  # characters of a line, and those between two columns of facts
+
+
+def in_columns(
+    rows: list[tuple[str, str]], masses_kg: Mapping[str, float] | None, level: int
+) -> list[Any]:
+    """Facts in two columns, what is too long for them below; or with the mass budget beside."""
+    if level >= ALL:
+        return [facts("", rows) if masses_kg is None else (facts("", rows), mass_table(masses_kg))]
+    lines: list[Any] = []
+    while True:
+        half = (len(rows) + 1) // 2
+        halves = rows[:half], rows[half:]
+        widths = (max(map(len, cells)) for some in halves for cells in zip(*some, strict=True))
+        if sum(widths) + _GAPS <= _SCREEN:
+            return [tuple(facts("", some) for some in halves), *lines]
+        longest = max(rows, key=lambda row: len("".join(row)))
+        rows = [row for row in rows if row is not longest]
+        lines.append(": ".join(longest))
+
+
+def facts_of(values: Mapping[q.Quantity, Any], level: int) -> list[tuple[str, str]]:
+    """Quantities of a level that have a value."""
+    shown = ((one, value) for one, value in values.items() if one.importance <= level)
+    return [one.fact(value) for one, value in shown if value is not None]
+
+
+def wind_source(mission: Mission) -> Iterable[str]:
+    """Where the winds are from, and what flies against them."""
+    wind = wind_of(mission)
+    if wind is None:
+        return ()
+    held = "; flown as fast as the wind at least, to hold its place" if wind.hold_station else ""
+    return (f"winds from {wind.source}{held}",)
+
+
+def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
+    """What was left out of the files, and which values catalogues gave."""
+    lines = [*result.reading_notes]
+    if level >= ALL and (text := say.catalogue_line(result.aircraft)) is not None:
+        lines.append(text)
+    return [Line(text, "faint") for text in lines]
+
+
+def battery_lines(result: Analysis | SizingStudy) -> list[Any]:
+    """Return the battery in the mission's air in a line; none where nothing changes it."""
+    condition = result.battery_condition
+    return [] if condition is None else [say.battery_line(result.aircraft, condition)]
+
+
+def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
+    """What sizes the structure, and what its criteria do not cover; none where no model says."""
+    structure = result.structure
+    if structure is None:
+        return []
+    return [structure.headline(), *(Line(text, "faint") for text in structure.remarks)]
+
+
+def mass_table(masses_kg: Mapping[str, float]) -> Table:
+    """Mass budget as a list of facts."""
+    words = {"mppt": "MPPT"}
+    masses = [(words.get(item, item), amount(mass, "kg")) for item, mass in masses_kg.items()]
+    return facts("", [("mass budget", ""), *masses])
+
+
+def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:
+    """Values of single parameters that suffice each for itself, smallest change first."""
+    parameter, now, needed, key = q.group("parameter now needed key")
+    columns = (parameter, now, replace(needed, to_right=True), key)
+    rows = [
+        (
+            parameter_words(one.parameter),
+            one.present,
+            f"{one.direction} {one.value:g} {unit_text(one.unit)}".rstrip(),
+            one.parameter if "." in one.parameter else MISSING,
+        )
+        for one in relaxations
+    ]
+    return Table(f"{title} with one of these, all else unchanged", columns, tuple(rows))

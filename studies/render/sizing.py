@@ -1,0 +1,276 @@
+"""A sizing as people read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sizing.validity.ranges import where_error_is_known
+from studies import quantities as q
+from studies.render import sentences as say
+from studies.render.notes import extrapolation_blocks
+from studies.render.numbers import change_text, hours, percent, with_unit
+from studies.render.parts import (
+    battery_lines,
+    facts_of,
+    in_columns,
+    relaxation_table,
+    sources,
+    structure_lines,
+    wind_source,
+)
+from studies.render.sizing_tables import (
+    build_table,
+    multiplier_table,
+    neighbour_table,
+    requirement_table,
+    sensitivity_table,
+)
+from studies.render.tables import ALL, Column, Line, Table
+from studies.render.words import constraint_words
+from studies.serialise import serialise
+
+if TYPE_CHECKING:
+    from sizing.day.light import SolarModel
+    from sizing.performance import Performance
+    from sizing.program.objectives import Objective
+    from sizing.results.sizing_study import SizingStudy
+
+
+_FEW, _MOST_VIOLATIONS = 5, 3  # of a summary
+
+
+def headline(study: SizingStudy) -> str:
+    """Return aircraft, mission, status and objective in one line."""
+    objective, value = study.objective, study.result.objective_value
+    text = f"{study.aircraft.name} sized for {_sized_for(study)}: {study.status.label}"
+    if study.feasible:
+        text += f", {objective.label} {with_unit(value, '.4g', objective)}"
+    return text
+
+
+def _sized_for(study: SizingStudy) -> str:
+    survival, name = study.survival, study.mission.name
+    return name if survival is None else f"{name} in the weather of {survival.weather.site.label}"
+
+
+def blocks(study: SizingStudy, level: int) -> list[Any]:
+    """Return the design, what limits it, what was requested besides, and how sure it is."""
+    title = f"{study.aircraft.name} sized for {_sized_for(study)} ({study.objective.value})"
+    shown: list[Any] = [Line(f"{title}: {study.status.label}", "strong")]
+    if study.design is None:
+        return [*shown, *_without_design(study, level), *_builds(study, level)]
+    if study.coverage is not None and study.coverage.first is not None:
+        shown.append(say.range_text(study.coverage))
+    at_bounds = [name for name in study.result.active_constraints if " at its " in name]
+    if at_bounds:
+        words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
+        shown.append(Line(f"at the end of the design space: {words}", "warning"))
+    shown += in_columns(_sizing_facts(study, level), study.masses_kg, level)
+    shown += _limits(study, level, at_bounds)
+    shown += _requested(study, level)
+    if level >= ALL:
+        shown += [*_sizing_parts(study), requirement_table(study.margins)]
+    return [*shown, *_builds(study, level), *_confidence(study, level)]
+
+
+def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
+    flown = study.result.simulated
+    assert flown is not None
+    clear = "clear-sky " if study.survival is not None else ""
+    excess, charge = (one.fact(one.of(flown)[flown.worst_scenario()]) for one in q.ENOUGH)
+    where = f"{clear}{q.EXCESS_TIME.label}, {flown.day.scenarios.label(flown.worst_scenario())}"
+    flight, objective = study.mission.flight, study.objective
+    values = {q.TABLE[key]: value for key, value in study.design_values().items()}
+    rows = facts_of(values, level)
+    if objective.variable not in (*(one.name for one in values), "worst_excess_time_h"):
+        value = with_unit(study.result.objective_value, ".4g", objective)
+        rows.insert(0, (objective.label, value))
+    if flight is not None:
+        launched = f"launched {flight.launch}"
+        rows.append(("flight", launched if objective.value == "max_endurance" else flight.text))
+    return [*rows, *say.wind_rows(study.mission), (where, excess[1]), charge]
+
+
+def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
+    """What limits a design; where the excess time is to be as large as possible it is no limit."""
+    active = study.result.active_constraints
+    if study.objective.value == "max_excess_time" or not study.feasible:
+        active = tuple(name for name in active if not name.startswith("excess_time"))
+    active = tuple(name for name in active if name not in others)
+    return [say.limits_line(active, study.aircraft, keys=level >= ALL)] if active else []
+
+
+def _requested(study: SizingStudy, level: int) -> list[Any]:
+    """What was asked about the optimum besides."""
+    shown: list[Any] = [*say.climb_lines(study), *_whole_cells(study, level)]
+    if study.reliability is not None:
+        shown.append(say.reliability_text(study))
+    shown += _survival(study, level)
+    if study.sensitivities is not None and level < ALL:
+        shown.append(say.sensitivities_line(study))
+    elif study.sensitivities is not None:
+        shown.append(sensitivity_table(study.sensitivities, study.objective))
+        if study.multipliers:
+            shown.append(multiplier_table(study.multipliers, study.objective))
+    if study.cross_check is not None:
+        line = say.cross_check_line(study.cross_check, study.objective)
+        passed = study.cross_check.cross_checked and level < ALL
+        shown.append(line.partition(",")[0] if passed else line)
+    return shown
+
+
+def _sizing_parts(study: SizingStudy) -> list[Any]:
+    """Power, propulsion, structure and balance."""
+    shown: list[Any] = []
+    if study.power_budget is not None:
+        shown.append(say.power_line(study.power_budget, study.mission))
+    shown += wind_source(study.mission)
+    if study.part_masses is not None:
+        shown.append(say.part_masses_line(study.part_masses))
+    shown += structure_lines(study)
+    return shown if study.balance is None else [*shown, *say.balance_lines(study.balance)]
+
+
+def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
+    """Whole cells, what they cost, and the designs that were tried."""
+    cells = study.cells
+    if study.whole_cells is None or cells is None:
+        return []
+    lines = [say.loss_line(cells, study.objective), *say.cells_lines(cells)]
+    return [*lines, neighbour_table(cells, study.objective)] if level >= ALL else lines
+
+
+def _survival(study: SizingStudy, level: int) -> list[Any]:
+    """Days of the season that close, year by year, beside the design for a clear sky."""
+    survival = study.survival
+    if survival is None:
+        return []
+    shown: list[Any] = [say.survival_text(survival, study)]
+    if survival.several_years and level >= ALL:
+        years = (year | {"year": str(year["year"])} for year in survival.days.by_year())
+        shown.append(q.table_of("year by year", "year days days_that_close share", years))
+    if level >= ALL:
+        shown += [Line(f"record: {text}", "faint") for text in survival.weather.repairs]
+    return shown + [Line(text, "faint") for text in survival.notes]
+
+
+def _without_design(study: SizingStudy, level: int) -> list[Any]:
+    """Requirements that are missed, what holds the design back, and what would help."""
+    violations = study.result.violations
+    most = len(violations) if level >= ALL else _MOST_VIOLATIONS
+    shown: list[Any] = [f"  {violation.text}" for violation in violations[:most]]
+    if len(violations) > most:
+        shown.append(f"  and {len(violations) - most} more")
+    shown += _limits(study, level)
+    shown += [*say.nearest_lines(study), *(f"{a}: {b}" for a, b in say.wind_rows(study.mission))]
+    if level >= ALL:
+        shown += structure_lines(study)
+    shown += extrapolation_blocks(study.extrapolations, level)
+    if study.reliability is not None:
+        return [*shown, say.reliability_text(study)]
+    shown += _survival(study, level)
+    if study.whole_cells is not None:
+        return [*shown, *_whole_cells(study, level)]
+    if study.status.name != "infeasible" or study.coverage is not None:
+        return shown
+    if not study.relaxations:
+        return [*shown, say.NONE_ALONE.format(study.objective.value)]
+    few = study.relaxations if level >= ALL else study.relaxations[:_FEW]
+    return [*shown, relaxation_table(few)]
+
+
+def _builds(study: SizingStudy, level: int) -> list[Any]:
+    """The same requirement by each quality of building; nothing where it was not asked for."""
+    if not study.builds:
+        return []
+    table = build_table(serialise(study.builds), study.objective)
+    return [table if level >= ALL else replace(table, title="")]
+
+
+def _confidence(study: SizingStudy, level: int) -> list[Any]:
+    """How far the answer may be trusted: ranges of the models, their error, margins."""
+    flown, low, high = study.result.simulated, study.low, study.high
+    shown: list[Any] = battery_lines(study) if level >= ALL else []
+    shown += [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
+    if flown is not None and low is not None and high is not None:
+        error = say.uncertainty_line(low, high, flown.worst_scenario(), study.mission)
+        shown.append(Line(error, "faint"))
+        required = max(study.result.required_excess_time_h, 0.0)
+        guarded = study.mission.uncertainty_margins.given or study.reliability is not None
+        guarded = guarded or study.survival is not None
+        if study.with_margin is not None:
+            shown += _margin_blocks(study, study.with_margin, level)
+        elif (low_h := _least_h(low)) < required and not guarded:
+            what = (
+                "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
+            )
+            measured = where_error_is_known(study.mission.altitude_m)
+            text = f"on the edge: one RMS error{measured} less solar power {what}; {_TO_GUARD}"
+            shown.append(Line(text, "warning"))
+    if study.without_margins is not None:
+        reached = hours(_least_h(study.without_margins))
+        shown.append(f"without the mission's uncertainty margins the excess time is {reached}")
+    return shown
+
+
+_TO_GUARD = "to size with that margin: --set mission.uncertainty_margins.solar_model_sigmas=1"
+
+
+def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list[Any]:
+    """The optimum beside the one with a margin, and what the margin costs."""
+    if study.simulated is None or guarded.as_assumed is None:
+        return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
+    was, now = study.to_dict(), serialise(guarded, "Guarded")
+    table = margin_table(study.objective, study.solar, was, now)
+    if level >= ALL:
+        return [table, Line(_TO_GUARD, "faint")]
+    shown = [row for row in table.rows if row[0] in (q.WINGSPAN.label, q.TOTAL_MASS.label)]
+    designs = ", ".join(f"{label} {value} ({change})" for label, _, value, change in shown)
+    return [Line(f"{table.title}: {designs}; {_TO_GUARD.split(': ')[1]}", "faint")]
+
+
+def _with_error(solar: SolarModel) -> str:
+    return f"with one RMS error ({percent(solar.rms_relative, '.0f')}) less solar power as margin"
+
+
+def _least_h(perf: Performance) -> float:
+    return float(np.min(perf.cycle.excess_time_h))
+
+
+def margin_table(
+    objective: Objective, solar: SolarModel, sizing: Mapping[str, Any], guarded: Mapping[str, Any]
+) -> Table:
+    """An optimum beside the one with a margin of one RMS error, by their records."""
+    was = dict(sizing) | {
+        objective.variable: sizing["objective"]["value"],
+        q.EXCESS_TIME.name: sizing["simulated"][q.EXCESS_TIME.name],
+        "least_excess_time_h": sizing["uncertainty"]["excess_time_low_h"],
+    }
+    now = dict(guarded) | {objective.variable: guarded["objective_value"]}
+    shown = (*q.CHOSEN, q.TOTAL_MASS)
+    rows: list[tuple[str, ...]] = [
+        (
+            one.label,
+            *(one.fact(e[one.name])[1] for e in (was, now)),
+            change_text(was[one.name], now[one.name]),
+        )
+        for one in shown
+    ]
+    name = objective.variable
+    if objective.label not in (q.EXCESS_TIME.label, *(one.label for one in shown)):
+        texts = (with_unit(one[name], ".4g", objective) for one in (was, now))
+        rows.insert(0, (objective.label, *texts, change_text(was[name], now[name])))
+    for key, what in ((q.EXCESS_TIME.name, ""), ("least_excess_time_h", ", that error less")):
+        ends = (np.inf if one[key] is None else one[key] for one in (was, now))
+        rows.append((f"{q.EXCESS_TIME.label}{what}", *map(hours, ends), ""))
+    columns = (
+        Column("quantity", ""),
+        Column("optimum", "as requested", to_right=True),
+        Column("guarded", "with margin", to_right=True),
+        Column("change", to_right=True),
+    )
+    return Table(_with_error(solar), columns, tuple(rows))

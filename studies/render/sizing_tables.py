@@ -1,0 +1,145 @@
+"""Tables of a sizing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sizing.limits import ROW_TOLERANCE
+from sizing.parameters import unit_text
+from sizing.results.margins import RequirementMargin
+from studies import quantities as q
+from studies.render.numbers import with_unit
+from studies.render.tables import UNLIMITED, Column, Table
+from studies.render.words import constraint_words, parameter_words
+
+if TYPE_CHECKING:
+    from sizing.program.objectives import Objective
+    from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
+
+
+_SENSITIVITIES = 15  # of the whole; JSON and CSV have them all
+
+
+def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
+    """Margins as a table."""
+    columns = q.group("requirement value limit margin")
+    rows = tuple(
+        (
+            f"{one.label}{' (recommended)' if one.recommended else ''}",
+            _margin_value_text(one),
+            f"{one.limit:.5g} {one.unit}".strip(),
+            _margin_text(one)
+            if one.recommended or one.margin >= -ROW_TOLERANCE
+            else f"{_margin_text(one)}, violated",
+        )
+        for one in margins
+    )
+    return Table("margins of the requirements", columns, rows)
+
+
+def _margin_value_text(row: RequirementMargin) -> str:
+    """Return the value of a requirement with its unit."""
+    if not np.isfinite(row.value):
+        return UNLIMITED if row.value > 0.0 else "none"
+    return f"{round(row.value, 3):.4g} {row.unit}".strip()
+
+
+def _margin_text(row: RequirementMargin) -> str:
+    """Return the margin of a requirement, in per cent of its limit or in its unit."""
+    if not np.isfinite(row.margin):
+        return UNLIMITED if row.margin > 0.0 else "none"
+    if row.relative:
+        return f"{100.0 * row.margin:+.1f} %"
+    return f"{row.margin:+.2f} {row.unit}".strip()
+
+
+def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
+    """A row for every quality of building, of its record."""
+    shown = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
+    others = objective.variable not in {one.name for one in shown}
+    of_design = (replace(one, to_right=True) for one in shown)
+    columns: list[Column] = [*q.group("build factor"), *of_design]
+    if others:
+        columns.append(Column("objective", objective.label, to_right=True))
+    rows = []
+    for one in records:
+        name = f"{one['build']} (this file)" if one["of_file"] else one["build"]
+        row: list[Any] = [name, one["factor"], *(one[column.name] for column in shown)]
+        if others:
+            row.append(with_unit(one["objective_value"], ".4g", objective))
+        if one[q.WINGSPAN.name] is None:
+            row[2:] = ["no design", *("" for _ in row[3:])]
+        rows.append(tuple(row))
+    title = "the same by how well the structure is built (airframe.structure.build)"
+    return Table(title, tuple(columns), tuple(rows))
+
+
+def sensitivity_table(
+    sensitivities: Sequence[Sensitivity], objective: Objective, most: int = _SENSITIVITIES
+) -> Table:
+    """What each technology parameter changes, most important first."""
+    parameter, value, elasticity = q.group("parameter value elasticity")
+    per_percent = Column("per_percent", f"{objective.unit} per +1 %", form="+.4f")
+    columns = (parameter, replace(value, to_right=True), per_percent, elasticity)
+    rows = [
+        (
+            parameter_words(one.parameter),
+            f"{one.value:.4g} {unit_text(one.unit)}".rstrip(),
+            one.per_percent,
+            one.elasticity,
+        )
+        for one in sensitivities[:most]
+    ]
+    if rows:
+        left = len(sensitivities) - len(rows)
+        more = f"{left} more parameters matter less; the record of the sizing has all"
+        notes = (more,) if left > 0 else ()
+    else:
+        notes = (f"none: {objective.label} is unlimited",)
+    title = f"sensitivities of the {objective.label} ({objective.value})"
+    return Table(title, columns, tuple(rows), notes)
+
+
+# Of the largest gain: a constraint that gains less is left out.
+_LEAST_GAIN = 1e-3
+
+
+def multiplier_table(multipliers: Sequence[ConstraintMultiplier], objective: Objective) -> Table:
+    """What relaxing each constraint gains, by its multiplier, next to nothing left out."""
+    constraint, gain, step = q.group("constraint gain step")
+    columns = (constraint, replace(gain, label=f"gain in {objective.unit}"), step)
+    least = _LEAST_GAIN * max((abs(one.gain) for one in multipliers), default=0.0)
+    rows = [
+        (constraint_words(one.constraint).without_key, one.gain, one.step)
+        for one in multipliers
+        if abs(one.gain) >= least
+    ]
+    return Table("what relaxing a constraint gains", columns, tuple(rows))
+
+
+_DESIGNS = 10  # in the table; JSON has all
+
+
+def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
+    """Designs of whole cells that were tried, the best first, infeasible ones with the reason."""
+    tried = record["tried"]
+    feasible = [one for one in tried if not one["reason"]]
+    infeasible = [one for one in tried if one["reason"]]
+    room = max(_DESIGNS - len(infeasible), _DESIGNS // 2)
+    shown = [*feasible[:room], *infeasible[: _DESIGNS - min(room, len(feasible))]]
+    strung = any(one["strings"] is not None for one in tried)
+    columns: list[Column] = [
+        *q.group(f"cells {'strings' * strung} battery_cells"),
+        Column("value", objective.label, objective.unit, ".4g"),
+        *([] if objective.value == "min_mass" else [replace(q.TOTAL_MASS, form=".4g")]),
+        replace(q.TABLE["reason"], label="why not", missing=""),
+    ]
+    unlimited = {"value": UNLIMITED}
+    rows = (one | unlimited if one["value"] is None and not one["reason"] else one for one in shown)
+    left = len(tried) - len(shown)
+    notes = (f"{left} more were tried; the record of the sizing has all",) if left else ()
+    return q.table_of("designs of whole cells", columns, rows, notes)

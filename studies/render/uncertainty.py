@@ -1,0 +1,92 @@
+"""Flights under uncertain inputs as people read them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sizing.results.numbers import percentiles
+from studies import quantities as q
+from studies.render.notes import extrapolation_blocks
+from studies.render.numbers import hours, percent
+from studies.render.tables import ALL, Line, Table, facts
+
+if TYPE_CHECKING:
+    from sizing.results.uncertainty import UncertaintyAnalysis
+
+_INPUTS = 8  # of the table of a summary
+
+
+def headline(analysis: UncertaintyAnalysis) -> str:
+    """Aircraft, mission and probability in one line."""
+    return (
+        f"{analysis.aircraft.name} on {analysis.mission.name}: perpetual flight in "
+        f"{percent(analysis.probability_perpetual.value)} of {analysis.samples} draws"
+    )
+
+
+def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
+    """Probabilities, spread, and what the excess time depends on: all inputs at level 2."""
+    mission, inputs = analysis.mission, analysis.inputs
+    rows = [("probability of perpetual flight", analysis.probability_perpetual.text())]
+    if analysis.required_h > 0.0:
+        label = f"probability of {analysis.required_h:g} h of excess time"
+        rows.append((label, analysis.probability_required.text()))
+    rows.append(("excess time with the files' values", hours(analysis.nominal_excess_time_h)))
+    rows += _spread_rows(analysis)
+    climbs = f"; {mission.climb_label}" if mission.climb else ""
+    text = (
+        f"{analysis.solar.label}{climbs}; seed {analysis.seed}. P90 is exceeded in 90 % of draws."
+    )
+    if not inputs.independent:
+        text += " Inputs are correlated: shares of the variance are not defined."
+    return [
+        Line(headline(analysis), "strong"),
+        *(facts("", rows), input_table(analysis, _INPUTS if level < ALL else len(inputs))),
+        *extrapolation_blocks(analysis.extrapolations, level),
+        Line(text, "faint"),
+    ]
+
+
+def _spread_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
+    """Spread of excess time, endurance and state of charge; of two lobes each by itself."""
+    scattered, lobes = analysis.scattered(), analysis.lobes
+    if not lobes:
+        return [
+            ("excess time: P90, P50, P10 of draws", _three(q.EXCESS_TIME, scattered)),
+            *((one.label, _three(one, scattered)) for one in (q.ENDURANCE, q.MINIMUM_CHARGE)),
+        ]
+    rows = []
+    for name, varied in (("perpetual", q.MINIMUM_CHARGE), ("limited", q.ENDURANCE)):
+        chosen = lobes[name]
+        within = {one: values[chosen[: len(values)]] for one, values in scattered.items()}
+        share = f"{name}, {percent(float(np.mean(chosen)))} of draws"
+        rows.append((f"{share}: excess time, P90, P50, P10", _three(q.EXCESS_TIME, within)))
+        rows.append((f"{share}: {varied.label}", _three(varied, within)))
+    return rows
+
+
+def _three(quantity: q.Quantity, values: dict[str, Any]) -> str:
+    ends = percentiles(values[quantity.name], "inverted_cdf").values()
+    return ", ".join(quantity.fact(value)[1] for value in ends)
+
+
+def input_table(analysis: UncertaintyAnalysis, most: int) -> Table:
+    """Inputs with their spread and their shares of the excess time's variance."""
+    shares = {key: (index.first, index.total) for key, index in analysis.sobol.items()}
+    nothing, spread = (math.nan, math.nan), q.TABLE["nominal"].text
+    order = sorted(analysis.inputs.inputs, key=lambda row: -shares.get(row.key, (0.0, 0.0))[1])
+    rows = []
+    for row in order[:most]:
+        low, high = map(spread, np.percentile(analysis.values[row.key], [10.0, 90.0]))
+        alone, with_others = shares.get(row.key, nothing)
+        rows.append((row.label, row.nominal, f"{low} to {high}", alone, with_others))
+    left = len(order) - len(rows)
+    return Table(
+        "what the excess time depends on",
+        q.group("input nominal spread share_alone share_with_others"),
+        tuple(rows),
+        (f"{left} more matter less; -v has all",) if left else (),
+    )
