@@ -16,6 +16,7 @@ from studies.output.figures.drawing import (
     ORANGE,
     VERMILLION,
     Canvas,
+    add_legend,
     ink,
     is_narrow,
     new_figure,
@@ -64,7 +65,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
             canvas=figure, title=analysis.headline(), notes=notes, size_in=(7.0, 4.2), lines=True
         )
         _draw_spread(spread, analysis)
-        drawn.legend(loc="outside lower center", ncols=4)
+        add_legend(drawn, spread.get_legend_handles_labels()[0], 4)
         return drawn
     drawn, (spread, causes) = new_figure(
         *((2, 1) if narrow else (1, 2)),
@@ -79,7 +80,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     _draw_spread(spread, analysis)
     _draw_causes(causes, analysis)
     handles = [h for axes in (spread, causes) for h in axes.get_legend_handles_labels()[0]]
-    drawn.legend(handles=handles, loc="outside lower center", ncols=6)
+    add_legend(drawn, handles, 6)
     return drawn
 
 

@@ -55,7 +55,13 @@ class Entry:
     value: float | str | None
 
     def text(self) -> str:
-        """Value as people read it: results with four digits, inputs as they were given."""
+        """Value as people read it: results with four digits, inputs as they were given.
+
+        Quantities of results have the digits of their table.
+        """
+        known = q.TABLE.get(self.key)
+        if known is not None and known.digits and isinstance(self.value, float):
+            return known.text(self.value).replace(",", "")
         if self.group == "technology" and isinstance(self.value, float):
             return f"{self.value:g}"
         return number_text(self.value)

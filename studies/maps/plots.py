@@ -28,6 +28,7 @@ from studies.output.cells import (
 )
 from studies.output.figures.drawing import (
     Canvas,
+    add_legend,
     ink,
     new_figure,
     objective_caption,
@@ -62,7 +63,7 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     drawn, axes = _map_axes(figure, data, "line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     excess_h = data["excess_time"].to_numpy()
-    shown_h = np.where(np.isposinf(excess_h), 2.0 * UNLIMITED_H, excess_h)
+    shown_h = _continued(np.where(np.isposinf(excess_h), 2.0 * UNLIMITED_H, excess_h))
     levels = (*LEVELS_H, UNLIMITED_H)
     colour_map, norm = from_levels_and_colors(levels, list(colours()), extend="both")
     shades: ScalarMappable | None = None
@@ -81,6 +82,29 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     bar.set_label("excess time [h]; darkest: no night")
     _finish(drawn, axes, data)
     return drawn
+
+
+def _continued(excess_h: FloatArray) -> FloatArray:
+    """Return excess times whose zero is the edge of perpetual flight between cells as well.
+
+    Excess time tends to zero on one side of the edge, and jumps to the other by an hour or two.
+    Cells on that other side have what the two cells beyond the edge lead to, a number in the same
+    band of colours.
+    """
+    rows, columns = excess_h.shape
+    around, band_h = np.pad(excess_h, 2, constant_values=np.nan), LEVELS_H[-4]
+    results = []
+    for sign in (1.0, -1.0):
+        ahead = np.full(excess_h.shape, np.nan)
+        for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            near, far = (
+                sign * around[2 + k * down :, 2 + k * right :][:rows, :columns] for k in (1, 2)
+            )
+            ahead = np.fmax(ahead, np.where(near <= 0.0, 2.0 * near - far, np.nan))
+        beside = (sign * excess_h > 0.0) & (sign * excess_h < band_h) & np.isfinite(ahead)
+        changed = np.where(beside, sign * np.clip(ahead, 1e-6, 0.999 * band_h), excess_h)
+        results.append((int((ahead[beside] > 0.0).sum()), sign, changed))
+    return max(results, key=lambda result: result[:2])[2]
 
 
 @styled
@@ -135,7 +159,7 @@ def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     entries = hatch_reasons(axes, days, latitudes, data)
     if entries:
-        figure.legend(handles=entries, loc="outside lower right", ncols=3)
+        add_legend(figure, entries, 3, side="right")
     _season_axes(axes, days)
 
 

@@ -18,6 +18,7 @@ from studies.output.figures.drawing import (
     GREEN,
     VERMILLION,
     Canvas,
+    add_legend,
     ink,
     is_narrow,
     new_figure,
@@ -37,6 +38,8 @@ _LOOKS = {
     "report": (BLUE, "s", "corrected by its error in flight"),
     "loiter": (GREEN, "D", "corrected for the loiter"),
 }
+
+_ROOM_DAYS = 110  # length of a season's bar that holds its text
 
 
 @styled
@@ -101,7 +104,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
         panels[-1].margins(x=0.15)
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
-    drawn.legend(handles=_legend(comparison), loc="outside lower center", ncols=5, frameon=False)
+    add_legend(drawn, _legend(comparison), 5, frameon=False)
     return drawn
 
 
@@ -172,17 +175,20 @@ def _draw_excess(axes: Axes, _: Comparison, case: Case, y: float) -> None:
 
 
 def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
-    colour, middle = _LOOKS[case.solar.correction][0], 183
-    parts = spans(case.season)
+    colour, parts = _LOOKS[case.solar.correction][0], spans(case.season)
     for first, last in parts:
         axes.barh(y, last - first + 1, left=first, height=0.6, color=colour, linewidth=0)
+    longest = max(parts, key=lambda part: part[1] - part[0], default=(183, 183))
+    within = longest[1] - longest[0] >= _ROOM_DAYS
     axes.annotate(
         "none" if case.season.days == 0 else f"{case.season.days} d",
-        (middle, y),
-        ha="center",
+        (sum(longest) / 2.0 if within else longest[1], y),
+        (0, 0) if within else (4, 0),
+        textcoords="offset points",
+        ha="center" if within else "left",
         va="center",
         fontsize="small",
-        color="white" if any(first <= middle <= last for first, last in parts) else "black",
+        color="white" if within else ink(),
     )
 
 

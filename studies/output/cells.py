@@ -28,6 +28,7 @@ from studies.output.gridded import OnGrid, reasons_without_result
 
 # Hatches that are told apart in small cells.
 _HATCHES = ("///", "\\\\\\", "xx", "..", "++", "oo", "--", "||", "**")
+_LEAST_SHARE = 0.3  # of the cells that have a value: lines among fewer are stubs
 _UNLIMITED = VERMILLION  # a colour that the scale does not have
 
 
@@ -151,7 +152,7 @@ def draw_level_lines(
     ``values``: no line leads from a cell with a value to one without (NaN). ``norm``: scale of the
     colours: panels that share it have the same lines.
     """
-    if min(values.shape) < 2 or np.isfinite(values).sum() <= 3:
+    if min(values.shape) < 2 or np.isfinite(values).mean() < _LEAST_SHARE:
         return
     lowest, highest = _colour_ends(norm)
     levels = np.asarray(MaxNLocator(at_most).tick_values(lowest, highest))

@@ -18,6 +18,7 @@ from studies.output.figures.drawing import (
     SUN,
     SUN_LINE,
     Canvas,
+    add_legend,
     ink,
     new_figure,
     shade,
@@ -100,7 +101,7 @@ def plot_cycle(
     # Below the axes, where no curve can run through it.
     power, charge = (axes.get_legend_handles_labels()[0] for axes in every[:2])
     handles = [*power[:2], *charge, *power[2:]]  # each column a curve and its margin
-    drawn.legend(handles=handles, loc="outside lower center", ncols=3)
+    add_legend(drawn, handles, 3)
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
@@ -277,7 +278,7 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     _label_clock(last, (launch, end), lambda day: f"day {day + 1}")
     last.set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
     handles = [*power.get_legend_handles_labels()[0], *charge.get_legend_handles_labels()[0]]
-    drawn.legend(handles=handles, loc="outside lower center", ncols=3)
+    add_legend(drawn, handles, 3)
     return drawn
 
 
@@ -312,7 +313,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     power_axes.plot(flight.clock_h, flight.solar_power_w, SUN_LINE, color=SUN, label="solar power")
     power_axes.plot(flight.clock_h, flight.load_w, LOAD_LINE, color=LOAD, label="load")
     power_axes.set(ylabel="power [W]", ylim=(0, None))
-    drawn.legend(*power_axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    add_legend(drawn, power_axes.get_legend_handles_labels()[0], 2)
     charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
     for hour in flight.full_charge_clock_h:
         charge_axes.axvline(hour, color=ink(), linestyle=":", linewidth=1)

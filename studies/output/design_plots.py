@@ -21,6 +21,7 @@ from studies.output.figures.drawing import (
     LOAD,
     SUN,
     Canvas,
+    add_legend,
     ink,
     new_figure,
     styled,
@@ -97,7 +98,7 @@ def plot_sensitivities(
     axes.set_yticks(range(len(shown)), labels)
     axes.axvline(0.0, color=ink(), linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
-    drawn.legend(loc="outside lower right", ncols=2)
+    add_legend(drawn, axes.get_legend_handles_labels()[0], 2, side="right")
     return drawn
 
 
@@ -199,7 +200,7 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
         xlabel="equivalent airspeed [m/s]",
         ylabel="load factor [-]",
     )
-    axes.legend(loc="upper left")
+    add_legend(drawn, axes.get_legend_handles_labels()[0], 3)
     return drawn
 
 

@@ -15,6 +15,7 @@ from studies.output.figures.drawing import (
     LOAD,
     VERMILLION,
     Canvas,
+    add_legend,
     ink,
     new_figure,
     paper,
@@ -138,7 +139,7 @@ def plot_three_view(
     if length_m < _SHORT * drawing.wingspan_m:  # room beside the view from the left
         panels[2].legend(handles=entries, loc="center right", frameon=False)
     else:
-        drawn.legend(handles=entries, loc="outside lower center", ncols=3)
+        add_legend(drawn, entries, 3)
     return drawn
 
 

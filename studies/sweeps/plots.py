@@ -35,6 +35,7 @@ from studies.output.figures.drawing import (
     SUN,
     VERMILLION,
     Canvas,
+    add_legend,
     ink,
     new_figure,
     objective_caption,
@@ -89,6 +90,8 @@ def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     axes = [str(name) for name in data["status"].dims]
     if data.attrs["sample"] != "grid" or len(axes) > 3:
         return _parallel_figure(data, figure)
+    if len(axes) == 1 and _has_names(data, axes[0]):
+        return _names_figure(data, figure)
     if len(axes) == 1:
         return _line_figure(data, figure)
     return _contour_figure(data, figure)
@@ -119,7 +122,10 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
     objective = data.attrs["objective"]
     if not objective:
         return "excess_time", "charge_margin"
-    return Objective(objective).column, Objective(objective).beside
+    sized = Objective(objective)
+    beside = (sized.beside, "battery_mass", "module_area", "wingspan")
+    varied = {_label(data, str(name)) for name in data.coords}
+    return sized.column, next(name for name in beside if _label(data, name) not in varied)
 
 
 def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
@@ -137,14 +143,13 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         2, canvas=canvas, **_title_and_notes(data), size_in=(7.0, 5.4), sharex=True
     )
     shown = _drawable(data)
-    x = _axis_positions(data, name)
-    style = "o" if _has_names(data, name) else "o-"  # nothing lies between two names
+    x = data[name].to_numpy()
     for axes, variable, colour in zip(
         panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
     ):
         values = data[variable].to_numpy()
         values = np.where(shown & ~np.isinf(values), values, np.nan)
-        axes.plot(x, values, style, color=colour, markersize=4)
+        axes.plot(x, values, "o-", color=colour, markersize=4)
         _mark_extrapolated(axes, x, values, _extrapolated(data))
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
@@ -156,8 +161,42 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             axes.plot(gone, low, mark, color=DARK_GREY, transform=at_bottom, label=words)
         if axes.get_legend_handles_labels()[0]:
             axes.legend()
-    _name_places(panels[-1].xaxis, data, name)
     panels[-1].set(xlabel=_label(data, name))
+    return figure
+
+
+def _names_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+    """Both variables of products of a catalogue, a line each; the reason where there is no result.
+
+    Nothing lies between two names.
+    """
+    (name,) = (str(n) for n in data["status"].dims)
+    places = _axis_positions(data, name)
+    figure, panels = new_figure(
+        *(1, 2),
+        canvas=canvas,
+        **_title_and_notes(data),
+        size_in=(8.0, 1.6 + 0.28 * len(places)),
+        lines=True,
+        sharey=True,
+    )
+    shown, reasons = _drawable(data), reasons_without_result(data)
+    for axes, variable, colour in zip(
+        panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
+    ):
+        values = data[variable].to_numpy()
+        values = np.where(shown & ~np.isinf(values), values, np.nan)
+        axes.plot(values, places, "o", color=colour)
+        _mark_extrapolated(axes, values, places, _extrapolated(data))
+        axes.set(xlabel=_label(data, variable))
+        axes.margins(x=0.1)
+    for place in np.flatnonzero(reasons != ""):
+        at, by = (0.02, place), ("axes fraction", "data")
+        panels[0].annotate(reasons[place], at, xycoords=by, va="center", fontsize="small")
+    _name_places(panels[0].yaxis, data, name)
+    panels[0].set_ylim(len(places) - 0.5, -0.5)
+    if panels[0].get_legend_handles_labels()[0]:
+        add_legend(figure, panels[0].get_legend_handles_labels()[0], 1)
     return figure
 
 
@@ -206,7 +245,7 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     for row in rows:
         row[0].set(ylabel=_label(data, names[1]))
     if handles:
-        figure.legend(handles=list(handles.values()), loc="outside lower right", ncols=4)
+        add_legend(figure, list(handles.values()), 4, side="right")
     return figure
 
 
@@ -362,7 +401,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         Patch(label=name, linewidth=0.0, **_bar_style(low=low))
         for name, low in (("less than in the file", True), ("more", False))
     ]
-    figure.legend(handles=entries, loc="outside lower right", ncols=2)
+    add_legend(figure, entries, 2, side="right")
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
     return figure

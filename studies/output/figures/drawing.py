@@ -74,11 +74,20 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
 
 
 def _in_place_of(axes: Axes) -> Any:
-    """Part of a figure where axes were: a drawing may have panels, and a heading of its own."""
+    """Return the part of a figure where axes were: a drawing may have panels and a heading.
+
+    The figure is laid out by constraints where its owner has chosen no layout: heading and legend
+    of the part then stay within it.
+    """
+    from studies.output.figures.layout import HeadedLayout  # half a second, for those who draw
+
     place = axes.get_subplotspec()
     figure = axes.figure
     if place is None or figure is None:
         raise ValueError("ax must be axes of a grid, as plt.subplots makes them")
+    whole: Any = figure.figure
+    if whole.get_layout_engine() is None:
+        whole.set_layout_engine(HeadedLayout())
     part = figure.add_subfigure(place)
     axes.remove()
     return part
@@ -146,6 +155,22 @@ def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
         write(title, line)
     else:
         figure.suptitle("\n".join(filter(None, (title, line))), wrap=True)
+
+
+def add_legend(
+    figure: Figure, handles: Sequence[Any], columns: int, *, side: str = "center", **looks: Any
+) -> None:
+    """Write a legend below the axes of a figure, in no more columns than there is room for.
+
+    ``side``: ``center`` or ``right``. ``**looks``: as matplotlib's legend takes them.
+    """
+    from studies.output.figures.layout import BelowAxes, HeadedLayout
+
+    legend, layout = BelowAxes(figure, handles, columns, side, looks), figure.get_layout_engine()
+    if isinstance(layout, HeadedLayout):
+        layout.add_legend(legend)
+    else:
+        legend.write()
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
