@@ -42,7 +42,8 @@ class Parameter:
     for none. ``symbol``: in LaTeX, as in the literature; may be empty. ``label``: for people: axes
     and tables. ``minimum``, ``maximum``: sensible range, about what has been built or is in sight.
     ``relaxable``: ``up`` or ``down`` where a relaxation may move it that way, else empty.
-    ``sensitive``: whether its sensitivity is worth a row.
+    ``sensitive``: whether its sensitivity is worth a row. ``about``: what it is and does, for those
+    who choose its value; may be empty.
     """
 
     key: str
@@ -55,6 +56,7 @@ class Parameter:
     maximum: float
     relaxable: Literal["up", "down", ""]
     sensitive: bool
+    about: str = ""
 
 
 @cache
@@ -70,6 +72,7 @@ def _from_row(row: dict[str, Any]) -> Parameter:
             row
             | {end: float(row[end]) for end in ("minimum", "maximum")}
             | {"name": row["name"] or row["key"], "sensitive": row["sensitive"] == "yes"}
+            | {"about": row["about"] or ""}
         )
     )
 

@@ -17,7 +17,7 @@ from sizing.parameters import parameter, parameter_value, unit_text
 from solar.names import CORRECTION_NAMES, MODELS
 
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
-ALTITUDE = "mission.altitude_m"
+ALTITUDE, WIND = "mission.altitude_m", "mission.wind_m_per_s"
 
 Group = Literal["place", "design", "payload", "technology", "requirement"]
 
@@ -29,7 +29,7 @@ _GROUPS: dict[Group, dict[str, float]] = {
         "mission.clearness": 0.01,
         ALTITUDE: 10.0,
         "mission.climb.ceiling_m": 10.0,
-        "mission.wind_m_per_s": 0.1,
+        WIND: 0.1,
     },
     "design": {
         "airframe.wingspan_m": 0.01,
@@ -52,6 +52,11 @@ _GROUPS: dict[Group, dict[str, float]] = {
     },
     "requirement": {"mission.required_excess_time_h": 0.1},
 }
+_ABOUT_LATITUDE = "North positive. It sets how high the sun climbs and how long the night is."
+_ABOUT_DAY = (
+    "1 is 1 January, 365 is 31 December. The day repeats itself: the date does not advance."
+)
+_OF_PERCENTILE = "that of percentile {:g} at each place, date and altitude; among the numbers above"
 _MEASURED = "fixed: mass and power of this airframe are measured"
 _SLIDER_FROM, _SLIDER_TO = 0.3, 2.5  # of a design variable's first value, for a sensitive slider
 _PAYLOAD_OF_MASS, _PAYLOAD_OF_LOAD = 0.5, 1.0  # of total mass and load: far ends of the sliders
@@ -66,7 +71,7 @@ class Field:
     stands on the page. ``label``, ``unit``: for people; the unit is empty for a number without one.
     ``value``: at the start. ``minimum``, ``maximum``: range that is allowed, ends included.
     ``slider``: ends of the slider, within that range. ``step``: of the slider. ``fixed``: why it
-    cannot be changed; empty if it can.
+    cannot be changed; empty if it can. ``about``: what it is and does.
     """
 
     key: str
@@ -79,6 +84,7 @@ class Field:
     slider: tuple[float, float]
     step: float
     fixed: str = ""
+    about: str = ""
 
     @property
     def whole(self) -> bool:
@@ -145,19 +151,29 @@ def fields_of(
 
 
 def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:
-    ends = _payload_ends(aircraft, mission)
+    payload_ends = _payload_ends(aircraft, mission)
     for group, keys in _GROUPS.items():
         for key, step in keys.items():
             if key == LATITUDE:
-                yield Field(key, group, "latitude", "°", at[0], -90.0, 90.0, (-90.0, 90.0), step)
+                ends = (-90.0, 90.0)
+                yield Field(
+                    key, group, "latitude", "°", at[0], *ends, ends, step, about=_ABOUT_LATITUDE
+                )
             elif key == DAY:
-                yield Field(key, group, "day of year", "", float(at[1]), 1.0, 365.0, (1, 365), step)
+                day = float(at[1])
+                yield Field(
+                    key, group, "day of year", "", day, 1.0, 365.0, (1, 365), step, about=_ABOUT_DAY
+                )
             else:
                 value = parameter_value(aircraft, mission, key)
                 if value is not None:
-                    field = _number_field(aircraft, key, group, value, step, ends)
-                    floor = key == ALTITUDE and mission.climb is not None
-                    yield replace(field, label="altitude by night") if floor else field
+                    field = _number_field(aircraft, key, group, value, step, payload_ends)
+                    if key == ALTITUDE and mission.climb is not None:
+                        field = replace(field, label="altitude by night")
+                    if key == WIND and mission.wind_statistics is not None:
+                        percent = mission.wind_statistics.percentile
+                        field = replace(field, fixed=_OF_PERCENTILE.format(percent))
+                    yield field
 
 
 def _number_field(
@@ -182,6 +198,7 @@ def _number_field(
     return Field(
         *(key, group, known.label, unit, value, minimum, maximum, slider, step),
         fixed=_MEASURED if fixed else "",
+        about=known.about,
     )
 
 

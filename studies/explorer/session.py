@@ -122,6 +122,7 @@ class Session:
                 "description": self.mission.description,
                 "scenarios": self.scenarios,
                 "climbs": self.mission.climb is not None,
+                "wind": self.mission.wind_statistics is not None,
             },
             "fields": [one.to_dict() for one in self.fields.values() if isinstance(one, Field)],
             "choices": [
@@ -304,6 +305,8 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
     flown = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
     clock_h, _, _, charge = flown
     at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
+    # What remains of the second day ends a node before the launch, where the battery was full.
+    at_h[max(int(np.searchsorted(time_h, flight.launch_h)) - 1, 0)] = np.inf
     return [finite(v) for v in np.interp(at_h, clock_h, charge, right=np.nan).round(5).tolist()]
 
 

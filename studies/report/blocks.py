@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
 from studies.render.tables import Table
 
@@ -44,36 +44,55 @@ class Figure:
     kind: ClassVar[str] = "figure"
 
 
+class Bar(NamedTuple):
+    """Row of a table with bars: its texts, and begin and width of its bar [%]."""
+
+    label: str
+    amount: str
+    share: str
+    begin: float
+    width: float
+    is_sum: bool
+
+
 @dataclass(frozen=True)
 class Bars:
-    """Amounts that add up, as a table with a bar each."""
+    """Amounts that add up, or a chain of losses, as a table with a bar each.
+
+    ``rows``: label and amount. ``sums``: labels of the rows that say at which amount a chain of
+    losses has arrived; without any the amounts add up to ``total``.
+    """
 
     title: str
     unit: str
     form: str
     rows: tuple[tuple[str, float], ...]
-    total: str = "total"
+    total: str = ""
     note: str = ""
+    sums: frozenset[str] = frozenset()
     kind: ClassVar[str] = "bars"
 
     @property
     def sum(self) -> float:
-        """Sum of all amounts."""
-        return sum(amount for _, amount in self.rows)
+        """Sum of all amounts, or the first of a chain."""
+        return self.rows[0][1] if self.sums else sum(amount for _, amount in self.rows)
 
-    def cells(self) -> list[tuple[str, str, str, float]]:
-        """Label, amount, share in per cent as text, and width of the bar in per cent."""
-        whole = self.sum or 1.0
-        longest = max((amount for _, amount in self.rows), default=0.0) or 1.0
-        return [
-            (
+    def bars(self) -> Iterator[Bar]:
+        """Yield the rows; a loss begins where the step before it has arrived."""
+        whole, level = self.sum or 1.0, 0.0
+        for label, amount in self.rows:
+            is_sum = label in self.sums
+            low, high = (0.0, amount) if is_sum or not self.sums else (level + amount, level)
+            level = amount if is_sum else level + amount
+            ends = sorted(min(max(100.0 * end / whole, 0.0), 100.0) for end in (low, high))
+            yield Bar(
                 label,
                 format(amount, self.form),
-                f"{100.0 * amount / whole:.0f}",
-                round(100.0 * max(amount, 0.0) / longest, 1),
+                f"{100.0 * amount / whole:.{1 if self.sums else 0}f}",
+                round(ends[0], 2),
+                round(ends[1] - ends[0], 2),
+                is_sum,
             )
-            for label, amount in self.rows
-        ]
 
 
 @dataclass(frozen=True)

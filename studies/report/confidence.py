@@ -124,7 +124,7 @@ def inputs_section(subject: Subject) -> Section:
         blocks.append(Text("Values given in place of the files' own:"))
         blocks.append(Items(subject.overrides))
     if subject.mission_is_default:
-        blocks.append(Text("The mission is the default: nobody chose one.", "warning"))
+        blocks.append(Text("The mission is the default one: --mission names another.", "warning"))
     taken = subject.aircraft.from_catalogues()
     if taken:
         columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))

@@ -38,6 +38,7 @@ from studies.render.words import constraint_words
 from studies.report.blocks import Bars, Block, Section, Tables, Text, sentence
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import aircraft_drawing
+from studies.report.losses import loss_chain
 from studies.report.subject import Subject
 from studies.report.three_view import description, plot_three_view
 
@@ -65,7 +66,10 @@ def aircraft_section(subject: Subject) -> Section:
         blocks.append(Text(aircraft.description))
     blocks.append(views)
     if subject.verification is None:
+        required_h = max(subject.mission.required_excess_time_h, 0.0)
+        margins = requirement_margins(aircraft, subject.analysis.performance, required_h)
         blocks.append(Tables(tuple(_design_tables(subject))))
+        blocks.append(Tables((requirement_table(margins),)))
     return Section("aircraft", "The aircraft", blocks)
 
 
@@ -111,8 +115,6 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             q.SOLAR_ENERGY.fact(analysis.solar_energy_wh),
         ],
     )
-    required_h = max(mission.required_excess_time_h, 0.0)
-    yield requirement_table(requirement_margins(aircraft, analysis.performance, required_h))
 
 
 def _fact(quantity: q.Quantity, of: Design | DesignInFlight) -> tuple[str, str]:
@@ -124,11 +126,9 @@ def _fact(quantity: q.Quantity, of: Design | DesignInFlight) -> tuple[str, str]:
 
 def budget_section(subject: Subject) -> Section:
     """Where mass and power go."""
-    flown, used = subject.analysis.performance, subject.analysis.power_budget
+    design, used = subject.analysis.performance.design, subject.analysis.power_budget
     assert used is not None  # an analysis has a design
-    masses = Bars(
-        "mass budget", "kg", ".3f", _mass_rows(subject.aircraft, flown.design), "total mass"
-    )
+    masses = Bars("mass budget", "kg", ".3f", _mass_rows(subject.aircraft, design), "total mass")
     power = Bars(
         "load in level flight", "W", ".2f", power_rows(used), "load", note=power_note(used),
     )  # fmt: skip
@@ -136,24 +136,16 @@ def budget_section(subject: Subject) -> Section:
     parts = [] if shares is None else [drag_table(shares)]
     parts += [] if balance is None else [balance_table(balance)]
     told = [] if balance is None else [Text(text) for text in balance_lines(balance)]
-    budget, worst = flown.cycle.energy_budget, subject.analysis.worst
-    where = flown.day.scenarios.label(worst)
-    solar, unserved = (float(values[worst]) for values in (budget.solar_wh, budget.unserved_wh))
-    rows = (
-        ("load", budget.load_wh[worst]),
-        ("lost in charging", budget.charge_loss_wh[worst]),
-        ("lost in discharging", budget.discharge_loss_wh[worst]),
-        ("not collected, the battery being full", budget.curtailed_wh[worst]),
-        ("left in the battery", budget.stored_wh[worst]),
-    )
-    note = f"The sun gives {solar:.0f} Wh."
-    if unserved > 0.05:
-        note += f" {unserved:.0f} Wh of the load are not met: the battery is empty."
+    analysis = subject.analysis
+    steps = loss_chain(analysis)
     energy = Bars(
-        f"energy of the day, {where}", "Wh", ".0f",
-        tuple((label, float(value)) for label, value in rows if abs(float(value)) >= 0.5),
-        note=note,
-    )  # fmt: skip
+        f"from the sun to the load: energy of the day, "
+        f"{analysis.performance.day.scenarios.label(analysis.worst)}",
+        "Wh",
+        ".0f",
+        tuple((step.label, step.energy_wh) for step in steps),
+        sums=frozenset(step.label for step in steps if step.is_sum),
+    )
     blocks: list[Block] = [masses, power, energy]
     if parts:
         blocks.append(Tables(tuple(parts)))

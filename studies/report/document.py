@@ -47,14 +47,13 @@ _OF_A_FLIGHT: tuple[Callable[[Subject], Section | None], ...] = (
     budget_section,
     day_section,
     season_section,
-    models_section,
 )
 _BEYOND: tuple[Callable[[Subject], Section | None], ...] = (
     margins_section,
     uncertainty_section,
     weather_section,
 )
-SECTIONS = 2 + len(_OF_A_FLIGHT) + len(_BEYOND)  # of a flight, with its aircraft and confidence
+SECTIONS = 3 + len(_OF_A_FLIGHT) + len(_BEYOND)  # with aircraft, confidence and models
 
 
 def make_report(
@@ -67,6 +66,8 @@ def make_report(
     verification: Verification | None = None,
     weather: Weather | None = None,
     uncertainty: bool | None = None,
+    project: str = "",
+    author: str = "",
 ) -> str:
     """Report on an aircraft and its mission: a page of HTML that needs no other file.
 
@@ -88,6 +89,8 @@ def make_report(
         Record to fly through, see :func:`missions.load_weather`.
     uncertainty : bool, optional
         Whether inputs scatter; by default where aircraft or mission has uncertain inputs.
+    project, author : str, optional
+        For the head of the page.
 
     Returns
     -------
@@ -119,6 +122,8 @@ def make_report(
             verification=verification,
             weather_record=weather,
             with_uncertainty=uncertainty,
+            project=project,
+            author=author,
         )
     )
 
@@ -144,12 +149,20 @@ def render(subject: Subject, progress: Callable[[int, int], None] | None = None)
         subject=subject,
         verdict=verdict(subject),
         facts=tuple(key_facts(subject)),
+        head=[(name, text) for name, text in _head(subject, run) if text],
         sections=sections,
         run=run,
         # No text within may end the element that holds it.
         results=results.replace("<", "\\u003c"),
     )
     return page
+
+
+def _head(subject: Subject, run: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield what stands on the head of the page: project, author, date."""
+    yield "Project", subject.project
+    yield "Author", subject.author
+    yield "Date", run["date_utc"][:10]
 
 
 def _sections(subject: Subject) -> Iterator[Section]:
@@ -168,6 +181,8 @@ def _sections(subject: Subject) -> Iterator[Section]:
             if (section := make(subject)) is not None:
                 yield section
     yield belief_section(subject)
+    if log is None:
+        yield models_section(subject)
 
 
 def _numbered(sections: Sequence[Section]) -> Iterator[Section]:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.contour import ContourSet
 
-from missions.dates import DAYS_PER_YEAR, date_label
+from missions.dates import DAYS_PER_YEAR, MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission.scenarios import latitude_label
 from sizing.results.analysis import Analysis
 from studies.maps.plots import plot_map
 from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
-from studies.quantities import MINIMUM_CHARGE
+from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, group
 from studies.render.analysis import flight_table, scenario_table
 from studies.render.tables import ALL, Line, Summary, Table
 from studies.report.blocks import Block, Items, Section, Tables, Text
@@ -32,6 +32,7 @@ _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
 CELLS, CLIMBING_CELLS, SLOW_CELLS = (57, 74), (29, 37), (15, 14)
+_MIDDLE_OF_MONTH = 14  # days after its first
 _POLEWARD_DEG = 70.0  # or the poles, for a mission beyond
 _MOST_RINGS = 30
 # Lines on the cells of a map: black on a dark page as well, unlike the axes.
@@ -144,7 +145,22 @@ def season_section(subject: Subject) -> Section:
         description=f"Excess time over the days of the year and all latitudes. {season}",
         key="season",
     )
-    return Section("season", "The season", [*texts, drawing])
+    return Section("season", "The season", [*texts, drawing, Tables((_months(subject),))])
+
+
+def _months(subject: Subject) -> Table:
+    """Return the repeated day in the middle of every month, at the latitude of the worst one."""
+    scenarios, worst = subject.analysis.performance.day.scenarios, subject.analysis.worst
+    latitude = float(scenarios.latitude_deg[worst])
+    days = np.array(MONTH_STARTS) + _MIDDLE_OF_MONTH
+    data = prepare(subject.aircraft, subject.mission, [latitude], days, subject.solar).computed()
+    columns = group("month day_length_h solar_energy_wh load_energy_wh excess_time_h "
+                    "charge_margin_h minimum_state_of_charge")  # fmt: skip
+    values = (data[column.variable].to_numpy()[0] for column in columns[1:])
+    rows = tuple(zip(MONTH_NAMES, *values, strict=True))
+    title = f"the months at {latitude_label(latitude)}, each on its {_MIDDLE_OF_MONTH + 1}th"
+    short = bool(np.any(data[EXCESS_TIME.variable].to_numpy() < 0.0))
+    return Table(title, columns, rows, (BELOW_ZERO,) if short else ())
 
 
 def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:

@@ -120,7 +120,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         tail_note,
     ]
     if rib_wing is None:
-        notes.append("Spar line and section: schematic, the file has no structure model with them.")
+        notes.append("Spar line and section: schematic, no structure model of the file gives them.")
     else:
         notes.append(
             f"Section {100.0 * rib_wing.thickness_ratio:g} % thick, boom of "
@@ -158,7 +158,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
 def _propeller_note(aircraft: Aircraft) -> str:
     """Why no propeller is drawn, and its diameter where the file has one."""
     if (propulsion := aircraft.propulsion_by_parts) is None:
-        return "No propeller: the models have no diameter."
+        return "Propeller: not drawn, the file has no diameter."
     count, diameter_m = propulsion.propulsors, propulsion.propeller.propeller.diameter_m
     what = "Propeller" if count == 1 else f"{count} propellers"
     return f"{what} of {diameter_m:.3g} m diameter: not drawn, no model has the place."

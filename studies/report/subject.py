@@ -42,7 +42,7 @@ class Subject:
     ``weather_record``: record to fly through. ``with_uncertainty``: whether inputs scatter; None
     where aircraft or mission has uncertain inputs. ``overrides``: values that replaced those of the
     files, as ``--set`` has them. ``mission_is_default``: whether nobody chose the mission.
-    ``known_mass_kg``: total mass, where it is known.
+    ``known_mass_kg``: total mass, where it is known. ``project``, ``author``: for the head.
     """
 
     aircraft: Aircraft
@@ -56,6 +56,8 @@ class Subject:
     overrides: tuple[str, ...] = ()
     mission_is_default: bool = False
     known_mass_kg: float | None = None
+    project: str = ""
+    author: str = ""
 
     @cached_property
     def analysis(self) -> Analysis:

@@ -18,7 +18,7 @@ from studies.report.subject import Subject
 if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
 
-_WORDS = {"good": "Holds", "edge": "On the edge", "bad": "Fails"}
+_WORDS = {"good": "Requirement met", "edge": "On the edge", "bad": "Requirement not met"}
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
         scattered = subject.uncertainty
         yield Fact("probability", f"{100.0 * scattered.probability_required.value:.1f}", "%",
                    f"of {scattered.samples} draws of the uncertain inputs")  # fmt: skip
-    yield _fact(q.CHARGE_MARGIN, values, "first to last full charge")
+    yield _fact(q.CHARGE_MARGIN, values, "how long the battery stays full")
     yield _fact(q.MINIMUM_CHARGE, values, "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
     yield Fact(q.WINGSPAN.label, f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")

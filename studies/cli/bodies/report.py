@@ -23,6 +23,8 @@ def report(options: Report) -> None:
         overrides=options.overrides,
         with_uncertainty=options.uncertainty,
         weather_record=record,
+        project=options.project,
+        author=options.author,
     )
     written = write_report(case, subject, options.out_file, with_pdf=options.with_pdf)
     if case.as_json:

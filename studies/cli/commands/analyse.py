@@ -214,6 +214,8 @@ class Report(ModelOptions, JsonOptions, MassOptions):
         help="Write the page: .html, or .pdf for the printed one alone.",
     )
     with_pdf: bool = option("--pdf", is_flag=True, help="Also print it, beside the page, as PDF.")
+    project: str = option("--project", default="", metavar="TEXT", help="Project, for the head.")
+    author: str = option("--author", default="", metavar="TEXT", help="Author, for the head.")
     weather_file: str | None = weather_option("Also fly through a weather record, as analyse does.")
     uncertainty: bool | None = option(
         "--uncertainty/--no-uncertainty",

@@ -54,10 +54,11 @@ export class Controls {
       title: field.allowed,
     });
     const unit = element("span", { className: "unit" }, field.unit);
+    const about = element("p", { className: "about", id: `${id}-about`, hidden: true }, `${field.about} Allowed: ${field.allowed}. Key: ${field.key}`);
     const message = element("p", { className: "message", id: `${id}-message` });
     const start = element("i", { className: "start", "aria-hidden": "true" });
     const track = element("span", { className: "track" }, start, range);
-    const row = element("div", { className: "row field" }, label, track, number, unit, message);
+    const row = element("div", { className: "row field" }, this.named(label, about), track, number, unit, message, about);
     row.dataset.key = field.key;
     number.setAttribute("aria-describedby", message.id);
     range.setAttribute("aria-describedby", message.id);
@@ -72,6 +73,16 @@ export class Controls {
     number.addEventListener("change", () => this.typed(field, number));
     this.rows.set(field.key, { field, row, range, number, message, start });
     return row;
+  }
+
+  /** Label with a button that shows and hides what the field is. */
+  named(label, about) {
+    const button = element("button", { type: "button", className: "help", "aria-label": `About ${label.textContent}`, "aria-expanded": "false", "aria-controls": about.id }, "?");
+    button.addEventListener("click", () => {
+      about.hidden = !about.hidden;
+      button.setAttribute("aria-expanded", String(!about.hidden));
+    });
+    return element("span", { className: "name" }, label, button);
   }
 
   /** Names to choose from. */

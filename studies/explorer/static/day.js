@@ -44,7 +44,9 @@ export class Day {
       element("i", { className: "key dotted", "aria-hidden": "true" }),
       FLIGHT,
     );
-    legend.append(this.ghostKey, this.flightKey);
+    const night = element("span", { className: "extra" }, element("i", { className: "key night", "aria-hidden": "true" }), "night");
+    const equal = element("span", { className: "extra" }, element("i", { className: "key ring", "aria-hidden": "true" }), "equal power");
+    legend.append(night, equal, this.ghostKey, this.flightKey);
     new ResizeObserver(() => this.fit()).observe(holder);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.restyle());
   }

@@ -166,8 +166,8 @@ async function begin() {
   document.title = `${session.aircraft.name} on ${session.mission.name} \u2013 solar-uav explore`;
 
   const controls = new Controls($("controls"), state);
-  const { climbs } = session.mission;
-  const numbers = new Numbers($("numbers"), $("verdict-title"), $("verdict-text"), climbs);
+  const { climbs, wind } = session.mission;
+  const numbers = new Numbers($("numbers"), $("verdict-title"), $("verdict-text"), { climbs, wind });
   const day = new Day($("day"), $("day-legend"), $("day-readout"), $("day-words"), climbs);
   const season = new Season($("season"), $("season-readout"), $("season-legend"), $("season-detail"), state, session.season_scale);
   const masses = new Masses($("masses"), $("masses-total"), session.aircraft.measured);

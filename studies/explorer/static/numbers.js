@@ -3,6 +3,7 @@
 import { clock, date, element, fixed, hours, latitude } from "./format.js";
 
 const UNLIMITED = "unlimited";
+const energy = (wh) => (wh < 10000 ? `${fixed(wh, 0)} Wh` : `${fixed(wh / 1000, 1)} kWh`);
 const flies = (n) => n.status === "perpetual" || n.status === "always_lit";
 
 // Label, text of a record, whether more is better (null: neither).
@@ -12,13 +13,14 @@ const NUMBERS = [
   ["min. charge", (n) => `${fixed(100 * n.minimum_state_of_charge, 1)} %`],
   ["endurance", (n) => (flies(n) ? UNLIMITED : hours(n.endurance_h, "over a year"))],
   ["total mass", (n) => `${fixed(n.total_mass_kg, 2)} kg`],
-  ["load", (n) => `${fixed(n.power_out_w, 1)} W`],
-  ["battery", (n) => `${fixed(n.battery_energy_wh, 0)} Wh`],
-  ["solar energy", (n) => `${fixed(n.solar_energy_wh, 0)} Wh`],
+  ["load", (n) => `${fixed(n.power_out_w, n.power_out_w < 1000 ? 1 : 0)} W`],
+  ["battery", (n) => energy(n.battery_energy_wh)],
+  ["solar energy", (n) => energy(n.solar_energy_wh)],
   ["airspeed", (n) => (n.airspeed_m_per_s === null ? "\u2013" : `${fixed(n.airspeed_m_per_s, 1)} m/s`)],
   ["full at", (n) => clock(n.full_charge_h)],
 ];
 
+const OF_WIND = [["wind", (n) => (n.wind ? `${fixed(n.wind.scenarios_m_per_s[0], 1)} m/s` : "\u2013")]];
 const OF_CLIMBS = [
   ["highest", (n) => `${fixed(n.climb.maximum_altitude_m, 0)} m`],
   ["by climbing", (n) => hours(n.climb.gain_in_excess_time_h)],
@@ -34,10 +36,10 @@ export function verdict(n, required) {
     ends[0] === ends[1]
       ? `${ends[0][0].toUpperCase()}${ends[0].slice(1)} with ${error} as well`
       : `${ends[0]} to ${ends[1]} with ${error}`;
-  if (n.status === "always_lit") return ["good", "Always lit", `${where}. ${spread}.`];
+  if (n.status === "always_lit") return ["good", "Continuous solar power", `${where}. ${spread}.`];
   if (n.status === "never_lit") return ["bad", "No sun", `${where}. There is no solar power all day.`];
   if (!flies(n)) {
-    return ["bad", "Limited flight", `${where}. Lacks energy for ${hours(-n.excess_time_h)} a day; ${spread}.`];
+    return ["bad", "Limited flight", `${where}. ${hours(-n.excess_time_h)} of each day are not covered; ${spread}.`];
   }
   if (n.excess_time_h < required) {
     const lack = hours(required - n.excess_time_h);
@@ -49,8 +51,8 @@ export function verdict(n, required) {
 
 /** Verdict and numbers on the page. */
 export class Numbers {
-  constructor(list, title, text, climbs = false) {
-    const numbers = climbs ? [...NUMBERS, ...OF_CLIMBS] : NUMBERS;
+  constructor(list, title, text, { climbs = false, wind = false } = {}) {
+    const numbers = [...NUMBERS, ...(wind ? OF_WIND : []), ...(climbs ? OF_CLIMBS : [])];
     Object.assign(this, { list, title, text, numbers, cells: [] });
     for (const [label] of numbers) {
       const value = element("dd", {}, "\u2013");

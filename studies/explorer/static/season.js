@@ -32,7 +32,7 @@ export class Season {
   legend(holder) {
     const level = (value) => (value < 0 ? MINUS : "") + Math.abs(value);
     const levels = this.scale.levels_h.map(level);
-    const labels = [`< ${levels[0]}`, ...levels, "no night"];
+    const labels = ["lower", ...levels, "no night"];
     labels[labels.length - 2] += " h";
     this.scale.colours.forEach((colour, i) => {
       const swatch = element("i");
@@ -57,7 +57,7 @@ export class Season {
     this.draw();
     const step = Math.round(60 * map.step_h);
     this.detail.textContent = map.complete
-      ? step > 5 ? `steps of ${step} min` : ""
+      ? step > 5 ? `coarse: time steps of ${step} min` : ""
       : `filling, ${Math.round((100 * map.excess_time_h.filter(Boolean).length) / map.excess_time_h.length)} %`;
   }
 

@@ -29,10 +29,10 @@ export class Sizing {
       this.objective.append(element("option", { value: one.name, selected: one.name === "min_mass" }, one.label));
     }
     this.scenarios = element("select", { id: "scenarios" });
-    this.scenarios.append(element("option", { value: "point" }, "the point shown"));
+    this.scenarios.append(element("option", { value: "point" }, "point shown"));
     const several = session.mission.scenarios.length;
     if (several > 1) {
-      this.scenarios.append(element("option", { value: "mission", selected: true }, `the mission's ${several} scenarios`));
+      this.scenarios.append(element("option", { value: "mission", selected: true }, `all ${several} scenarios`));
     }
     this.required = element("input", {
       type: "number", id: "required", step: "any", min: field.minimum, max: field.maximum,
@@ -45,13 +45,13 @@ export class Sizing {
       else this.required.reportValidity();
     });
     this.go = element("button", { type: "submit", className: "main" }, "Size it");
-    this.ask = element("button", { type: "button" }, "Why not?");
+    this.ask = element("button", { type: "button" }, "What would it take?");
     this.stop = element("button", { type: "button", hidden: true }, "Cancel");
     const labelled = (text, input, unit = "") =>
       element("div", { className: "line" }, element("label", { htmlFor: input.id }, text), input, element("span", { className: "unit" }, unit));
     form.append(
-      labelled("find the", this.objective),
-      labelled("for", this.scenarios),
+      labelled("objective", this.objective),
+      labelled("scenarios", this.scenarios),
       labelled("required excess", this.required, "h"),
       element("div", { className: "line buttons" }, this.go, this.ask, this.stop),
     );
@@ -162,10 +162,10 @@ export class Sizing {
     if (found.feasible) {
       parts.push(...list("Limited by", found.limits));
       if (taken) {
-        parts.push(element("p", { className: "quiet" }, "The sliders are at this optimum; the back button returns."));
+        parts.push(element("p", { className: "quiet" }, "The sliders are at this optimum. The browser's back button undoes that."));
       } else {
         const go = this.mover(found, "Move the sliders there", () => this.tell(found, true, this.settings()));
-        parts.push(element("p", {}, "A design exists, whatever the sliders show. ", go), ...this.gap());
+        parts.push(element("p", {}, "A feasible design exists. ", go), ...this.gap());
       }
       parts.push(...this.margin(found.with_margin));
     } else {

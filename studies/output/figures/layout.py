@@ -48,6 +48,7 @@ class HeadedLayout(ConstrainedLayoutEngine):
             for legend in self._legends:
                 legend.write(_SMALLER)
             done = self._lay_out(fig)
+        self.collapsed |= _is_cramped(fig)
         return done
 
     def _lay_out(self, figure: Figure) -> Any:
@@ -98,7 +99,7 @@ class BelowAxes:
 
 def _is_cramped(figure: Figure) -> bool:
     """Return whether a panel is lower than a few lines of type, or than its label is long."""
-    for axes in figure.axes:
+    for axes in (axes for axes in figure.axes if axes.axison):
         label = axes.yaxis.label
         lines = axes.bbox.height / (_size_of(label) * figure.dpi / 72.0)
         length = label.get_window_extent().height if label.get_text() else 0.0

@@ -272,7 +272,7 @@ def test_limited_flight_shows_its_discharge_and_what_would_help(page: Any) -> No
     typed(page, "battery.mass_kg", "1.2")
     assert page.locator("#verdict-title").inner_text() == "Limited flight"
     assert page.get_by_text("longest flight, launched full").is_visible()
-    page.get_by_role("button", name="Why not?").click()
+    page.get_by_role("button", name="What would it take?").click()
     page.locator("#sizing-result .good").wait_for()
     ways = page.locator("#sizing-result li", has_text="battery mass at least")
     ways.get_by_role("button").click()

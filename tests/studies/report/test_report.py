@@ -33,6 +33,7 @@ from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars, Tables
 from studies.report.confidence import margin_table, margins_section
 from studies.report.design import aircraft_section, budget_section, sizing_section
+from studies.report.losses import loss_chain
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
 from studies.report.verdict import key_facts, verdict
@@ -106,7 +107,7 @@ def subject_of(craft: Aircraft, there: Mission) -> Subject:
 def test_sections_stand_in_the_order_of_a_review(as2: Page) -> None:
     keys = [section["id"] for section in as2.of("section")]
     assert keys == [
-        "verdict", "aircraft", "budgets", "day", "season", "models", "margins", "belief",
+        "verdict", "aircraft", "budgets", "day", "season", "margins", "belief", "models",
         "provenance", "inputs",
     ]  # fmt: skip
     links = [link["href"] for link in as2.of("a")]
@@ -256,8 +257,37 @@ def test_load_and_energy_add_up() -> None:
     assert isinstance(power, Bars)
     assert isinstance(energy, Bars)
     assert power.sum == pytest.approx(subject.record["power_out_w"])
-    # Rows below half a watt hour are left out.
-    assert energy.sum == pytest.approx(subject.record["solar_energy_wh"], abs=2.5)
+    # Losses below half a watt hour are left out.
+    steps = dict(energy.rows)
+    assert steps["electric energy of the modules"] == pytest.approx(subject.record["solar_energy_wh"])
+    assert steps["load"] == pytest.approx(subject.record["load_energy_wh"])
+    level = 0.0
+    for label, amount in energy.rows:
+        if label in energy.sums and level:
+            assert level == pytest.approx(amount, abs=2.5)
+        level = amount if label in energy.sums else level + amount
+    light, converted, *_ = (amount for _, amount in energy.rows)
+    efficiency = subject.aircraft.modules.efficiency_stc
+    assert light + converted == pytest.approx(efficiency * light)
+
+
+def test_losses_of_light_are_those_of_the_module_constants() -> None:
+    """A loss is the factor of its own constant: the models multiply them."""
+    subject = subject_of(AS2, shipped_mission())
+    steps = loss_chain(subject.analysis)
+    sums = [step.energy_wh for step in steps]
+    losses = {step.label: step.energy_wh for step in steps}
+    electric = losses["electric energy of the modules"]
+    before = electric - losses["MPPT"]
+    assert electric / before == pytest.approx(subject.aircraft.modules.mppt_efficiency)
+    assert sums[0] == max(sums)
+
+
+def test_project_and_author_stand_on_the_head() -> None:
+    page = make_report(AS2, shipped_mission(), project="Dawn <1>", author="A. Name")
+    assert "<dt>Project</dt><dd>Dawn &lt;1&gt;</dd>" in page
+    assert "<dt>Author</dt><dd>A. Name</dd>" in page
+    assert "<dt>Project</dt>" not in page_of_as2()
 
 
 def test_an_aircraft_known_by_its_power_alone_has_no_airspeed() -> None:

@@ -178,7 +178,7 @@ def test_wrong_options_are_told_before_any_work(run: Run, options: list[str], me
 @pytest.mark.parametrize(
     "call",
     [
-        "uncertainty atlantiksolar-design --samples 64 --figure-size 80x60mm",
+        "uncertainty atlantiksolar-design --samples 64 --figure-size 60x42mm",
         # Its heading fills it.
         "analyse atlantiksolar-as2 --figure-size 41x40mm --style slides",
     ],
