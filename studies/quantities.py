@@ -28,7 +28,7 @@ class Quantity(Column):
     ``path``: to its value, where it is not the key. ``importance``: level from which on it is
     shown; 0 in headlines, 1 in summaries, 2 with all, 3 in data alone. ``symbol``: in LaTeX.
     ``meaning``: long name in files on a grid, where it is not the label; ``short``: its name there,
-    where it is not the key without its unit.
+    where it is not the key without its unit. ``definition``: for glossaries.
     """
 
     path: str = field(default="", kw_only=True)
@@ -36,6 +36,7 @@ class Quantity(Column):
     symbol: str = field(default="", kw_only=True)
     meaning: str = field(default="", kw_only=True)
     short: str = field(default="", kw_only=True)
+    definition: str = field(default="", kw_only=True)
 
     def of(self, result: Any) -> Any:
         """Return the value of a design, or of one in flight; of a performance in every scenario."""
@@ -81,6 +82,7 @@ def _from_row(row: dict[str, Any]) -> Quantity:
         known = parameter(key)
         unit = "" if known.unit == "1" else known.unit
         label, row = known.label, row | {"unit": unit, "symbol": known.symbol}
+    row["definition"] = row["definition"] or ""
     numbers = {"importance": int(row["importance"]), "digits": int(digits) if digits else None}
     return Quantity(key, label, **row | numbers)
 

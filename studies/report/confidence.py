@@ -22,8 +22,10 @@ from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import performance
 from sizing.results.numbers import relative_change
+from solar.names import MODELS
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import BoolArray
+from studies.quantities import TABLE
 from studies.render.sentences import battery_line, uncertainty_line
 from studies.render.tables import Column, Table, facts
 from studies.report.blocks import Block, Items, Listing, Section, Tables, Text, sentence
@@ -115,6 +117,23 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
     if mission.uncertainty_margins.given:
         sentences.append("The mission's uncertainty margins are taken off every number here.")
     return tuple(sentences)
+
+
+def glossary_section() -> Section:
+    """Return the words of the report: quantities, and solar power models."""
+    models = "; ".join(f"{name}: {model.label}" for name, model in MODELS.items())
+    rows = [
+        ("perpetual flight", "After each day the battery is as full as a day before."),
+        *((one.label, one.definition) for one in TABLE.values() if one.definition),
+        (
+            "scenario",
+            "A latitude and a date of the mission; the weakest has the least excess time.",
+        ),
+        ("solar power models", f"{models}."),
+        ("correction", "Factor that takes a model's systematic error away."),
+    ]
+    columns = (Column("word"), Column("meaning"))
+    return Section("glossary", "Glossary", [Tables((Table("Words", columns, tuple(rows)),))])
 
 
 def inputs_section(subject: Subject) -> Section:

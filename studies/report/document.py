@@ -23,6 +23,7 @@ from studies.output.run_folder import InputFile, RunInputs, run_record
 from studies.report.blocks import Bars, Block, Figure, Section, Tables
 from studies.report.confidence import (
     belief_section,
+    glossary_section,
     inputs_section,
     margins_section,
     provenance_section,
@@ -143,7 +144,8 @@ def render(subject: Subject, progress: Callable[[int, int], None] | None = None)
         made.append(section)
         if progress is not None:
             progress(len(made), max(SECTIONS, len(made)))
-    sections = list(_numbered([*made, provenance_section(subject, run), inputs_section(subject)]))
+    made += [glossary_section(), provenance_section(subject, run), inputs_section(subject)]
+    sections = list(_numbered(made))
     results = to_json(subject.results(), sort_keys=True)
     page: str = _template().render(
         subject=subject,

@@ -108,7 +108,7 @@ def test_sections_stand_in_the_order_of_a_review(as2: Page) -> None:
     keys = [section["id"] for section in as2.of("section")]
     assert keys == [
         "verdict", "aircraft", "budgets", "day", "season", "margins", "belief", "models",
-        "provenance", "inputs",
+        "glossary", "provenance", "inputs",
     ]  # fmt: skip
     links = [link["href"] for link in as2.of("a")]
     assert [f"#{key}" for key in keys] == links[1:]  # the first one skips the contents
@@ -259,7 +259,9 @@ def test_load_and_energy_add_up() -> None:
     assert power.sum == pytest.approx(subject.record["power_out_w"])
     # Losses below half a watt hour are left out.
     steps = dict(energy.rows)
-    assert steps["electric energy of the modules"] == pytest.approx(subject.record["solar_energy_wh"])
+    assert steps["electric energy of the modules"] == pytest.approx(
+        subject.record["solar_energy_wh"]
+    )
     assert steps["load"] == pytest.approx(subject.record["load_energy_wh"])
     level = 0.0
     for label, amount in energy.rows:
