@@ -12,6 +12,7 @@ import math
 import time
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.climbing import Profile, flight
 from sizing.program.corrections import (
+    Linearisation,
     Scenario,
     linearised,
     neighbours,
@@ -113,6 +115,7 @@ class Search:
     def rounds(self) -> Generator[Values, Performance, None]:
         """Search, asking for the flight of every design and its neighbours."""
         values, solution, judged = self._first(), self.warm, None
+        reach = math.inf
         for done in range(_ROUNDS):
             judged = yield from self._judged(values, solution if done else None, judged)
             if self._ends(judged, done):
@@ -120,32 +123,42 @@ class Search:
             self._take_in(judged)
             point = linearised(self.task, judged.values, judged.perf, self._known)
             if done > 1 or point.parts is not None:
-                point = replace(point, reach=_REACH * 0.5 ** max(0, done - 2))
+                reach = min(reach, _REACH)
             worst_h = float(judged.excess_h.min())
             goal_h = self.task.goal_h
             excess_h = goal_h if not self.task.maximises_excess else max(goal_h, min(worst_h, 1e3))
-            begun = time.perf_counter()
-            solution = solve(
-                self.task,
-                point,
-                len(self._known),
-                excess_h=excess_h,
-                before=solution,
-                row=self.row,
-            )
-            self.report += SolverReport(
-                iterations=solution.iterations,
-                time_s=time.perf_counter() - begun,
-                solves=1,
-                message=solution.message,
-            )
-            for block, (number, scenario) in enumerate(self._known.items()):
-                if self.task.mission.climb is not None and scenario.clock_h is not None:
-                    scenario.profile = Profile(scenario.clock_h, solution.heights(block))
-                    self.profiles[number] = scenario.profile
+            solution, last = self._solve(replace(point, reach=reach), excess_h, solution), solution
+            reach = solution.linearisation.reach
+            if done > 1 and not _goes_on(solution, last):
+                reach /= 2.0
+            self._keep_profiles(solution)
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
+
+    def _solve(self, point: Linearisation, excess_h: float, before: Solution | None) -> Solution:
+        """Solve the program; where that fails, once more with limited steps."""
+        begun, blocks = time.perf_counter(), len(self._known)
+        solve_at = partial(
+            solve, self.task, blocks=blocks, excess_h=excess_h, before=before, row=self.row
+        )
+        solutions = [solve_at(point)]
+        if not solutions[0].converged and point.reach > _REACH:
+            solutions.append(solve_at(replace(point, reach=_REACH)))
+        self.report += SolverReport(
+            iterations=sum(solution.iterations for solution in solutions),
+            time_s=time.perf_counter() - begun,
+            solves=len(solutions),
+            message=solutions[-1].message,
+        )
+        return solutions[-1]
+
+    def _keep_profiles(self, solution: Solution) -> None:
+        """Keep the heights of a solution, for the next flights of its scenarios."""
+        for block, (number, scenario) in enumerate(self._known.items()):
+            if self.task.mission.climb is not None and scenario.clock_h is not None:
+                scenario.profile = Profile(scenario.clock_h, solution.heights(block))
+                self.profiles[number] = scenario.profile
 
     @property
     def outcome(self) -> Judged | None:
@@ -278,8 +291,6 @@ class Search:
     ) -> None:
         """Correct the goal of one scenario by what the simulator finds for the last solution."""
         task, simulated_h = self.task, float(judged.excess_h[number])
-        if task.continuous:
-            return
         scenario.shift_h = solution.shift_h(block)
         if _moved_by(task, solution) > _NEAR and scenario.profile is None:
             scenario.nodes = None
@@ -287,12 +298,22 @@ class Search:
             simulated_h, way_h = _left_h(judged.perf, number)
             if way_h < 0.0 or solution.excess_multiplier(block, on_way=True) > LACKING:
                 scenario.way_h = max(scenario.way_h + _CUSHION_H - way_h, 0.0)
+        if task.continuous and simulated_h > 0.0:
+            return
         if simulated_h > 0.0 and math.isfinite(simulated_h):
             reserve_h = solution.reserve_h(block)
             lacking_h = float(solution.lack[block]) * (_NIGHT_H + reserve_h)
             scenario.shift_h += reserve_h - lacking_h - simulated_h + _CUSHION_H
         elif solution.violation <= LACKING and _moved_by(task, solution) < _NEAR:
             scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
+
+
+def _goes_on(solution: Solution, last: Solution | None) -> bool:
+    """Tell whether a step is as long as allowed, and in the direction of the last one."""
+    if last is None:
+        return False
+    as_far = float(np.abs(solution.step).max()) > 0.99 * solution.linearisation.reach
+    return as_far and float(solution.step @ last.step) > 0.0
 
 
 def _left_h(perf: Performance, number: int) -> tuple[float, float]:
@@ -306,8 +327,8 @@ def _left_h(perf: Performance, number: int) -> tuple[float, float]:
     return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
 
 
-# Logarithm of a size over which derivatives hold, of propulsion parts from the first round on, and
-# halved from the third on, so that rounds end where their errors would go to and fro.
+# Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; from
+# the third on halved by every step that is shorter or turns back, so that rounds end.
 _REACH = 0.5
 # Parts of a step that leads to where nothing flies.
 _NEARER = (0.5, 0.25, 0.1)

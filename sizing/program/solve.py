@@ -155,8 +155,12 @@ class Solution:
     def shift_h(self, block: int) -> float:
         """Excess time of the program beyond that of the simulator, as the program has it [h]."""
         data = self.linearisation.blocks[block]
-        moved = self.x[self.program.parts["design"]] - self.centre
-        return float(data.shift_h + data.shift_slope_h @ moved)
+        return float(data.shift_h + data.shift_slope_h @ self.step)
+
+    @property
+    def step(self) -> FloatArray:
+        """Return the change from the design before, in the program's variables."""
+        return np.asarray(self.x[self.program.parts["design"]] - self.centre)
 
     def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
         """Sum of the multipliers of the rows in which the excess time must be left, or others."""

@@ -611,8 +611,10 @@ def charge_clock(limit: ChargeLimit, state_of_charge: Any) -> Any:
         rate, start = limit.c_rate_per_h, limit.taper_start
         steep = -math.log(limit.relative_rate_at_full) / (1.0 - start)
         beyond = ca.fmax(soc - start, 0.0)
-        slower = 0.0 if steep == 0.0 else (ca.exp(steep * beyond) - 1.0) / steep - beyond
-        return (soc + slower) / rate
+        tapering = ca.fmin(beyond, 1.0 - start)  # as slow as at full charge beyond it
+        hours = tapering if steep == 0.0 else (ca.exp(steep * tapering) - 1.0) / steep
+        hours += (beyond - tapering) / limit.relative_rate_at_full
+        return (soc - beyond + hours) / rate
     assert isinstance(limit, TableChargeLimit)
     knots = np.asarray(limit.state_of_charge)
     knots = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(knots)]))

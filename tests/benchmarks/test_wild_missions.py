@@ -92,3 +92,23 @@ def test_problems_are_the_same_every_time_and_can_be_written(tmp_path):
             for kind, record in (("aircraft", Aircraft), ("mission", Mission))
         ]
         assert read == [problem.aircraft, problem.mission]
+
+
+@pytest.mark.parametrize(
+    ("number", "required_h", "searched"),
+    [(101, 0.0, 201.86), (106, 6.54, 4.1105), (108, 32.1, 12.15)],
+    ids=["payload far above the first design's", "next to no battery", "thermals at midnight sun"],
+)
+def test_problems_that_programs_failed_in_have_their_optimum(
+    number: int, required_h: float, searched: float
+) -> None:
+    """Each ended as infeasible once: a program that failed, or a battery that thermals emptied.
+
+    The first two have the optimum of another optimiser; of the third no other found any, and what
+    is asked for is less than a design that the simulator accepts has.
+    """
+    problem = wild_problem(3, number).requiring(required_h)
+    value = claim_of(problem).value
+    assert value is not None
+    sign = 1.0 if problem.objective.maximised else -1.0
+    assert sign * value >= sign * searched * (1.0 - sign * 2e-3)

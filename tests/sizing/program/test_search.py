@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import casadi as ca
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.battery.battery import ChargeLimit, RuleChargeLimit, charge_rate_per_h
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.size import size_aircraft
+from sizing.program.transcription import charge_clock
 from solar.types import FloatArray
 
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
@@ -333,3 +336,13 @@ def test_a_start_may_hold_arrays() -> None:
         for one in (start, start.mapped(np.asarray))
     ]
     assert found[0].objective_value == found[1].objective_value is not None
+
+
+@pytest.mark.parametrize("limit", [RuleChargeLimit(), AS2.battery.charge_limit])
+def test_charge_limit_goes_on_beyond_full(limit: ChargeLimit) -> None:
+    """The solver tries charges above full, many times as much with next to no battery."""
+    soc = np.array([0.99, 1.0, 1.01, 2.0, 1e4])
+    hours = np.asarray(charge_clock(limit, ca.DM(soc))).ravel()
+    at_full_h = 1.0 / charge_rate_per_h(limit, 1.0)
+    assert np.diff(hours)[1:] / np.diff(soc)[1:] == pytest.approx(at_full_h, rel=1e-9)
+    assert 0.0 < hours[1] - hours[0] <= 0.01 * at_full_h * (1.0 + 1e-9)
