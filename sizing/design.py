@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
@@ -146,6 +146,18 @@ class FlightConditions(NamedTuple):
             insulated_heater_w_at_1_kg=at_1_kg_w,
         )
         return cls._make(map(plain_number, known))
+
+    @classmethod
+    def of_levels(
+        cls, missions: Sequence[Mission], aircraft: Aircraft, axes: int
+    ) -> FlightConditions:
+        """Return the conditions of a mission at several altitudes, before ``axes`` of designs."""
+        rows = zip(*(cls.of(mission, aircraft) for mission in missions), strict=True)
+        arrays = (np.stack([np.asarray(value, float) for value in values]) for values in rows)
+        return cls._make(
+            array.reshape(len(missions), *(1,) * (axes + 1 - array.ndim), *array.shape[1:])
+            for array in arrays
+        )
 
     def heater_w(self, battery_mass_kg: Value) -> Value:
         """Power that the heater of a battery draws [W]."""

@@ -41,7 +41,7 @@ def held_flight(
 
 def against_wind(
     aircraft: Aircraft,
-    mission: Mission,
+    mission: Mission | FlightConditions,
     design: Design,
     wind_m_per_s: FloatArray,
     rated_power_w: FloatArray,

@@ -139,7 +139,7 @@ def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
     return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
 
-def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
+def measured_design(aircraft: Aircraft, mission: Mission | FlightConditions) -> Design:
     """Masses and power of a measured aircraft, scaled to the mission's mass and air.
 
     ``mission``: payload and air. At equal lift coefficient drag follows the weight and airspeed the
@@ -150,7 +150,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     assert isinstance(airframe, MeasuredAirframe)
     air = FlightConditions.of(mission, aircraft)
     battery_kg = aircraft.battery.mass_kg
-    total_kg = airframe.mass_without_battery_kg + battery_kg + mission.payload.mass_kg
+    total_kg = airframe.mass_without_battery_kg + battery_kg + air.payload_mass_kg
     flight = airframe.level_flight
     mass_ratio = total_kg / flight.mass_kg
     density_ratio = air.density_kg_per_m3 / flight.density_kg_per_m3
@@ -168,7 +168,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             modules=modules_kg,
             mppt=0.0,
             avionics=0.0,
-            payload=mission.payload.mass_kg,
+            payload=air.payload_mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
         battery_energy_wh=aircraft.battery.battery_energy_wh * air.battery_capacity_fraction,

@@ -1,4 +1,4 @@
-"""Propulsion at the load, level of the moment, for flights with climbs.
+"""Propulsion over load and level, for flights with climbs.
 
 A climb takes several times the thrust power of level flight, a glide less than it, in air that
 changes with the level. The exact propeller is evaluated at some loads and levels; motor, controller
@@ -17,9 +17,8 @@ from functools import cached_property
 import numpy as np
 
 from missions.air import Air
-from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import NO_FLIGHT_W, Design, FlightConditions
+from sizing.design import NO_FLIGHT_W, Design
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
 from sizing.smooth import Value
@@ -40,22 +39,23 @@ class ConstantChain:
     thrust_w: FloatArray
 
     @classmethod
-    def of(cls, flights: list[Design], efficiency: Value) -> ConstantChain:
-        """Chain of designs at some levels."""
-        level_w = _at_levels([flight.propulsion_power_w for flight in flights], flights)
+    def of(cls, flights: Design, efficiency: Value) -> ConstantChain:
+        """Return the chain of designs at some levels, the first axis of their power."""
+        power_w = np.asarray(flights.propulsion_power_w)
+        level_w = power_w.reshape(len(power_w), -1)
         level_w = np.where(np.isfinite(level_w).all(axis=0), level_w, NO_FLIGHT_W)
-        shape = np.shape(flights[0].propulsion_power_w)
+        shape = power_w.shape[1:]
         behind = (1,) * (len(shape) - np.ndim(efficiency) if np.ndim(efficiency) else 0)
         share = np.broadcast_to(np.reshape(efficiency, np.shape(efficiency) + behind), shape)
         return cls(level_w, level_w * share.ravel())
 
     def power_w(self, level: IntArray, design: IntArray, load: FloatArray) -> FloatArray:
-        """Electric power of thrust powers over that of level flight [W]; all broadcast."""
+        """Return the electric power at thrust ratios to level flight [W]; all broadcast."""
         return np.asarray(self.level_w[level, design] * load)
 
     @property
     def most_w(self) -> FloatArray:
-        """No limit of its own [W]."""
+        """Return the largest electric power, which is not limited here [W]."""
         return np.full(self.level_w.shape[1], np.inf)
 
 
@@ -78,36 +78,37 @@ class ClimbChain:
 
     @classmethod
     def of(
-        cls,
-        parts: OperatingPointPropulsion,
-        aircraft: Aircraft,
-        missions: list[Mission],
-        flights: list[Design],
+        cls, parts: OperatingPointPropulsion, aircraft: Aircraft, flights: Design, air: Air
     ) -> ClimbChain:
-        """Chain of designs at the levels of some missions."""
+        """Return the chain of designs at some levels, the first axis of their power and air."""
+        shape = np.shape(flights.propulsion_power_w)
+
+        def by_design(value: Value, shape: tuple[int, ...] = shape) -> FloatArray:
+            return np.broadcast_to(np.asarray(value, float), shape).reshape(shape[0], -1)
+
         with np.errstate(invalid="ignore"):
-            thrust_w = _at_levels([flight.thrust_power_w for flight in flights], flights)
-        speed = _at_levels([flight.airspeed_m_per_s for flight in flights], flights)
+            thrust_w = by_design(flights.thrust_power_w)
+        speed = by_design(flights.airspeed_m_per_s)
         flies = np.isfinite(thrust_w).all(axis=0) & np.isfinite(speed).all(axis=0)
-        airs = [FlightConditions.of(mission, aircraft).air for mission in missions]
+        one_level = (1, *shape[1:])
         sizes = (
-            size if size is None else _at_levels([size], flights)[0]
-            for size in flights[0].variables.of_propulsion
+            size if size is None else by_design(size, one_level)[0]
+            for size in flights.variables.of_propulsion
         )
         # A single design has numbers: its propeller is searched for as in level flight.
         sizes = (float(size[0]) if size is not None and len(size) == 1 else size for size in sizes)
         return cls(
             parts.model_copy(update={"efficiency_factor": 1.0}).sized(*sizes),
-            _at_levels([parts.efficiency_factor], flights)[0],
+            by_design(parts.efficiency_factor, one_level)[0],
             np.where(flies, thrust_w, 1.0),
             np.where(flies, speed, 1.0),
-            Air(*(_at_levels(list(values), flights) for values in zip(*airs, strict=True))),
+            Air(*map(by_design, air)),
             np.asarray(flies),
             aircraft.battery.nominal_voltage_v,
         )
 
     def power_w(self, level: IntArray, design: IntArray, load: FloatArray) -> FloatArray:
-        """Electric power of thrust powers over that of level flight [W]; all broadcast."""
+        """Return the electric power at thrust ratios to level flight [W]; all broadcast."""
         powers, nodes = self._tables[0].ravel(), len(_LOADS)
         beyond = np.log(np.maximum(load, 1e-300) / _LEAST)
         along = beyond / np.log(_RATIO)
@@ -119,12 +120,12 @@ class ClimbChain:
 
     @property
     def most_w(self) -> FloatArray:
-        """Electric power at the limits of the parts, at all levels [W]."""
+        """Return the electric power at the limits of the parts, at all levels [W]."""
         return np.asarray(self._tables[1].reshape(self.thrust_w.shape).min(axis=0))
 
     @cached_property
     def _tables(self) -> tuple[FloatArray, FloatArray]:
-        """Logarithm of the power over loads, and most electric power [W].
+        """Return the logarithm of the power over loads, and the largest electric power [W].
 
         Rows are levels, one after the other, of all designs.
         """
@@ -150,7 +151,7 @@ class ClimbChain:
         return log_power, np.where(flies, most_w[..., 0], 0.0)
 
     def _propellers(self) -> tuple[FloatArray, FloatArray]:
-        """Speed of rotation [1/s] and power of one shaft [W], ``(load, level, design)``."""
+        """Return speed of rotation [1/s] and power of a shaft [W], ``(load, level, design)``."""
         count = len(self.thrust_w)
         loads, levels = _LOADS[:, np.newaxis, np.newaxis], np.arange(count)
         if self.parts.is_exact and count > _LEVELS:
@@ -168,20 +169,13 @@ class ClimbChain:
         return rotation * self.airspeed_m_per_s, power * self.thrust_w
 
 
-def _at_levels(values: list[Value], flights: list[Design]) -> FloatArray:
-    """Values of every level for all designs, ``(level, design)``."""
-    shape = np.shape(flights[0].propulsion_power_w)
-    rows = [np.broadcast_to(np.asarray(value, float), shape).ravel() for value in values]
-    return np.stack(rows)
-
-
 def _rows_first(values: FloatArray) -> FloatArray:
-    """Values of loads, levels and designs with rows of levels and designs first."""
+    """Return values of loads, levels and designs with rows of levels and designs first."""
     return np.moveaxis(values, 0, 2).reshape(-1, len(values))
 
 
 def _cubic(along: FloatArray, nodes: int) -> tuple[IntArray, tuple[FloatArray, ...]]:
-    """First of four even nodes around places, and the weights of Lagrange's cubic."""
+    """Return the first of four even nodes around places, and weights of Lagrange's cubic."""
     place = np.minimum(np.maximum(along, 0.0), nodes - 1.0)
     node = np.minimum(np.maximum(place.astype(int) - 1, 0), nodes - 4)
     t = place - node
@@ -190,13 +184,13 @@ def _cubic(along: FloatArray, nodes: int) -> tuple[IntArray, tuple[FloatArray, .
 
 
 def _between(along: FloatArray, values: FloatArray) -> FloatArray:
-    """Values at places along their last axis."""
+    """Return values at places along their last axis."""
     node, weights = _cubic(along, values.shape[-1])
     return np.asarray(sum(weight * values[..., node + k] for k, weight in enumerate(weights)))
 
 
 def _through(values: FloatArray, levels: IntArray, all_levels: IntArray) -> FloatArray:
-    """Values on a second axis at some places, as polynomials at all of them."""
+    """Return values at all levels, their second axis, from those at some by a polynomial."""
     scale = 2.0 / levels[-1]
     nodes, targets = (np.vander(scale * place - 1.0, len(levels)) for place in (levels, all_levels))
     weights = np.linalg.solve(nodes.T, targets.T)
@@ -204,7 +198,7 @@ def _through(values: FloatArray, levels: IntArray, all_levels: IntArray) -> Floa
 
 
 def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
-    """Powers along the first axis, loads; unknown ones go on from the next with the load."""
+    """Return powers over loads, the first axis; unknown ones go with the load from the next."""
     if known.all():
         return values
     powers = np.where(known, values, 1.0)

@@ -173,7 +173,9 @@ class SolarDay:
         power = self.specific_power_w_per_m2
         if self.cooling is not None:
             floor = self.cooling.mapped(lambda values: values[0])
-            flow = convection_of(design, mission, floor.transition_reynolds, floor.convection[0])
+            flow = convection_of(
+                design, mission.air_state(), floor.transition_reynolds, floor.convection[0]
+            )
             power = power * floor.factor(flow[axes])
         return np.asarray(np.asarray(design.variables.module_area_m2)[axes] * power)
 
@@ -220,7 +222,7 @@ class Sunlight:
             return None
         if self._design is not None:
             transition = self.aircraft.modules.thermal.transition_reynolds
-            flow = float(convection_of(self._design, self.mission, transition, np.nan))
+            flow = float(convection_of(self._design, self.mission.air_state(), transition, np.nan))
             if np.isfinite(flow):
                 return flow
         low, here = (m.air_state().density_kg_per_m3 for m in (self._lowest.mission, self.mission))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import plate_convection_w_per_m2k
+from missions.air import Air, plate_convection_w_per_m2k
 from missions.flight_path import at_airspeed, path_trouble
 from missions.loiter_power import Daylight, PathModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
@@ -120,15 +120,15 @@ def balances_heat(mission: Mission) -> bool:
 
 
 def convection_of(
-    design: Design, mission: Mission, transition_reynolds: float, unknown: float
+    design: Design, air: Air, transition_reynolds: float, unknown: ArrayLike
 ) -> FloatArray:
-    """Convection of designs in level flight on a mission, ``unknown`` where none is known."""
+    """Return the convection of designs in level flight, ``unknown`` where none is known."""
     speed = design.airspeed_m_per_s
     if speed is None:
         return np.asarray(unknown)
     chord = np.asarray(design.variables.wingspan_m, float) / design.variables.aspect_ratio
     with np.errstate(invalid="ignore"):
-        flow = plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition_reynolds)
+        flow = plate_convection_w_per_m2k(air, speed, chord, transition_reynolds)
     return np.where(np.isfinite(flow), flow, unknown)
 
 

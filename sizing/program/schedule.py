@@ -279,7 +279,7 @@ def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
         log_power_w=np.log(around.power_w),
         airspeed_m_per_s=np.ones(LEVELS),
         constant_w=levels.constant_power_w[i],
-        steady=float(levels.nominal_factor[i]),
+        steady=float(levels.nominal_ratio[i]),
         rated_w=levels.most_power_w[i],
         efficiency=levels.efficiency[i],
         weight_n=levels.weight_n[i],
