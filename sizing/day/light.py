@@ -1,7 +1,7 @@
 """Sunlight on an aircraft: specific power of its solar modules over a mission's scenarios.
 
 A solar power model gives the power per area of module; its systematic error is corrected, and the
-mission's uncertainty margin is taken off.
+mission's uncertainty margin is taken off. A height is one more axis, before the scenarios.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FINE_STEP_H = 1.0 / 60.0  # confirms what the default step finds
 
 @dataclass(frozen=True)
 class SolarModel:
-    """Which solar power model is believed, and how its systematic error is treated."""
+    """Solar power model, and correction of its systematic error."""
 
     model: ModelName = "CAM"
     correction: CorrectionName = "none"
@@ -57,23 +57,23 @@ class SolarModel:
 
     @property
     def label(self) -> str:
-        """Model and correction in words, for instance ``CAM, uncorrected``."""
+        """Return model and correction in words, for instance ``CAM, uncorrected``."""
         by = "uncorrected" if self.correction == "none" else f"correction {self.correction}"
         return f"{self.model}, {by}"
 
     @property
     def needs_path(self) -> bool:
-        """Whether module surfaces and a flight path are needed: VM, FM, loiter correction."""
+        """Return whether module surfaces and a flight path are needed."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"
 
-    def flown_latitudes_deg(self, mission: Mission) -> tuple[float, float]:
-        """Latitudes whose wind is known, where the flight depends on the wind [deg]."""
+    def latitudes_with_wind_deg(self, mission: Mission) -> tuple[float, float]:
+        """Return the ends of the latitudes for which all winds of a flight are known [deg]."""
         in_wind = self.needs_path or mission.holds_station
         return mission.wind_latitudes_deg if in_wind else (-90.0, 90.0)
 
     @property
     def rms_relative(self) -> float:
-        """RMS error of the model relative to the mean measured power [-]."""
+        """Return the RMS error of the model relative to the mean measured power [-]."""
         return correction(self.model, self.correction).rms_relative
 
 
@@ -84,11 +84,10 @@ UNCORRECTED_CAM = SolarModel()
 class SolarDay:
     """Specific power over the day in each scenario: all that a design needs of the sun.
 
-    ``power_w_per_m2``: of shape ``(level, scenario, time)``, at the levels of a mission with climbs
-    (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one first; at the mission's
-    altitude alone without climbs. It is that of the aircraft's own flow; ``cooling``: how it
-    changes with that of another design, where the modules balance their heat. ``sunrise_h`` and
-    ``sunset_h`` are those of the geometric sun [solar h].
+    ``power_w_per_m2``: of shape ``(level, scenario, time)``, at the levels of a mission
+    (:attr:`missions.mission.Mission.climb_levels_m`), the lowest first. It is that in the flow of
+    the aircraft's file; ``cooling``: its change with the flow of a design, where the modules
+    balance their heat. ``sunrise_h``, ``sunset_h``: of the geometric sun [solar h].
     """
 
     scenarios: Scenarios
@@ -100,7 +99,7 @@ class SolarDay:
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
-        """Scenarios of several days with the same time axis, one day after the other."""
+        """Return the scenarios of several days with one time axis, one day after the other."""
         coolings = [day.cooling for day in days if day.cooling is not None]
         return cls(
             Scenarios(
@@ -111,29 +110,29 @@ class SolarDay:
             np.concatenate([d.power_w_per_m2 for d in days], axis=1),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
-            Cooling.joined(coolings, axis=1) if coolings else None,
+            Cooling.joined(coolings) if coolings else None,
         )
 
     @property
     def specific_power_w_per_m2(self) -> FloatArray:
-        """Power at the lowest level, ``(scenario, time)``."""
+        """Return the power at the lowest level, ``(scenario, time)``."""
         return np.asarray(self.power_w_per_m2[0])
 
     def _mapped(self, function: Callable[[FloatArray], FloatArray]) -> SolarDay:
-        """Same day with a function of all its arrays of light."""
+        """Return the day with a function of all its arrays of light."""
         cooling = None if self.cooling is None else self.cooling.mapped(function)
         return replace(self, power_w_per_m2=function(self.power_w_per_m2), cooling=cooling)
 
     def scaled(self, factor: float | FloatArray) -> SolarDay:
-        """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
+        """Return the day with all power times a factor, a number or of shape ``(scenario, 1)``."""
         return replace(self, power_w_per_m2=self.power_w_per_m2 * factor)
 
     def less(self, other: SolarDay) -> SolarDay:
-        """Same day with the power of another one taken off."""
+        """Return the day less the power of another one."""
         return replace(self, power_w_per_m2=self.power_w_per_m2 - other.power_w_per_m2)
 
     def over_days(self, count: int) -> SolarDay:
-        """Same day, repeated; its nodes of time go on over the midnights."""
+        """Return the day repeated, its nodes of time going on over the midnights."""
         steps = len(self.time_h) - 1
         nodes = np.arange(count * steps + 1) % steps
         time_h = np.concatenate([self.time_h[:-1] + 24.0 * k for k in range(count)])
@@ -141,7 +140,7 @@ class SolarDay:
         return replace(repeated, time_h=np.append(time_h, 24.0 * count))
 
     def at(self, indices: ArrayLike) -> SolarDay:
-        """Same day in some of its scenarios."""
+        """Return the day in a part of its scenarios, by their indices."""
         rows, of = np.asarray(indices, int), self.scenarios
         return replace(
             self._mapped(lambda values: values[:, rows]),
@@ -153,7 +152,7 @@ class SolarDay:
     def module_power_w(
         self, design: Design, mission: Mission, *, paired: bool = False
     ) -> FloatArray:
-        """Power of designs' modules, which the flow of each of them cools.
+        """Return the power of designs' modules, which the flow of each of them cools.
 
         Parameters
         ----------
@@ -181,20 +180,19 @@ class SolarDay:
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
-    """Nodes from 0 to 24 h, at most ``step_h`` apart."""
+    """Return nodes from 0 to 24 h, at most ``step_h`` apart."""
     if not 1.0 / 3600.0 <= step_h <= 1.0:
         raise ValueError(f"step_h must be from 1/3600 to 1 (got {step_h:g})")
     return np.linspace(0.0, 24.0, int(np.ceil(24.0 / step_h - 1e-9)) + 1)
 
 
 class Sunlight:
-    """Sunlight on an aircraft in some scenarios, by any solar power model.
+    """Sunlight on an aircraft in scenarios, by any solar power model.
 
-    Each model is evaluated once, however many days are asked of it; corrections only scale.
+    Each model is evaluated once, however many days are made of it; corrections only scale.
 
     ``scenarios``: latitudes and days of the year; those of the mission by default. ``design``: of
-    whose flow alone the power is, else of any design's; with climbs it plays no part. ``lowest``:
-    sunlight at the lowest level of a mission with climbs.
+    whose flow alone the power is, else of any design's; with climbs it plays no part.
     """
 
     def __init__(
@@ -205,121 +203,106 @@ class Sunlight:
         *,
         step_h: float = DEFAULT_STEP_H,
         design: Design | None = None,
-        lowest: Sunlight | None = None,
     ) -> None:
         self.aircraft, self.mission = aircraft, mission
         self._design = design if mission.climb is None else None
-        self._lowest = self if lowest is None else lowest
         self.scenarios = mission.scenarios() if scenarios is None else scenarios
         self.time_h = day_axis_h(step_h)
+        self._levels = [mission, *map(mission.at_altitude, mission.climb_levels_m[1:])]
         self._power: dict[ModelName, FloatArray] = {}
         self._cooling: dict[ModelName, Cooling] = {}
 
     @cached_property
-    def _convection(self) -> float | None:
-        """Of the aircraft's own flow; none where modules do not balance their heat."""
+    def _convection(self) -> FloatArray | None:
+        """Return the convection at all levels; None where modules do not balance their heat."""
         if not balances_heat(self.mission):
             return None
         if self._design is not None:
             transition = self.aircraft.modules.thermal.transition_reynolds
-            flow = float(convection_of(self._design, self.mission.air_state(), transition, np.nan))
+            flow = convection_of(self._design, self.mission.air_state(), transition, np.nan)
             if np.isfinite(flow):
-                return flow
-        low, here = (m.air_state().density_kg_per_m3 for m in (self._lowest.mission, self.mission))
-        speed = self._lowest._airspeed_m_per_s * np.sqrt(low / here)
-        return convection_in_flight(self.aircraft, self.mission, float(speed))
-
-    @cached_property
-    def _airspeed_m_per_s(self) -> float:
-        """Of level flight; at other levels that of the same lift coefficient is flown."""
-        return airspeed_in_flight(self.aircraft, self.mission)
+                return flow.reshape(1)
+        # At all levels at the same lift coefficient.
+        speed = airspeed_in_flight(self.aircraft, self.mission)
+        density = np.array([float(m.air_state().density_kg_per_m3) for m in self._levels])
+        speeds = speed * np.sqrt(density[0] / density)
+        flights = zip(self._levels, speeds.tolist(), strict=True)
+        return np.array([convection_in_flight(self.aircraft, *flight) for flight in flights])
 
     def modelled_power(self, model: ModelName) -> FloatArray:
-        """Uncorrected specific power [W/m2], shape ``(scenario, time)``."""
+        """Return the uncorrected power at the lowest level [W/m2], ``(scenario, time)``."""
+        return np.asarray(self._power_of(model)[0])
+
+    def _power_of(self, model: ModelName) -> FloatArray:
+        """Return the uncorrected specific power [W/m2], ``(level, scenario, time)``."""
         if model not in self._power:
-            self._power[model] = self._in_flow(model, self._convection)
+            self._power[model] = self._at_levels(model, self._convection)
         return self._power[model]
 
-    def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
-        around = None if convection is None else surroundings(self.mission, convection)
-        axes = self.scenarios, self.time_h
-        return modelled_power(self.aircraft, self.mission, model, *axes, around)
+    def _at_levels(self, model: ModelName, convection: FloatArray | None) -> FloatArray:
+        """Return the power in a convection at all levels, or of modules as cold as the air."""
+        flows = [None] * len(self._levels) if convection is None else convection.tolist()
+        powers = [self._in_flow(model, *at) for at in zip(self._levels, flows, strict=True)]
+        # A single level keeps its layout in memory.
+        return powers[0][np.newaxis] if len(powers) == 1 else np.stack(powers)
+
+    def _in_flow(self, model: ModelName, there: Mission, convection: float | None) -> FloatArray:
+        """Return the power at an altitude in a convection, ``(scenario, time)``."""
+        around = None if convection is None else surroundings(there, convection)
+        return modelled_power(self.aircraft, there, model, self.scenarios, self.time_h, around)
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
-        """How the power changes with the flow; of VM and FM in the proportions of CAM."""
-        if self._convection is None or self._design is not None:
+        """Return the change of the power with the flow; of VM and FM in the proportions of CAM."""
+        convection = self._convection
+        if convection is None or self._design is not None:
             return None
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
-        convection = self._convection
         if model not in self._cooling and model in ATTITUDE_MODELS:
-            known = self.modelled_power(model)
-            faster = self._in_flow(model, FASTER * convection) / np.where(
-                known > 0.0, known, np.inf
-            )
+            known = self._power_of(model)
+            faster = self._at_levels(model, FASTER * convection)
             like = self._cooling_of("CAM")
             assert like is not None
-            self._cooling[model] = like.scaled_to(faster)
-        if model not in self._cooling:
-            cold, power = self._in_flow(model, None), self.modelled_power(model)
-            around = surroundings(self.mission, convection)
-            self._cooling[model] = Cooling.of(cold, power, self.aircraft.modules, around)
+            self._cooling[model] = like.scaled_to(faster / np.where(known > 0.0, known, np.inf))
+        elif model not in self._cooling:
+            powers = self._at_levels(model, None), self._power_of(model)
+            air_c = np.array([float(m.air_state().temperature_c) for m in self._levels])
+            cooling = Cooling.of(*powers, self.aircraft.modules, air_c, convection)
+            self._cooling[model] = cooling
         return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:
-        """Daily energy of the Full Model on the flight path over that of a model, per scenario.
+        """Return the daily energy of the Full Model on the flight path over that of a model.
 
         The single numbers of the report hold for one morning; this ratio holds for the latitude,
         the day, the wind and the path at hand. It is 1 where no sun is seen. Shape
-        ``(scenario, 1)``.
+        ``(level, scenario, 1)``.
         """
         if model == "FM":
-            return np.ones((len(self.scenarios), 1))
+            return np.ones((len(self._levels), len(self.scenarios), 1))
         modelled_wh, full_wh = (
-            np.trapezoid(self.modelled_power(name), self.time_h, axis=-1) for name in (model, "FM")
+            np.trapezoid(self._power_of(name), self.time_h, axis=-1) for name in (model, "FM")
         )
         has_light = modelled_wh > 0.0
-        return np.where(has_light, full_wh / np.where(has_light, modelled_wh, 1.0), 1.0)[
-            :, np.newaxis
-        ]
+        ratio = np.where(has_light, full_wh / np.where(has_light, modelled_wh, 1.0), 1.0)
+        return ratio[..., np.newaxis]
 
     def day(self, solar: SolarModel) -> SolarDay:
-        """Specific power by a model, corrected and less the mission's margin."""
-        power = self.modelled_power(solar.model)
+        """Return the specific power by a model, corrected and less the mission's margin."""
+        power = self._power_of(solar.model)
         if solar.correction == "loiter":
             power = power * self.loiter_ratio(solar.model)
         factor = self.mission.pessimistic_power_factor(solar.model, solar.correction)
-        corrected = power if factor == 1.0 else power * factor
         times = sun_times(self.scenarios.latitude_deg, declination(self.scenarios.noon_day))
-        cooling = self._cooling_of(solar.model)
         day = SolarDay(
             self.scenarios,
             self.time_h,
-            corrected[np.newaxis],
+            power if factor == 1.0 else power * factor,
             times.sunrise_h,
             times.sunset_h,
-            None if cooling is None else cooling.mapped(lambda values: values[np.newaxis]),
+            self._cooling_of(solar.model),
         )
-        if self.mission.climb is not None:
-            days = [day, *(level.day(solar) for level in self._levels)]
-            coolings = [each.cooling for each in days if each.cooling is not None]
-            day = replace(
-                day,
-                power_w_per_m2=np.concatenate([each.power_w_per_m2 for each in days]),
-                cooling=Cooling.joined(coolings, axis=0) if coolings else None,
-            )
         return day if self.mission.flight is None else day.over_days(self.mission.days_of_light)
-
-    @cached_property
-    def _levels(self) -> list[Sunlight]:
-        """Sunlight of the same scenarios at the higher levels of the climbs."""
-        higher = map(self.mission.at_altitude, self.mission.climb_levels_m[1:])
-        return [self._sunlight_at(there) for there in higher]
-
-    def _sunlight_at(self, there: Mission) -> Sunlight:
-        """Sunlight of the same scenarios at another altitude."""
-        step_h = float(self.time_h[1])
-        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h, lowest=self)
 
 
 def solar_day(
@@ -331,7 +314,7 @@ def solar_day(
     step_h: float = DEFAULT_STEP_H,
     design: Design | None = None,
 ) -> SolarDay:
-    """Specific power of an aircraft's modules in the mission's (or other) scenarios.
+    """Return the specific power of an aircraft's modules in the mission's (or other) scenarios.
 
     Parameters
     ----------
@@ -362,11 +345,11 @@ def power_at_instants(
     air_c: FloatArray | None = None,
     module_c: FloatArray | None = None,
 ) -> FloatArray:
-    """Specific power at a mission's single latitude while the date advances, corrected.
+    """Return the corrected specific power at a single latitude while the date advances [W/m2].
 
     Under the clear sky, or in the light of a weather record: the mission's own clearness then plays
     no part, its margin of the model's error does. The loiter ratio is that of each instant's day
-    under the clear sky. Returns electric power per area of module [W/m2].
+    under the clear sky.
     """
     if solar.needs_path and mission.wind_statistics is not None:
         message = "needs one wind from day to day: give wind_m_per_s in place of wind"
@@ -378,5 +361,5 @@ def power_at_instants(
         days, place = np.unique(dates, return_inverse=True)
         scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), (days - 1) % 365 + 1)
         ratio = Sunlight(aircraft, mission, scenarios).loiter_ratio(solar.model)
-        power = power * ratio[place, 0]
+        power = power * ratio[0, place, 0]
     return power * mission.pessimistic_power_factor(solar.model, solar.correction)

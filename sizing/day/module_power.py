@@ -1,11 +1,8 @@
-"""Specific power of an aircraft's modules over scenarios and time, by any solar power model.
-
-And the air around them: what cools modules, and what another flow makes of their power.
-"""
+"""Specific power of an aircraft's modules over scenarios and time, and the flow that cools them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -31,83 +28,80 @@ from solar.names import ATTITUDE_MODELS, ModelName
 from solar.sun import cos_zenith, declination, hour_angle
 from solar.types import FloatArray
 
-# Flow, over the own one, in which the power of models without a single temperature is known.
+# Flow over that of the known power, for models without a single temperature of the modules.
 FASTER = 2.0
 
 
 class Cooling(NamedTuple):
-    """How the power of modules changes with the flow that cools them.
+    """Change of the power of modules with the flow that cools them.
 
     The power that warmth takes, relative to the known power, is ``d`` with ``d (h + g + s d) = q``
     in a convection ``h``: radiation carries away ``g + s d`` for each part of it, as the fourth
     power of the temperature does nearly. ``convection``: that of the known power, of every level
-    [W/(m2 K)]. ``lost``: ``d`` there. ``heat``, ``radiation``, ``growth``: ``q``, ``g`` and ``s``;
-    all arrays of the shape of the power. ``transition_reynolds``: of the modules' flow.
+    [W/(m2 K)]. ``terms``: ``d`` there, ``q``, ``g`` and ``s``, each of the shape of the power.
+    ``transition_reynolds``: of the modules' flow.
     """
 
     convection: FloatArray
-    lost: FloatArray
-    heat: FloatArray
-    radiation: FloatArray
-    growth: FloatArray
+    terms: tuple[FloatArray, ...]
     transition_reynolds: float
 
     @classmethod
     def of(
-        cls, cold: FloatArray, power: FloatArray, cell: SolarCell, around: Surroundings
+        cls,
+        cold: FloatArray,
+        power: FloatArray,
+        cell: SolarCell,
+        air_c: FloatArray,
+        convection: FloatArray,
     ) -> Cooling:
-        """Cooling from the power of modules as cold as the air, and of those in the surroundings.
+        """Return the cooling from the power of modules as cold as the air, and of those in a flow.
 
-        Both tell the temperature; around it radiation is a parabola.
+        Both tell the temperature; around it radiation is a parabola. ``cold``, ``power``: of shape
+        ``(level, scenario, time)``; ``air_c``, ``convection``: of every level.
         """
+        ambient_c, flow = (values.reshape(-1, 1, 1) for values in (air_c, convection))
         per_k, heat = cell.temperature_coefficient_per_k, cell.thermal
-        at_air = cell.temperature_efficiency(around.ambient_c)
         known = np.where(power > 0.0, power, np.inf)
         lost = (cold - power) / known
-        left = at_air / (1.0 + lost)  # component efficiency of the temperature
+        # Component efficiency of the temperature.
+        left = cell.temperature_efficiency(ambient_c) / (1.0 + lost)
         per_lost = left / per_k if per_k else np.zeros_like(lost)  # [K]
-        kelvin = np.asarray(around.ambient_c, float) + ZERO_CELSIUS_K + lost * per_lost
+        kelvin = ambient_c + ZERO_CELSIUS_K + lost * per_lost
         faces = 1.0 + heat.underside_share
         radiating = heat.emissivity * STEFAN_BOLTZMANN * kelvin**2
         growth = 6.0 * radiating * per_lost
         electric = power / (left * cell.mppt_efficiency)
         radiation = 4.0 * radiating * kelvin - 2.0 * growth * lost - per_k * electric / faces
-        convection = np.ravel(around.convection)
-        brought = lost * (convection + radiation + growth * lost)
-        return cls(convection, lost, brought, radiation, growth, heat.transition_reynolds)
+        brought = lost * (flow + radiation + growth * lost)
+        terms = (lost, brought, radiation, growth)
+        return cls(convection, terms, heat.transition_reynolds)
 
     @classmethod
-    def joined(cls, parts: Sequence[Cooling], axis: int) -> Cooling:
-        """Cooling of several levels, the first axis, or of several days, the second."""
-        first, arrays = parts[0], zip(*(part[1:5] for part in parts), strict=True)
-        levels = [part.convection for part in parts]
-        convection = first.convection if axis else np.concatenate(levels)
-        joined = [np.concatenate(values, axis=axis) for values in arrays]
-        return first._replace(convection=convection)._with(joined)
+    def joined(cls, days: Sequence[Cooling]) -> Cooling:
+        """Return the cooling of the scenarios of several days, one day after the other."""
+        terms = zip(*(day.terms for day in days), strict=True)
+        return days[0]._replace(terms=tuple(np.concatenate(each, axis=1) for each in terms))
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> Cooling:
-        """Same flow with a function of all arrays of the shape of the power."""
-        return self._with(map(function, self[1:5]))
-
-    def _with(self, arrays: Iterable[FloatArray]) -> Cooling:
-        lost, heat, radiation, growth = arrays
-        return self._replace(lost=lost, heat=heat, radiation=radiation, growth=growth)
+        """Return the same flow with a function of all arrays of the shape of the power."""
+        return self._replace(terms=tuple(map(function, self.terms)))
 
     def scaled_to(self, faster: FloatArray) -> Cooling:
-        """Cooling of another light, whose power has a known factor in the ``FASTER`` flow."""
-        known = self.factor(FASTER * self.convection) - 1.0
+        """Return the cooling of another light, from the factor on its power in ``FASTER`` flow."""
+        known = self.factor(FASTER * self.convection.reshape(-1, 1, 1)) - 1.0
         ratio = np.where(known > _LEAST_LOST, (faster - 1.0) / np.maximum(known, _LEAST_LOST), 1.0)
         ratio = np.maximum(ratio, _LEAST_LOST)
-        lost, heat, growth = ratio * self.lost, ratio * self.heat, self.growth / ratio
-        return self._replace(lost=lost, heat=heat, growth=growth)
+        lost, heat, radiation, growth = self.terms
+        return self._replace(terms=(ratio * lost, ratio * heat, radiation, growth / ratio))
 
     def factor(self, convection: ArrayLike) -> FloatArray:
-        """Factor on the known power in another flow [W/(m2 K)]."""
-        linear = np.asarray(convection, float) + self.radiation
+        """Return the factor on the known power in another flow [W/(m2 K)]."""
+        at_known, heat, radiation, growth = self.terms
+        linear = np.asarray(convection, float) + radiation
         # The root of the quadratic that stays finite without growth.
-        root = np.sqrt(np.maximum(linear**2 + 4.0 * self.growth * self.heat, 0.0))
-        lost = 2.0 * self.heat / (linear + root)
-        return np.asarray(1.0 + self.lost - lost)
+        root = np.sqrt(np.maximum(linear**2 + 4.0 * growth * heat, 0.0))
+        return np.asarray(1.0 + at_known - 2.0 * heat / (linear + root))
 
 
 # Part of the power below which the warmth of a module is rounding.
@@ -115,7 +109,7 @@ _LEAST_LOST = 1e-6
 
 
 def balances_heat(mission: Mission) -> bool:
-    """Whether the modules find their own temperature on a mission."""
+    """Return whether the modules balance their heat: no temperature of theirs is set."""
     return mission.air.module_temperature_c is None
 
 
@@ -135,46 +129,49 @@ def convection_of(
 def convection_in_flight(
     aircraft: Aircraft, mission: Mission, airspeed_m_per_s: float | None = None
 ) -> float:
-    """Convection of an aircraft as its file describes it, in level flight [W/(m2 K)]."""
+    """Return the convection of an aircraft's file in level flight [W/(m2 K)]."""
     speed = airspeed_m_per_s or airspeed_in_flight(aircraft, mission)
     chord = aircraft.airframe.wingspan_m / aircraft.airframe.aspect_ratio
     transition = aircraft.modules.thermal.transition_reynolds
     return float(plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition))
 
 
-# A path is flown that much faster than the wind by a design that is slower than that: no path
-# can be held at less, and 5 % are what power along a path tolerates.
+# Airspeed over wind of a design that is slower than the wind, on a path: no path can be held at
+# less, and 5 % are what power along a path tolerates.
 _ABOVE_WIND = 1.05
 
 
 def on_path(aircraft: Aircraft, mission: Mission) -> Mission:
-    """Same mission, its flight path at the design's airspeed where the file gives none.
+    """Return the mission with its flight path at the design's airspeed where its file has none.
 
-    A design that is slower than the wind is told of by :mod:`sizing.validity`, by any solar power
-    model; its path is flown a little faster than the wind.
+    :mod:`sizing.validity` tells of a design that is slower than the wind; the airspeed of its path
+    is a little above the wind.
     """
     return _on_paths(aircraft, mission, [mission])[0]
 
 
 def _on_paths(aircraft: Aircraft, mission: Mission, winds: Sequence[Mission]) -> list[Mission]:
-    """Same mission in several winds, each on its path."""
+    """Return the mission in several winds, each on its path."""
     path = mission.flight_path
     if path is None or getattr(path, "airspeed_m_per_s", 0.0) is not None:
         return list(winds)
     airspeed = airspeed_in_flight(aircraft, mission)
-    paths = [
-        at_airspeed(path, max(airspeed, _ABOVE_WIND * there.wind.speed_m_per_s)) for there in winds
-    ]
     return [
-        there.model_copy(update={"flight_path": new_path})
-        for there, new_path in zip(winds, paths, strict=True)
+        there.model_copy(
+            update={
+                "flight_path": at_airspeed(
+                    path, max(airspeed, _ABOVE_WIND * there.wind.speed_m_per_s)
+                )
+            }
+        )
+        for there in winds
     ]
 
 
 def path_troubles(
     aircraft: Aircraft, mission: Mission, scenarios: Scenarios | None = None
 ) -> list[str | None]:
-    """Why a path cannot be flown in the wind of each scenario; None where it can.
+    """Return why a path cannot be held in the wind of each scenario; None where it can.
 
     ``scenarios``: of which each has its own wind; left out, the strongest wind alone.
     """
@@ -190,7 +187,7 @@ def path_troubles(
 
 
 def surroundings(mission: Mission, convection: float) -> Surroundings:
-    """What heats and cools modules on a mission in a flow."""
+    """Return the air and radiation around modules on a mission in a flow."""
     albedo = mission.air.albedo
     return Surroundings(
         float(mission.air_state().temperature_c),
@@ -201,7 +198,7 @@ def surroundings(mission: Mission, convection: float) -> Surroundings:
 
 
 def own_surroundings(aircraft: Aircraft, mission: Mission) -> Surroundings | None:
-    """Surroundings of modules in the aircraft's own flow, where they balance their heat."""
+    """Return the surroundings of modules in level flight; None where they balance no heat."""
     if not balances_heat(mission):
         return None
     return surroundings(mission, convection_in_flight(aircraft, mission))
@@ -215,7 +212,7 @@ def modelled_power(
     time_h: FloatArray,
     around: Surroundings | None,
 ) -> FloatArray:
-    """Specific power of a model, uncorrected, over scenarios and time [W/m2].
+    """Return the uncorrected specific power of a model over scenarios and time [W/m2].
 
     CDM and CAM see one horizontal surface, VM and FM are averaged over the mission's flight path.
     ``around``: surroundings of the modules; without them they have the mission's temperature.
@@ -239,8 +236,8 @@ def modelled_power(
     )
 
 
-def flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> PathModules:
-    """What VM and FM need of aircraft and mission."""
+def path_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> PathModules:
+    """Return modules, path and wind for VM and FM."""
     modules = aircraft.modules
     if modules.geometry is None:
         raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
@@ -257,7 +254,7 @@ def clear_daylight(
     day_of_year: ArrayLike,
     time_solar_h: FloatArray,
 ) -> Daylight:
-    """Light of a mission's clear sky."""
+    """Return the light of a mission's clear sky."""
     return Daylight(
         latitude_deg,
         day_of_year,
@@ -278,7 +275,7 @@ def specific_power(
     air_c: ArrayLike | None = None,
     module_c: ArrayLike | None = None,
 ) -> FloatArray:
-    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude.
+    """Return the uncorrected power by any model [W/m2]; VM and FM take a single latitude.
 
     ``air_c``, ``module_c``: temperature of the air and, without surroundings, of the modules; those
     of the mission by default, one at each time of a light that is no clear sky's.
@@ -289,7 +286,7 @@ def specific_power(
     if model in ATTITUDE_MODELS:
         return mean_power_on_path(
             model,
-            flown_modules(aircraft, mission, model),
+            path_modules(aircraft, mission, model),
             light,
             ambient_temperature_c=air_c,
             module_temperature_c=module_c,

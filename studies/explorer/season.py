@@ -92,7 +92,7 @@ class SeasonMaps:
         latitudes = COARSE_LATITUDES_DEG if few or on_path else LATITUDES_DEG
         days = _DAYS_ON_PATH if on_path else COARSE_DAYS if few else DAYS
         light = self._light_of(aircraft, mission, solar, step_h)
-        south, north = solar.flown_latitudes_deg(mission)
+        south, north = solar.latitudes_with_wind_deg(mission)
         known = np.flatnonzero((latitudes >= south) & (latitudes <= north))
 
         def sunlight_at(latitudes_deg: FloatArray) -> SolarDay:

@@ -104,14 +104,7 @@ class _Year:
     def __init__(self, aircraft: Aircraft, mission: Mission, latitude_deg: float) -> None:
         self.aircraft, self.mission = aircraft, mission
         self.latitude_deg = float(latitude_deg)
-        self.powers: dict[tuple[ModelName, float | None, int], FloatArray] = {}
-        self._levels: dict[float, _Year] = {}
-
-    def at(self, there: Mission) -> _Year:
-        """Same year at another altitude."""
-        if there.altitude_m not in self._levels:
-            self._levels[there.altitude_m] = _Year(self.aircraft, there, self.latitude_deg)
-        return self._levels[there.altitude_m]
+        self.powers: dict[tuple[ModelName, float, float | None, int], FloatArray] = {}
 
     def scenarios(self, days: Sequence[int]) -> Scenarios:
         return Scenarios(np.full(len(days), self.latitude_deg), np.array(days, int))
@@ -143,30 +136,25 @@ class _Year:
 class _SomeDays(Sunlight):
     """Sunlight on some days of a year, which keeps their power."""
 
-    def __init__(self, year: _Year, days: Sequence[int], *, lowest: Sunlight | None = None) -> None:
-        super().__init__(year.aircraft, year.mission, year.scenarios(days), lowest=lowest)
+    def __init__(self, year: _Year, days: Sequence[int]) -> None:
+        super().__init__(year.aircraft, year.mission, year.scenarios(days))
         self._year, self._days = year, days
 
-    def _sunlight_at(self, there: Mission) -> Sunlight:
-        return _SomeDays(self._year.at(there), self._days, lowest=self)
-
-    def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
-        known = self._year.powers
-        lacking = [day for day in self._days if (model, convection, day) not in known]
+    def _in_flow(self, model: ModelName, there: Mission, convection: float | None) -> FloatArray:
+        known, place = self._year.powers, (model, there.altitude_m, convection)
+        lacking = [day for day in self._days if (*place, day) not in known]
         if lacking:
             none = np.zeros(len(self.time_h))
-            known.update(((model, convection, day), none) for day in lacking)
+            known.update(((*place, day), none) for day in lacking)
             if MODELS[model].needs_path:  # a day whose wind is too strong for it has no power
                 where = self._year.scenarios(lacking)
-                troubles = path_troubles(self.aircraft, self.mission, where)
+                troubles = path_troubles(self.aircraft, there, where)
                 lacking = [d for d, why in zip(lacking, troubles, strict=True) if why is None]
         if lacking:
-            some = Sunlight(self.aircraft, self.mission, self._year.scenarios(lacking))
-            powers = some._in_flow(model, convection)
-            known.update(
-                ((model, convection, day), one) for day, one in zip(lacking, powers, strict=True)
-            )
-        return np.stack([known[model, convection, day] for day in self._days])
+            days = Sunlight(self.aircraft, there, self._year.scenarios(lacking))
+            powers = days._in_flow(model, there, convection)
+            known.update(((*place, day), power) for day, power in zip(lacking, powers, strict=True))
+        return np.stack([known[*place, day] for day in self._days])
 
 
 def _in_doubt(

@@ -122,7 +122,7 @@ def season_section(subject: Subject) -> Section:
     if subject.mission.climb is not None and not solar.needs_path:
         rows, columns = CLIMBING_CELLS
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
-    south, north = solar.flown_latitudes_deg(subject.mission)
+    south, north = solar.latitudes_with_wind_deg(subject.mission)
     latitudes = np.unique(np.linspace(max(-farthest, south), min(farthest, north), rows))
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
     data = prepare(subject.aircraft, subject.mission, latitudes, days, solar).computed()
