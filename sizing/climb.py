@@ -34,7 +34,7 @@ class ClimbPerformance:
 
     @property
     def altitude_m(self) -> FloatArray:
-        """Altitude at the nodes of the day [m], ``(scenario, time)``."""
+        """Return the altitude at the nodes of the day [m], ``(scenario, time)``."""
         assert self.performance.altitude_m is not None
         return self.performance.altitude_m
 
@@ -45,14 +45,14 @@ class ClimbPerformance:
 
     @property
     def gain_h(self) -> FloatArray:
-        """Excess time that climbing adds [h]; 0 where both are infinite."""
+        """Return the excess time that climbing adds [h]; 0 where both are infinite."""
         ours, theirs = self.performance.cycle.excess_time_h, self.constant.cycle.excess_time_h
         unlimited = np.isinf(ours) & np.isinf(theirs)
         return np.where(unlimited, 0.0, ours - np.where(unlimited, 0.0, theirs))
 
     @property
     def held_up_to_m(self) -> FloatArray | None:
-        """Altitude up to which the winds are held [m], NaN where not even at the floor.
+        """Return the altitude up to which the winds are held [m], NaN where not even at the floor.
 
         None where no place is to be held.
         """
@@ -63,21 +63,21 @@ class ClimbPerformance:
 
     @property
     def stored_height_wh(self) -> FloatArray:
-        """Largest potential energy above the lowest altitude [Wh]."""
+        """Return the largest potential energy above the lowest altitude [Wh]."""
         levels = self._levels
         height_m = self.altitude_m.max(axis=-1) - levels.altitude_m[0]
         return np.asarray(levels.weight_n * height_m / 3600.0)
 
     @property
     def climb_energy_wh(self) -> FloatArray:
-        """Electric energy that climbs take beyond level flight [Wh]."""
+        """Return the electric energy that climbs take beyond level flight [Wh]."""
         levels = self._levels
         climbed_m = np.maximum(np.diff(self.altitude_m), 0.0).sum(axis=-1)
         return np.asarray(levels.weight_n * climbed_m / levels.efficiency / 3600.0)
 
     @property
     def gliding_h(self) -> FloatArray:
-        """Hours of sinking while the sun does not carry the nominal load [h]."""
+        """Return the hours of sinking while the sun does not carry the nominal load [h]."""
         perf = self.performance
         dark = perf.solar_power_w < perf.nominal_load_w[:, np.newaxis]
         sinks = (np.diff(self.altitude_m) < -_SINKS_M) & dark[:, 1:]
@@ -85,7 +85,7 @@ class ClimbPerformance:
 
 
 def excess_at_one_minute_h(aircraft: Aircraft, flown: Performance) -> float:
-    """Excess time of the worst scenario flown along the same heights in steps of a minute [h]."""
+    """Return the excess time of the worst scenario along its heights in steps of a minute [h]."""
     from sizing.program.schedule import flown_along  # CasADi, which level flight does without
 
     assert flown.altitude_m is not None
@@ -123,7 +123,7 @@ def climb_performance(
 def beside_constant(
     aircraft: Aircraft, flown: Performance, design: Design, day: SolarDay
 ) -> ClimbPerformance:
-    """Flight with climbs beside that of its design at the lowest altitude."""
+    """Return a flight with climbs beside that of its design at the lowest altitude."""
     lowest = flown.mission.at_altitude(flown.mission.altitude_m)
     constant = performance(aircraft, lowest, flown.solar, day=day, design=design)
     return ClimbPerformance(flown, constant)

@@ -1,4 +1,4 @@
-"""What a design is: its variables, masses, conditions of flight, and what follows from them.
+"""A design: its variables, masses, conditions of flight, and what follows from them.
 
 :mod:`sizing.mass_budget` makes it, of floats, arrays and symbols alike.
 """
@@ -27,7 +27,7 @@ NO_FLIGHT_W = 1e12  # load of what cannot carry itself, or be as fast as the win
 
 
 class DesignVariables(NamedTuple):
-    """What the optimiser chooses.
+    """Variables that the optimiser chooses.
 
     The last seven are chosen on request; None stands for what aircraft and mission say.
     """
@@ -46,7 +46,7 @@ class DesignVariables(NamedTuple):
 
     @property
     def of_propulsion(self) -> tuple[Value | None, ...]:
-        """Diameter and pitch of the propeller [m], gear and speed constant of the motor [rpm/V]."""
+        """Return diameter, pitch [m], gear ratio and speed constant of the motor [rpm/V]."""
         return self[-len(PROPULSION_VARIABLES) :]
 
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
@@ -54,23 +54,23 @@ class DesignVariables(NamedTuple):
         return DesignVariables(*(None if v is None else function(v) for v in self))
 
     def of_one_shape(self) -> DesignVariables:
-        """Every variable that is chosen as an array of floats; all have one shape."""
+        """Return every variable that is chosen as an array of floats, all of one shape."""
         chosen = self.chosen()
         arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in chosen.values()))
         return DesignVariables(**dict(zip(chosen, arrays, strict=True)))
 
     def chosen(self) -> dict[str, Value]:
-        """Variables that are chosen, by name."""
+        """Return the variables that are chosen, by name."""
         return {name: value for name, value in self._asdict().items() if value is not None}
 
 
 @cache
 def variable_keys() -> Mapping[str, str]:
-    """Design variables by their keys in the files; those of the mission have its prefix."""
+    """Return design variables by their keys in the files; those of the mission have its prefix."""
     named = {
-        key: one.name
-        for key, one in catalogue().items()
-        if one.name in DesignVariables._fields and one.name != key
+        key: parameter.name
+        for key, parameter in catalogue().items()
+        if parameter.name in DesignVariables._fields and parameter.name != key
     }
     # The catalogue has it as technology of the airframe, and of a design under its own name.
     lift = {"airframe.aerodynamics.lift_coefficient": "lift_coefficient"}
@@ -91,12 +91,12 @@ class Masses(NamedTuple):
 
     @property
     def total_kg(self) -> Value:
-        """Take-off mass [kg]."""
+        """Return the take-off mass [kg]."""
         return sum(self[1:], self[0])
 
 
 class FlightConditions(NamedTuple):
-    """What the design needs to know of a mission; numbers or symbols.
+    """Conditions of a mission for a design; numbers, arrays or symbols.
 
     ``wind_m_per_s``: that its own airspeed must exceed; none where it flies faster to hold its
     place.
@@ -116,13 +116,13 @@ class FlightConditions(NamedTuple):
 
     @property
     def air(self) -> Air:
-        """State of the air; a gas's pressure follows from density and temperature."""
+        """Return the state of the air, its pressure from density and temperature."""
         pressure = self.density_kg_per_m3 * GAS_CONSTANT_AIR * self.temperature_k
         return Air(self.temperature_k, pressure, self.density_kg_per_m3, self.dynamic_viscosity)
 
     @classmethod
     def of(cls, mission: Mission | FlightConditions, aircraft: Aircraft) -> FlightConditions:
-        """Conditions of a mission, and what its air and age leave of an aircraft's battery.
+        """Return the conditions of a mission, and of an aircraft's battery in its air.
 
         Returns numbers, or arrays where inputs are; conditions themselves as they are.
         """
@@ -160,13 +160,13 @@ class FlightConditions(NamedTuple):
         )
 
     def heater_w(self, battery_mass_kg: Value) -> Value:
-        """Power that the heater of a battery draws [W]."""
+        """Return the power that the heater of a battery draws [W]."""
         return self.battery_heater_w + self.insulated_heater_w_at_1_kg * battery_mass_kg ** (
             2.0 / 3.0
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
-        """Conditions with the payload that the design carries, where it is chosen."""
+        """Return the conditions with the payload that the design carries, where it is chosen."""
         mass, power = variables.payload_mass_kg, variables.payload_power_w
         return self._replace(
             payload_mass_kg=self.payload_mass_kg if mass is None else mass,
@@ -197,7 +197,7 @@ class Design(NamedTuple):
 
     @property
     def wing_area_m2(self) -> Value:
-        """Wing area [m2]."""
+        """Return the wing area [m2]."""
         return self.variables.wingspan_m**2 / self.variables.aspect_ratio
 
     def mapped(self, function: Callable[[Value], Value]) -> Design:
@@ -212,40 +212,42 @@ class Design(NamedTuple):
 
     @property
     def thrust_power_w(self) -> Value:
-        """Drag times airspeed, by the efficiency of its propulsion [W]; not of a measured one."""
+        """Return drag times airspeed, by the efficiency of the propulsion [W]."""
         assert self.chain is not None
         return self.propulsion_power_w * self.chain.efficiency
 
     @property
     def rated_power_w(self) -> Value:
-        """Largest electric power of the propulsion [W]; not of a measured aircraft."""
+        """Return the largest electric power of the propulsion [W]."""
         assert self.chain is not None
         weight_n = self.total_mass_kg * GRAVITY_M_PER_S2
         return self.chain.rated_power_w(self.propulsion_power_w, weight_n=weight_n)
 
     def nominal_load_w(self, mission: Mission) -> Value:
-        """Load with the turbulence of all hours, without thermals [W]."""
+        """Return the load with the turbulence of all hours, without thermals [W]."""
         return self.load_in_turbulence_w(mission.turbulence.all_day)
 
     def load_in_turbulence_w(self, turbulence: Value) -> Value:
-        """Load with that much more propulsion power, relative to level flight [W]."""
+        """Return the load with so much more propulsion power, relative to level flight [W]."""
         return self.propulsion_power_w * (1.0 + turbulence) + self.constant_power_w
 
 
 def each(value: Any, function: Callable[[Any], Any]) -> Any:
-    """Design with a function of everything that it has, in its nested tuples as well."""
+    """Apply a function to everything that a design has, in its nested tuples as well."""
     if isinstance(value, tuple):  # design, variables, masses
-        return type(value)._make(each(one, function) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
+        return type(value)._make(each(part, function) for part in value)  # type: ignore[attr-defined]  # a NamedTuple
     return function(value)
 
 
-def picked(design: Design, some: Any) -> Design:
-    """Some of a batch of designs: of every array; what is a number stays."""
-    return cast(Design, each(design, lambda one: one[some] if getattr(one, "ndim", 0) else one))
+def picked(design: Design, rows: Any) -> Design:
+    """Return a part of a batch of designs, of every array; numbers stay."""
+    return cast(
+        Design, each(design, lambda value: value[rows] if getattr(value, "ndim", 0) else value)
+    )
 
 
 def variables_of(aircraft: Aircraft) -> DesignVariables:
-    """Design variables as the aircraft's file gives them."""
+    """Return the design variables of the aircraft's file."""
     return DesignVariables(
         wingspan_m=aircraft.airframe.wingspan_m,
         aspect_ratio=aircraft.airframe.aspect_ratio,
@@ -255,7 +257,7 @@ def variables_of(aircraft: Aircraft) -> DesignVariables:
 
 
 def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
-    """Voltages of the bus with an empty and with a full battery [V]."""
+    """Return the voltages of the bus with an empty and with a full battery [V]."""
     ends_v = aircraft.battery.ends_v
     assert ends_v is not None  # refused at validation
     return ends_v
@@ -264,10 +266,10 @@ def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
 def flown_at(
     aerodynamics: DragPolar | OwnDragPolar | WingPolar, lift_coefficient: Value | None
 ) -> Polar:
-    """Polar in level flight at a chosen lift coefficient.
+    """Return the polar in level flight at a chosen lift coefficient.
 
-    ``lift_coefficient``: lift coefficient of level flight [-]; None leaves the polar's own. Returns
-    same polar with ``lift_coefficient`` replaced, not validated.
+    ``lift_coefficient``: lift coefficient of level flight [-]; None leaves the polar's own. Not
+    validated.
     """
     if lift_coefficient is None:
         return aerodynamics

@@ -31,7 +31,7 @@ def refuse_one_airspeed(aircraft: Aircraft, what: str) -> None:
 def held_flight(
     aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
 ) -> Design:
-    """Designs that fly as fast as the wind, or at their own airspeed if that is faster.
+    """Return designs that fly as fast as the wind, or at their calm airspeed if that is faster.
 
     Of infinite power where it exceeds the rated power. The wind broadcasts against the designs.
     """
@@ -46,32 +46,33 @@ def against_wind(
     wind_m_per_s: FloatArray,
     rated_power_w: FloatArray,
 ) -> tuple[Design, BoolArray]:
-    """Designs that fly as fast as the wind, or as before if that is faster, and whether they can.
+    """Return designs as fast as the wind, or as in calm air if faster, and whether they can.
 
     What exceeds the rated power is no flight, whatever its power is; where no power is known the
-    design keeps its own airspeed.
+    design keeps its airspeed.
     """
     refuse_one_airspeed(aircraft, "wind.hold_station")
     conditions = FlightConditions.of(mission, aircraft)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         ratio = np.maximum(wind_m_per_s / np.asarray(design.airspeed_m_per_s), 1.0)
-        calm, own_w = ratio <= 1.0, design.propulsion_power_w
-        flown = flown_faster(aircraft, conditions, design, ratio)
-        power_w = np.where(calm, own_w, flown.propulsion_power_w)
+        calm, calm_w = ratio <= 1.0, design.propulsion_power_w
+        faster = flight_faster(aircraft, conditions, design, ratio)
+        power_w = np.where(calm, calm_w, faster.propulsion_power_w)
         able = calm | (power_w <= rated_power_w * (1.0 + _ROUNDING))
-        unknown = ~np.isfinite(power_w) & np.isfinite(own_w)
+        unknown = ~np.isfinite(power_w) & np.isfinite(calm_w)
         if np.any(unknown):
-            flown = flown_faster(aircraft, conditions, design, np.where(unknown, 1.0, ratio))
-            power_w = np.where(calm | unknown, own_w, flown.propulsion_power_w)
-    return flown._replace(propulsion_power_w=power_w), able
+            faster = flight_faster(aircraft, conditions, design, np.where(unknown, 1.0, ratio))
+            power_w = np.where(calm | unknown, calm_w, faster.propulsion_power_w)
+    return faster._replace(propulsion_power_w=power_w), able
 
 
-def flown_faster(
+def flight_faster(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
 ) -> Design:
-    """Same design in level flight faster by a ratio; numbers, arrays or symbols."""
+    """Return a design in level flight faster by a ratio; numbers, arrays or symbols."""
     lift = design.variables.lift_coefficient
-    own = aircraft.parametric.aerodynamics.flight_lift_coefficient if lift is None else lift
-    lower_lift = design.variables._replace(lift_coefficient=own / ratio**2)
+    if lift is None:
+        lift = aircraft.parametric.aerodynamics.flight_lift_coefficient
+    lower_lift = design.variables._replace(lift_coefficient=lift / ratio**2)
     chain, power_w, speed = level_flight(aircraft, conditions, lower_lift, design.total_mass_kg)
     return design._replace(propulsion_power_w=power_w, airspeed_m_per_s=speed, chain=chain)

@@ -55,7 +55,7 @@ def parametric_design(
     total_mass_kg: Value,
     chain: Propulsion | None = None,
 ) -> Design:
-    """Masses and power of a parametric aircraft for an assumed total mass.
+    """Return masses and power of a parametric aircraft for an assumed total mass.
 
     The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``. ``chain``: assumed
     efficiencies of the propulsion, instead of those of the aircraft.
@@ -64,9 +64,9 @@ def parametric_design(
     """
     airframe = aircraft.parametric
     air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
-    found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
-    rated_w = found.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
-    propulsion_kg = found.mass_kg(rated_w)
+    propulsion, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
+    rated_w = propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
+    propulsion_kg = propulsion.mass_kg(rated_w)
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
     inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed, propulsion_kg)
     modules, battery_kg = aircraft.modules, variables.battery_mass_kg
@@ -91,7 +91,7 @@ def parametric_design(
         constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
         conditions=air,
-        chain=found,
+        chain=propulsion,
         sized_from=inputs,
     )
 
@@ -103,7 +103,7 @@ def level_flight(
     total_mass_kg: Value,
     chain: Propulsion | None = None,
 ) -> tuple[Propulsion, Value, Value]:
-    """Propulsion of a parametric aircraft in level flight, its electric power [W] and airspeed."""
+    """Return propulsion, electric power [W] and airspeed of level flight at a total mass."""
     airframe = aircraft.parametric
     polar = flown_at(airframe.aerodynamics, variables.lift_coefficient)
     airspeed = polar.airspeed_m_per_s(
@@ -121,17 +121,17 @@ def level_flight(
         density_kg_per_m3=air.density_kg_per_m3,
         dynamic_viscosity=air.dynamic_viscosity,
     )
-    found = airframe.propulsion if chain is None else chain
-    if isinstance(found, OperatingPointPropulsion):
-        found = found.sized(*variables.of_propulsion)
-        found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
+    propulsion = chain or airframe.propulsion
+    if isinstance(propulsion, OperatingPointPropulsion):
+        parts = propulsion.sized(*variables.of_propulsion)
+        links = parts.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
     else:
-        found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
-    return found, shaft_w / found.efficiency, airspeed
+        links = propulsion.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
+    return links, shaft_w / links.efficiency, airspeed
 
 
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
-    """Electric power of avionics and payload, drawn from the battery [W].
+    """Return the electric power of avionics and payload, drawn from the battery [W].
 
     ``aircraft``: its avionics, and the efficiency of their power supply. Returns ``(P_avionics +
     P_payload) / eta_supply`` [W].
@@ -140,7 +140,7 @@ def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
 
 
 def measured_design(aircraft: Aircraft, mission: Mission | FlightConditions) -> Design:
-    """Masses and power of a measured aircraft, scaled to the mission's mass and air.
+    """Return masses and power of a measured aircraft, scaled to the mission's mass and air.
 
     ``mission``: payload and air. At equal lift coefficient drag follows the weight and airspeed the
     root of weight over density: ``P = P_0 (m / m_0)^1.5 (rho / rho_0)^-0.5``. Returns of floats;
@@ -186,7 +186,7 @@ def closed_design(
     *,
     relative_tolerance: float = 1e-13,
 ) -> Design:
-    """Design whose mass budget adds up, for variables that may be arrays.
+    """Return the design whose mass budget adds up, for variables that may be arrays.
 
     The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
     infinite. See :class:`sizing.roots.LightestMass`.
@@ -218,9 +218,9 @@ def closed_design(
         search = LightestMass(np.asarray(flat.battery_mass_kg), relative_tolerance)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             while search.open.size:
-                some = flat.mapped(itemgetter(search.open))
-                own = chain and chain.mapped(lambda one: np.ravel(one)[search.open])
-                closing = parametric_design(aircraft, conditions, some, search.assumed_kg, own)
+                rest = flat.mapped(itemgetter(search.open))
+                links = chain and chain.mapped(lambda value: np.ravel(value)[search.open])
+                closing = parametric_design(aircraft, conditions, rest, search.assumed_kg, links)
                 search.take(np.asarray(closing.masses.total_kg, float))
             total = search.mass_kg.reshape(np.shape(arrays.wingspan_m))
             return parametric_design(aircraft, conditions, arrays, total)
@@ -228,26 +228,26 @@ def closed_design(
     propulsion = aircraft.propulsion_by_parts
     if propulsion is None or not propulsion.is_exact:
         return closed(None)
-    chain = first_chain(propulsion).mapped(lambda one: np.full(np.shape(arrays[0]), one))
+    chain = first_chain(propulsion).mapped(lambda value: np.full(np.shape(arrays[0]), value))
     return _settled(closed, chain)
 
 
 def _impossible_where(design: Design, missing: BoolArray) -> Design:
-    """Design of arrays with infinite mass and power where something is missing."""
+    """Return a design of arrays with infinite mass and power where something is missing."""
     return design._replace(
         total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
-        masses=Masses(*(np.where(missing, np.inf, one) for one in design.masses)),
+        masses=Masses(*(np.where(missing, np.inf, mass_kg) for mass_kg in design.masses)),
         propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
     )
 
 
 def first_chain(propulsion: OperatingPointPropulsion) -> Propulsion:
-    """Chain of these parts at which a search for their operating point begins."""
+    """Return the chain of parts with which the search of their operating point begins."""
     return propulsion.with_links(Propulsion().links)
 
 
 def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -> Design:
-    """Design whose mass closes with the efficiencies that it has itself in level flight.
+    """Return the design whose mass closes with the efficiencies of its level flight.
 
     An operating point that does not exist leaves NaN, and with it an infinite mass.
     """
@@ -275,7 +275,7 @@ _LIFT_COEFFICIENT, _WING_LOADING = 0.8, 4.0
 
 
 def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
-    """Airspeed of level flight of an aircraft as its file describes it, or about that [m/s]."""
+    """Return the airspeed of level flight of an aircraft's file, estimated where unknown [m/s]."""
     loading = _WING_LOADING
     if isinstance(aircraft.airframe, MeasuredAirframe):
         design = measured_design(aircraft, mission)
@@ -292,7 +292,7 @@ def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:
-    """Design of an aircraft as its file gives it, flying a mission.
+    """Return the design of an aircraft's file on a mission.
 
     Parameters
     ----------
@@ -329,7 +329,7 @@ def plain_design(design: Design) -> Design:
 def operating_trouble(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
-    """Why the propulsors cannot do level flight, as a sentence; empty where they can.
+    """Return why the propulsors cannot do level flight, as a sentence; empty where they can.
 
     ``variables``: of the design, by default those of the aircraft's file.
     """
@@ -343,7 +343,7 @@ def operating_trouble(
 def operating_reason(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
-    """What the propulsors cannot do in level flight, with what would do; empty where they can."""
+    """Return the limit that the propulsors exceed in level flight, and a remedy; empty if none."""
     propulsion = aircraft.propulsion_by_parts
     if propulsion is None:
         return ""
@@ -355,29 +355,29 @@ def operating_reason(
             break
         point = level_point(aircraft, mission, design)
         reason = str(point.reason)
-        own = propulsion.sized(*variables.of_propulsion)
-        if own.gear.mass_kg is not None:
+        parts = propulsion.sized(*variables.of_propulsion)
+        if parts.gear.mass_kg is not None:
             break
-        chain = own.with_links(chain.links, point.propeller_torque_nm, design.propulsion_power_w)
+        chain = parts.with_links(chain.links, point.propeller_torque_nm, design.propulsion_power_w)
     return reason
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
-    """Operating point of one propulsor of a design of known mass in level flight."""
+    """Return the operating point of a propulsor of a design of known mass in level flight."""
     propulsion = aircraft.propulsion_by_parts
     assert propulsion is not None
     usual, mass_kg = first_chain(propulsion), design.total_mass_kg
-    flown = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
-    power_w = flown.propulsion_power_w * usual.efficiency
+    flight = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
+    power_w = flight.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
-    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
-    return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
+    parts = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    return parts.point(power_w, flight.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 
 def design_of_total_mass(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables, total_mass_kg: float
 ) -> Design:
-    """Designs of a known total mass; infinite mass and power where the parts alone are heavier."""
+    """Return designs of a known total mass; infinite mass and power where the parts are heavier."""
     conditions = FlightConditions.of(mission, aircraft)
     arrays = variables.of_one_shape()
     total = np.full(np.shape(arrays.wingspan_m), total_mass_kg)
@@ -389,7 +389,7 @@ def design_of_total_mass(
 
 
 def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:
-    """Aircraft of a known total mass: what the mass budget does not account for is other mass.
+    """Return the aircraft of a known total mass: the rest of its mass budget is other mass.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class Performance:
         )
 
     def worst_scenario(self) -> int:
-        """Index of the scenario with the least excess time, of equals with the least solar energy.
+        """Return the scenario of least excess time, of equals that of least solar energy.
 
         Of a single design.
         """
@@ -78,11 +78,11 @@ class Performance:
 
     @property
     def maximum_altitude_m(self) -> FloatArray | None:
-        """Highest altitude of every flight with climbs [m]; None of a mission without."""
+        """Return the highest altitude of every flight with climbs [m]; None without climbs."""
         return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))
 
     def of_designs(self, designs: int | slice | BoolArray) -> Performance:
-        """Flights of some of a batch of designs; of one of them without an axis for it."""
+        """Return the flights of a part of a batch of designs; of one without an axis for it."""
         energy_wh = np.broadcast_to(self.store.battery_energy_wh, self.cycle.status.shape)
         return replace(
             self,
@@ -96,7 +96,7 @@ class Performance:
         )
 
     def endurances(self) -> list[Endurance | None]:
-        """Longest flight in every scenario (of a single design); None where it is unlimited."""
+        """Return the longest flight in every scenario of a single design; None where unlimited."""
         flights, perpetual = self._longest_flights(), self.cycle.perpetual
         return [
             None if unlimited else Endurance(hours, launch)
@@ -107,12 +107,12 @@ class Performance:
 
     @cached_property
     def endurance_h(self) -> FloatArray:
-        """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
+        """Return the longest flight of a single design in every scenario [h]."""
         return self._longest_flights().endurance_h
 
     @cached_property
     def worst_endurance_h(self) -> FloatArray:
-        """Longest flight of each design in its scenario of least excess time [h].
+        """Return the longest flight of each design in its scenario of least excess time [h].
 
         Infinite where that is perpetual; NaN for designs that cannot carry their own mass.
         """
@@ -125,7 +125,7 @@ class Performance:
         return np.take_along_axis(hours, worst, axis=-1)[..., 0]
 
     def flight_time_h(self, scenario: int, launch_h: ArrayLike) -> FloatArray:
-        """Flight times in a scenario of a single design from launches with a full battery.
+        """Return flight times in a scenario of a single design from launches with a full battery.
 
         Parameters
         ----------
@@ -144,7 +144,7 @@ class Performance:
         if climbing is not None:
             return climbing.hours(np.zeros(len(launches), int), launches)
         only = slice(scenario, scenario + 1)
-        day_h, solar_w, load_w = self._day_number(self.solar_power_w[only], self.load_w[only])
+        day_h, solar_w, load_w = self._first_day(self.solar_power_w[only], self.load_w[only])
         store = self.store.flat(self.cycle.status.shape).select(only)
         flights = Flights.of(day_h, solar_w, load_w, store)
         return flights.hours(np.zeros(len(launches), int), launches)
@@ -152,7 +152,7 @@ class Performance:
     def flight(
         self, scenario: int, launch_h: float, hours: float
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Flight in a scenario of a single design, launched with a full battery.
+        """Return a flight in a scenario of a single design, launched with a full battery.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class Performance:
         return self.course(scenario, launch_h, hours)[:4]
 
     def course(self, scenario: int, launch_h: float, hours: float) -> Course:
-        """Flight in a scenario as :meth:`flight` returns it, with its altitude.
+        """Return a flight in a scenario, as :meth:`flight` does, with its altitude.
 
         Parameters
         ----------
@@ -188,7 +188,7 @@ class Performance:
         if climbing is not None:
             return climbing.course(0, launch_h, hours)
         end_h = launch_h + hours
-        day_h, *powers = self._day_number(self.solar_power_w, self.load_w)
+        day_h, *powers = self._first_day(self.solar_power_w, self.load_w)
         days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
         clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
         clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
@@ -197,20 +197,20 @@ class Performance:
         full_wh = np.asarray(store.battery_energy_wh, float)
         day = ChargingDay.of(PowerBalance.of(clock_h, (solar - load)[:, np.newaxis]))
         charge = day.run(store, full_wh).energy_at_nodes_wh()[:, 0] / full_wh
-        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # it has come down
+        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # landed
         altitude_m = np.full_like(clock_h, self.mission.altitude_m)
         return Course(clock_h, solar, load, charge, altitude_m)
 
     def _longest_flights(self, limited: BoolArray | None = None) -> Endurance:
-        """Longest flights where they are limited, or where asked; infinite elsewhere."""
+        """Return the longest flights of limited or marked elements; infinite elsewhere."""
         shape = self.cycle.status.shape
-        which = np.flatnonzero(~self.cycle.perpetual if limited is None else limited)
+        indices = np.flatnonzero(~self.cycle.perpetual if limited is None else limited)
         store = self.store.flat(shape)
         hours, launch = np.full((2, self.cycle.status.size), np.inf)
-        time_h, *powers = self._day_number(self.solar_power_w, self.load_w)
+        time_h, *powers = self._first_day(self.solar_power_w, self.load_w)
         solar, load = (np.broadcast_to(power, (*shape, len(time_h))) for power in powers)
-        for block in blocks(len(which), _SCENARIOS_AT_ONCE):
-            elements = which[block]
+        for block in blocks(len(indices), _SCENARIOS_AT_ONCE):
+            elements = indices[block]
             at = np.unravel_index(elements, shape)
             climbing = self._climbing(elements) if len(elements) else None
             flights = (
@@ -221,13 +221,13 @@ class Performance:
             hours[elements], launch[elements] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
 
-    def _day_number(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
-        """Time axis and powers of the first day, of which longest flights are made."""
+    def _first_day(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
+        """Return time axis and powers of the first day, of which longest flights are made."""
         nodes = slice((len(self.day.time_h) - 1) // self.mission.days_of_light + 1)
         return self.day.time_h[nodes], *(power[..., nodes] for power in powers)
 
     def _climbing(self, elements: ArrayLike) -> ClimbFlights | None:
-        """Flights with climbs of some of all elements; None for a mission without."""
+        """Return the flights with climbs of a part of the elements; None for a mission without."""
         if self.levels is None:
             return None
         levels, store = self.levels.select(np.asarray(elements, int)), self.store
@@ -331,7 +331,7 @@ def performance_along(
     climbs: Climbs,
     batch: tuple[int, ...],
 ) -> Performance:
-    """Performance of a batch whose elements fly along heights."""
+    """Return the performance of a batch whose elements fly along heights."""
     arrays = (climbs.solar_w, climbs.load_w, levels.altitude_m[0] + climbs.height_m)
     solar_w, load_w, altitude_m = (values.reshape(*batch, -1) for values in arrays)
     nominal_w, cycle = levels.nominal_load_w.reshape(batch), climbs.cycle.reshaped(batch)
@@ -348,7 +348,7 @@ def perpetual_days(
     *,
     days: ArrayLike | None = None,
 ) -> NDArray[np.int_]:
-    """Days of the year on which an aircraft flies perpetually at a latitude.
+    """Return the days of the year on which an aircraft flies perpetually at a latitude.
 
     Parameters
     ----------

@@ -57,11 +57,11 @@ class Climb(Record):
 
     @property
     def record(self) -> dict[str, Any]:
-        """Ceiling, JSON-ready; the floor is the mission's altitude."""
+        """Return the ceiling, JSON-ready; the floor is the mission's altitude."""
         return {"ceiling_m": self.ceiling_m}
 
     def levels_m(self, floor_m: float) -> list[float]:
-        """Altitudes between which a flight is linear, from its floor to its ceiling.
+        """Return altitudes between which a flight is linear, from its floor to its ceiling.
 
         At most 500 m apart, where the curvature of the pressure is 0.05 %; of more than 10 km of
         climb there are 21.
@@ -72,14 +72,14 @@ class Climb(Record):
 
 
 def altitude_of_floor(data: Mapping[str, Any], climb: Any) -> Mapping[str, Any]:
-    """Data of a mission whose altitude is the night's floor, where the file gives that instead.
+    """Return the data of a mission with the night's floor as its altitude, where a file has that.
 
     An altitude of null leaves that of a file to the floor.
     """
-    given = vars(climb) if isinstance(climb, Climb) else climb
-    if data.get("altitude_m") is not None or not isinstance(given, Mapping):
+    keys = vars(climb) if isinstance(climb, Climb) else climb
+    if data.get("altitude_m") is not None or not isinstance(keys, Mapping):
         return data
-    floor_m = given.get("minimum_altitude_m")
+    floor_m = keys.get("minimum_altitude_m")
     # What is no altitude is told once, at its own key.
     if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
         return data

@@ -43,7 +43,7 @@ class Launch(Record):
 
     @property
     def clock_h(self) -> float:
-        """Local clock time of the launch [h]."""
+        """Return the local clock time of the launch [h]."""
         return _clock_h(self.time_local)
 
 
@@ -99,13 +99,13 @@ class Flight(Record):
 
     @property
     def text(self) -> str:
-        """The flight in words."""
+        """Return the flight in words."""
         launch = self.launch if self.launch == "sunrise" else f"launch at {self.launch}"
         return f"{launch} to sunset" if self.hours is None else f"{self.hours:g} h from {launch}"
 
     @property
     def days(self) -> int:
-        """Days whose light it may see, from the midnight before its launch."""
+        """Return the days whose light it may see, from the midnight before its launch."""
         latest_h = NOON_H if self.launch == "sunrise" else HOURS_PER_DAY
         end_h = latest_h + (NOON_H if self.hours is None else self.hours)
         return max(int(np.ceil(end_h / HOURS_PER_DAY)), 1)
@@ -113,7 +113,7 @@ class Flight(Record):
     def window_h(
         self, scenarios: Scenarios, longitude_deg: float | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Solar time of launch and landing in every scenario [h].
+        """Return the solar time of launch and landing in every scenario [h].
 
         Counted from the midnight before the launch. A flight to a sunset that has passed lands at
         the next one.

@@ -1,4 +1,4 @@
-"""The mission as a whole: what its file says and asks, and what follows from it for a study."""
+"""A mission: the records of its file, and what follows from them for a study."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class UncertaintyMargins(Record):
 
     @property
     def given(self) -> bool:
-        """Whether there is any margin."""
+        """Return whether there is any margin."""
         return self != UncertaintyMargins()
 
     def check(self, clearness: float) -> None:
@@ -82,11 +82,11 @@ class UncertaintyMargins(Record):
             )
 
     def worst_clearness(self, clearness: float) -> float:
-        """Clearness at the worst of its margin [-]."""
+        """Return the clearness at the worst of its margin [-]."""
         return clearness if self.clearness_minimum is None else self.clearness_minimum
 
     def solar_factor(self, rms_relative: float) -> float:
-        """Factor on the solar power of a model with this RMS error."""
+        """Return the factor on the solar power of a model of an RMS error."""
         return max(1.0 - self.solar_model_sigmas * rms_relative, 0.0)
 
 
@@ -117,7 +117,7 @@ class Mission(FileRecord):
     uncertainty: Uncertainty | None = None
 
     def facts(self) -> dict[str, Any]:
-        """Name, place and time."""
+        """Return name, place and time."""
         places, every = self.latitudes(), self.dates.range()
         return {
             "name": self.name,
@@ -178,7 +178,7 @@ class Mission(FileRecord):
             self._check_wind(self.wind_statistics)
         return self
 
-    def _check_wind(self, given: WindStatistics) -> None:
+    def _check_wind(self, statistics: WindStatistics) -> None:
         """Refuse statistics that do not tell the wind of every flight of the mission."""
         try:
             if self.wind_m_per_s:
@@ -187,10 +187,10 @@ class Mission(FileRecord):
                     "wind_m_per_s: 0 leaves it to wind, wind: null to the constant one"
                 )
             # Above the floor the wind plays a part where the place is held, and on a flight path.
-            aloft = given.hold_station or self.flight_path is not None
-            for altitude_m in {self.altitude_m, self.ceiling_m if aloft else self.altitude_m}:
+            at_altitude = statistics.hold_station or self.flight_path is not None
+            for altitude_m in {self.altitude_m, self.ceiling_m if at_altitude else self.altitude_m}:
                 self.model_copy(update={"altitude_m": altitude_m}).scenario_winds_m_per_s()
-            if given.hold_station and self.launch is not None:
+            if statistics.hold_station and self.launch is not None:
                 raise ValueError(
                     "hold_station holds a place in the wind of a month: give it without launch"
                 )
@@ -201,13 +201,13 @@ class Mission(FileRecord):
             why = "the table has a mistake"
             raise wrong_value("wind", why, problems=error.problems) from error
         except OSError as error:
-            why = f"cannot read {given.file!r}: {error.strerror or error}"
+            why = f"cannot read {statistics.file!r}: {error.strerror or error}"
             raise wrong_value("wind", why) from error
         except ValueError as error:
             raise wrong_value("wind", str(error)) from error
 
     def reading_notes(self) -> list[str]:
-        """What its file says that plays no part, in words."""
+        """Return notes on keys of its file that play no part."""
         if not (self.climb and self.climb.strategy):
             return []
         return ["climb.strategy is ignored: the height profile is the best there is"]
@@ -215,13 +215,13 @@ class Mission(FileRecord):
     # ---- Scenarios
 
     def latitudes(self) -> list[float]:
-        """Latitudes of the mission [deg]."""
+        """Return the latitudes [deg]."""
         if isinstance(self.latitude_deg, LatitudeRange):
             return self.latitude_deg.values()
         return [self.latitude_deg]
 
     def scenarios(self) -> Scenarios:
-        """Every latitude on every day that stands for the dates, latitude by latitude."""
+        """Return every latitude on every day that stands for the dates, latitude by latitude."""
         latitudes, days = self.latitudes(), self.dates.days()
         return Scenarios(
             latitude_deg=np.repeat(np.asarray(latitudes, float), len(days)),
@@ -230,11 +230,11 @@ class Mission(FileRecord):
 
     @property
     def days_of_light(self) -> int:
-        """Days of the time axis: one that repeats itself, or all that a flight may see."""
+        """Return the days of the time axis: one that repeats, or all that a flight may see."""
         return 1 if self.flight is None else self.flight.days
 
     def flight_window_h(self, scenarios: Scenarios) -> tuple[FloatArray, FloatArray] | None:
-        """Solar time of launch and landing in every scenario [h]; None where a day is repeated."""
+        """Return the solar time of launch and landing [h]; None where a day repeats."""
         flight = self.flight
         return None if flight is None else flight.window_h(scenarios, self.longitude_deg)
 
@@ -242,16 +242,16 @@ class Mission(FileRecord):
 
     @property
     def sky(self) -> ClearSky:
-        """Clear-sky model."""
+        """Return the clear-sky model."""
         return named_clear_sky(self.clear_sky)
 
     @property
     def pessimistic_clearness(self) -> float:
-        """Clearness of all light, at the worst of its uncertainty margin [-]."""
+        """Return the clearness of all light, at the worst of its uncertainty margin [-]."""
         return self.uncertainty_margins.worst_clearness(self.clearness)
 
     def pessimistic_power_factor(self, model: ModelName, correct: CorrectionName = "none") -> float:
-        """Factor on the power of a solar model in this mission's light [-].
+        """Return the factor on the power of a solar model in this mission's light [-].
 
         With :attr:`pessimistic_clearness` this is all that corrections and uncertainty margins do
         to modelled power, in every study.
@@ -272,41 +272,41 @@ class Mission(FileRecord):
         return known.factor * self.uncertainty_margins.solar_factor(known.rms_relative)
 
     def without_margins(self) -> Mission:
-        """Same mission with everything as assumed."""
+        """Return the mission without margins."""
         return self.model_copy(update={"uncertainty_margins": UncertaintyMargins()})
 
     # ---- Heights and their air
 
     @property
     def ceiling_m(self) -> float:
-        """Highest altitude of flight [m]."""
+        """Return the highest altitude of flight [m]."""
         return self.climb.ceiling_m if self.climb else self.altitude_m
 
     @property
     def climb_levels_m(self) -> list[float]:
-        """Altitudes between which a flight with climbs is linear; a single one without climbs."""
+        """Return the altitudes between which a flight is linear; a single one without climbs."""
         return self.climb.levels_m(self.altitude_m) if self.climb else [self.altitude_m]
 
     @property
     def climb_label(self) -> str:
-        """Climbs in words, for captions; empty without any."""
+        """Return the climbs in words, for captions; empty without any."""
         return f"climbs from {self.altitude_m:g} to {self.ceiling_m:g} m" if self.climb else ""
 
     def air_state(self) -> Air:
-        """Air at the flight altitude."""
+        """Return the air at the flight altitude."""
         return self.air.state(self.altitude_m)
 
     def module_temperature_c(self) -> float:
-        """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
+        """Return the constant module temperature of CDM and CAM, else that of the air [C]."""
         return self.air.modules_c(self.altitude_m)
 
     def at_altitude(self, altitude_m: float) -> Mission:
-        """Same mission at one constant other altitude, through the same weather."""
+        """Return the mission at another constant altitude, through the same weather."""
         air = self.air.moved(self.altitude_m, altitude_m)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
 
     def climbing_from(self, floor_m: float) -> Mission:
-        """Same mission with another night's floor, through the same weather; its ceiling stays."""
+        """Return the mission with another night's floor and the same ceiling and weather."""
         level = self.at_altitude(floor_m)
         climb = self.climb and self.climb.model_copy(
             update={"minimum_altitude_m": level.altitude_m}
@@ -317,47 +317,47 @@ class Mission(FileRecord):
 
     @property
     def winds(self) -> WindStatistics | SteadyWind:
-        """Winds of the scenarios: by place and month, or the same everywhere."""
+        """Return the winds of the scenarios: by place and month, or the same everywhere."""
         return self.wind_statistics or SteadyWind(self.wind_m_per_s)
 
     @property
     def holds_station(self) -> bool:
-        """Whether the aircraft flies faster where the wind is faster than its own airspeed."""
+        """Return whether the aircraft flies as fast as winds above its calm airspeed."""
         return self.winds.hold_station
 
     def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
-        """Wind of each scenario, by default of the mission's own [m/s]."""
-        some = self.scenarios() if scenarios is None else scenarios
-        place = (some.latitude_deg, some.day_of_year, self.altitude_m, self.longitude_deg)
+        """Return the wind of each scenario, by default of the mission's [m/s]."""
+        scenarios = self.scenarios() if scenarios is None else scenarios
+        place = (scenarios.latitude_deg, scenarios.day_of_year, self.altitude_m, self.longitude_deg)
         return self.winds.speeds(*place)
 
     @property
     def strongest_wind_m_per_s(self) -> float:
-        """Wind that an aircraft must be faster than in all scenarios [m/s]."""
+        """Return the wind that an aircraft must be faster than in all scenarios [m/s]."""
         return self.winds.strongest_m_per_s(self.scenario_winds_m_per_s)
 
     def winds_on_path_m_per_s(self, scenarios: Scenarios) -> FloatArray:
-        """Strongest wind of each scenario at the heights of flight [m/s]."""
+        """Return the strongest wind of each scenario at the heights of flight [m/s]."""
         higher = [self.at_altitude(level_m) for level_m in self.climb_levels_m[1:]]
-        winds = [one.scenario_winds_m_per_s(scenarios) for one in (self, *higher)]
+        winds = [level.scenario_winds_m_per_s(scenarios) for level in (self, *higher)]
         return np.asarray(np.max(winds, axis=0))
 
     @property
     def wind(self) -> Wind:
-        """Steady wind that the flight path is flown in: the strongest of scenarios and heights."""
+        """Return the steady wind of the flight path: the strongest of scenarios and heights."""
         speed = plain_number(self.winds_on_path_m_per_s(self.scenarios()).max(axis=0))
         return Wind(speed_m_per_s=speed, from_deg=self.wind_from_deg)
 
     @property
     def wind_latitudes_deg(self) -> tuple[float, float]:
-        """Latitudes between which the wind is known [deg]."""
+        """Return the latitudes between which the wind is known [deg]."""
         return self.winds.known_between_deg(self.longitude_deg)
 
     def wind_to_beat_m_per_s(self, wind_m_per_s: FloatArray | float) -> FloatArray | float:
-        """Part of a wind that the design's own airspeed must exceed: none where a place is held."""
+        """Return the wind that the calm airspeed must exceed: 0 where a place is held."""
         return (not self.holds_station) * wind_m_per_s
 
     def in_wind(self, wind_m_per_s: float) -> Mission:
-        """Same mission in a wind that is the same everywhere and all year."""
+        """Return the mission in a wind that is the same everywhere and all year."""
         update = {"wind_m_per_s": wind_m_per_s, "wind_statistics": None}
         return self.model_copy(update=update)

@@ -41,12 +41,12 @@ class LatitudeRange(Record):
         return self
 
     def values(self) -> list[float]:
-        """Latitudes [deg], ends included."""
+        """Return the latitudes [deg], ends included."""
         return [float(v) for v in np.linspace(self.from_deg, self.to_deg, self.count)]
 
 
 def date_as_code(value: Any) -> str:
-    """Date of a file as ``MM-DD``; ValueError for what is none."""
+    """Return a date of a file as ``MM-DD``; raise ValueError for what is none."""
     if not isinstance(value, str):
         raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {value!r})")
     return dates.date_code(dates.day_of_year(value))
@@ -80,14 +80,14 @@ class Dates(Record):
         return self
 
     def range(self) -> list[int]:
-        """Every day of year that the dates cover."""
+        """Return every day of year that the dates cover."""
         first, last = self.on or self.first, self.on or self.last
         assert first is not None  # both checked on construction
         assert last is not None
         return dates.days_in_range(dates.day_of_year(first), dates.day_of_year(last))
 
     def days(self) -> list[int]:
-        """Days of year that stand for the range, in its order."""
+        """Return the days of year that stand for the range, in its order."""
         every = self.range()
         count = min(self.count or 3, len(every))
         places = np.round(np.linspace(0, len(every) - 1, count)).astype(int)
@@ -109,7 +109,7 @@ def _move_pick(picks: list[int], wanted: int, kept: set[int]) -> bool:
 
 
 def latitude_label(latitude_deg: float) -> str:
-    """Readable latitude, for instance ``47.6° N``."""
+    """Return a readable latitude, for instance ``47.6° N``."""
     hemisphere = "" if latitude_deg == 0 else " S" if latitude_deg < 0 else " N"
     return f"{abs(float(latitude_deg)):g}\N{DEGREE SIGN}{hemisphere}"
 
@@ -133,11 +133,11 @@ class Scenarios:
 
     @property
     def noon_day(self) -> FloatArray:
-        """Fractional day of year of each scenario's noon, for the sun."""
+        """Return the fractional day of year of each scenario's noon, for the sun."""
         return np.asarray(self.day_of_year + 0.5)
 
     def label(self, index: int) -> str:
-        """Readable name of a scenario, for instance ``47.6° N, 21 Jun``."""
+        """Return a readable name of a scenario, for instance ``47.6° N, 21 Jun``."""
         date = dates.date_label(int(self.day_of_year[index]))
         return f"{latitude_label(float(self.latitude_deg[index]))}, {date}"
 

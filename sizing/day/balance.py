@@ -24,7 +24,7 @@ _LEAST = 1e-300  # keeps zero over zero at zero
 
 
 def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
-    """Integral of the positive part of a power that is linear over an interval [Wh].
+    """Return the integral of the positive part of a power that is linear over an interval [Wh].
 
     One expression for all four combinations of signs: with ``a, b`` the positive parts at the
     ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour. Arguments broadcast.
@@ -36,7 +36,7 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
 
 
 def _means_w(net_w: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean surplus and mean deficit between neighbouring rows, as :func:`positive_part_wh` [W]."""
+    """Return mean surplus and deficit between rows, as :func:`positive_part_wh` [W]."""
     above = np.maximum(net_w, 0.0)
     below = above - net_w
     above, below = above[:-1] + above[1:], below[:-1] + below[1:]
@@ -50,7 +50,7 @@ def _means_w(net_w: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Where a linear function is zero, as a fraction of the interval [-].
+    """Return where a linear function is zero, as a fraction of the interval [-].
 
     ``left / (left - right)`` of its values at the ends, the nearer end where signs are equal.
     """
@@ -60,7 +60,7 @@ def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
-    """Where the integral of a linear, non-negative power reaches a share of the whole [-].
+    """Return where the integral of a linear, non-negative power reaches a share of the whole [-].
 
     Powers are those at the ends of the interval [W]; returns a fraction of it.
     """
@@ -86,13 +86,13 @@ class Interval(NamedTuple):
     deficit_wh: FloatArray
 
     def surplus_h(self) -> tuple[FloatArray, FloatArray]:
-        """Begin and end of the surplus, in hours after the interval's start."""
+        """Return begin and end of the surplus, in hours after the interval's start."""
         crossing = self.hours * crossing_fraction(self.left_w, self.right_w)
         begin = np.where(self.left_w < 0.0, crossing, 0.0)
         return begin, np.where(self.right_w < 0.0, crossing, self.hours)
 
     def deficit_h(self) -> tuple[FloatArray, FloatArray]:
-        """Begin and length of the deficit [h]."""
+        """Return begin and length of the deficit [h]."""
         surplus_begin, surplus_end = self.surplus_h()
         early = self.left_w < 0.0
         length = np.where(early, surplus_begin, self.hours - surplus_end)
@@ -100,7 +100,7 @@ class Interval(NamedTuple):
         return np.where(early, 0.0, surplus_end), np.where(whole, self.hours, length)
 
     def deficit_parts_h(self, unserved_wh: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Hours from the interval's start until a battery is empty, and of the deficit from then.
+        """Return the hours from the start until a battery is empty, and of deficit from then.
 
         ``unserved_wh``: end of the deficit, which the battery cannot meet [Wh]; of all of it where
         it is the whole.
@@ -123,7 +123,7 @@ class PowerBalance:
 
     @classmethod
     def of(cls, time_h: FloatArray, net_w: FloatArray) -> PowerBalance:
-        """Balance of solar power less load at the nodes of time, their first axis."""
+        """Return the balance of solar power less load at the nodes of time, its first axis."""
         time, net = np.asarray(time_h, float), np.ascontiguousarray(net_w, float)
         hours = np.diff(time)
         if np.any(hours <= 0.0):
@@ -149,7 +149,7 @@ class PowerBalance:
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     def interval(self, number: IntArray, cells: IntArray) -> Interval:
-        """Intervals, by number, each of one element."""
+        """Return intervals by number, each of one element."""
         return Interval(
             self.time_h[number],
             self.time_h[number + 1] - self.time_h[number],
@@ -160,7 +160,7 @@ class PowerBalance:
         )
 
     def cumulative_deficit_h(self) -> FloatArray:
-        """Length of all deficits from the first to every node [h]; time first, then elements."""
+        """Return the length of all deficits until every node [h], ``(time, element)``."""
         lacks = self.deficit_wh > 0.0
         row, cell = np.divmod(np.flatnonzero(lacks & (self.surplus_wh > 0.0)), lacks.shape[1])
         of_mixed = self.interval(row, cell).deficit_h()[1]
@@ -175,7 +175,7 @@ class PowerBalance:
 
 
 def blocks(count: int, size: int) -> Iterator[slice]:
-    """Slices that cut a batch into blocks, so that intermediate results stay near the processor.
+    """Return slices of a batch, so short that intermediate results stay near the processor.
 
     The last may reach beyond the batch; an empty batch is one empty block.
     """
@@ -184,7 +184,7 @@ def blocks(count: int, size: int) -> Iterator[slice]:
 
 
 def sum_over_time(values: FloatArray) -> FloatArray:
-    """Sum over the first axis of a two-dimensional array, in the order of time.
+    """Return the sum over the first axis of a two-dimensional array, in the order of time.
 
     NumPy adds up many contiguous columns row by row but a lone column pairwise; a running sum
     makes the last digit of an element independent of how many others are computed with it.
@@ -196,7 +196,7 @@ def sum_over_time(values: FloatArray) -> FloatArray:
 
 
 def running_sum(values: FloatArray) -> FloatArray:
-    """Sums over the first axis from the start to every node, one row more than ``values``."""
+    """Return sums over the first axis from the start to every node, a row more than ``values``."""
     sums = np.zeros((len(values) + 1, *values.shape[1:]))
     for k in range(len(values)):
         np.add(sums[k], values[k], out=sums[k + 1])
@@ -204,7 +204,7 @@ def running_sum(values: FloatArray) -> FloatArray:
 
 
 def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> IntArray:
-    """Intervals in which running sums reach some levels, each in its column, by bisection.
+    """Return the intervals in which running sums reach levels, each in its column, by bisection.
 
     ``sums``: shape ``(node, column)``; they do not fall from node to node. ``cells``: the column of
     each level. An interval has the number of the last node, the final one excepted, whose sum is at
@@ -242,7 +242,7 @@ class Cells:
         store: Store,
         nominal_load_w: ArrayLike | None,
     ) -> tuple[Cells, tuple[int, ...]]:
-        """Batch laid out flat, time first and then one axis of elements, and its shape.
+        """Return a batch laid out flat, time first and then one axis of elements, and its shape.
 
         ``time_h``, ``solar_power_w``, ``load_w``, ``store``, ``nominal_load_w``: as for
         :func:`sizing.day.cycle.simulate_cycle`. Returns shape of the batch.
@@ -260,7 +260,7 @@ class Cells:
         return cls(time, solar, load, flat_nominal, store.flat(batch)), batch
 
     def select(self, cells: IntArray | slice) -> Cells:
-        """Part of the batch."""
+        """Return a part of the batch."""
         return Cells(
             self.time_h,
             self.solar_w[:, cells],
@@ -271,7 +271,7 @@ class Cells:
 
     @cached_property
     def balance(self) -> PowerBalance:
-        """Surplus and deficit of every interval."""
+        """Return surplus and deficit of every interval."""
         balance = PowerBalance.of(self.time_h, self.solar_w - self.load_w)
         if self.in_flight is None:
             return balance
@@ -281,7 +281,7 @@ class Cells:
         return replace(balance, surplus_wh=surplus, deficit_wh=deficit)
 
     def between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
-        """Same batch, each in flight from its launch to its landing, which become nodes."""
+        """Return the batch in flight from launches to landings, which become nodes."""
         time = np.unique(np.concatenate([self.time_h, launch_h, land_h]))
         before = np.clip(np.searchsorted(self.time_h, time, "right") - 1, 0, len(self.time_h) - 2)
         share = (time - self.time_h[before]) / np.diff(self.time_h)[before]
@@ -293,7 +293,7 @@ class Cells:
         return Cells(time, solar, load, self.nominal_w, self.store, in_flight)
 
     def above_nominal_w(self) -> FloatArray:
-        """Solar power less the nominal load."""
+        """Return solar power less the nominal load."""
         steady = self.load_w[:1] if self.load_w.strides[0] == 0 else self.load_w
         if np.array_equal(steady, np.broadcast_to(self.nominal_w, steady.shape)):
             return self.balance.net_w
@@ -301,5 +301,5 @@ class Cells:
 
 
 def _time_first(values: FloatArray) -> FloatArray:
-    """Time on the first axis, the whole batch on a second."""
+    """Return an array with time on the first axis and the whole batch on a second."""
     return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)

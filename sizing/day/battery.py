@@ -1,4 +1,4 @@
-"""Batteries of a batch as a march needs them, and how fast they may be charged."""
+"""Batteries of a batch for a march, and their charge limit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TABLE_POINTS = 4001
 
 @dataclass(frozen=True)
 class ChargeClock:
-    """How the charge limit alone would charge the battery over time.
+    """State of charge over time by the charge limit alone.
 
     ``hours[i]`` is the time the limit needs from empty to ``state_of_charge[i]``. Because the
     limit depends on nothing but the state of charge, following it for a while is a shift along
@@ -41,7 +41,7 @@ class ChargeClock:
 
     @classmethod
     def of(cls, limit: ChargeLimit) -> ChargeClock | None:
-        """Clock of a limit; none where charging is not limited."""
+        """Return the clock of a limit; None where charging is not limited."""
         if isinstance(limit, NoChargeLimit):
             return None
         soc = np.linspace(0.0, 1.0, _TABLE_POINTS)
@@ -55,13 +55,13 @@ class ChargeClock:
         return cls(soc, hours, constant_up_to(limit), rate, limit)
 
     def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
-        """State of charge after following the limit for some hours, at most 1 [-]."""
+        """Return the state of charge after following the limit for a duration, at most 1 [-]."""
         start_h = np.interp(state_of_charge, self.state_of_charge, self.hours)
         end_h = np.asarray(start_h + np.asarray(duration_h, float))
         return np.asarray(np.interp(end_h, self.hours, self.state_of_charge))
 
     def hours_to_full(self, state_of_charge: FloatArray) -> FloatArray:
-        """Hours that the limit alone needs to full charge."""
+        """Return the hours that the limit alone needs to full charge."""
         return np.asarray(
             self.hours[-1] - np.interp(state_of_charge, self.state_of_charge, self.hours)
         )
@@ -69,7 +69,7 @@ class ChargeClock:
 
 @dataclass(frozen=True)
 class Store:
-    """What the time marching needs of the batteries of a batch, which differ in size alone.
+    """Batteries of a batch that differ in size alone.
 
     ``charge_efficiency``, ``discharge_efficiency``: stored over surplus, and delivered over drawn
     energy [-]. ``clock``: the charge limit; none where charging is not limited.
@@ -82,7 +82,7 @@ class Store:
 
     @classmethod
     def of(cls, battery: Battery, battery_energy_wh: ArrayLike | None = None) -> Store:
-        """Store of a battery, or of a batch that differs from it in size alone.
+        """Return the store of a battery, or of a batch that differs from it in size alone.
 
         ``battery_energy_wh``: at full charge, of every element; that of the battery by default.
         """
@@ -95,15 +95,15 @@ class Store:
         )
 
     def flat(self, shape: tuple[int, ...]) -> Store:
-        """Store of every element of a batch of some shape, as a batch of one dimension."""
+        """Return the store of every element of a batch of a shape, as a batch of one dimension."""
         return self._with(lambda values: np.broadcast_to(values, shape).reshape(-1))
 
     def select(self, cells: IntArray | BoolArray | slice) -> Store:
-        """Store of a part of a one-dimensional batch."""
+        """Return the store of a part of a one-dimensional batch."""
         return self._with(lambda values: values[cells])
 
     def _with(self, pick: Callable[[FloatArray], FloatArray]) -> Store:
-        """Store of picked elements; an efficiency that all share stays a number."""
+        """Return the store of picked elements; an efficiency that all share stays a number."""
         energy = pick(self.battery_energy_wh)
         if np.ndim(self.charge_efficiency) == np.ndim(self.discharge_efficiency) == 0:
             return replace(self, battery_energy_wh=energy)
@@ -118,9 +118,9 @@ class Store:
     def charged(
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
     ) -> FloatArray:
-        """Stored energy after charging from a surplus for some hours, at most that of full charge.
+        """Return the stored energy after charging from a surplus, at most that of full charge [Wh].
 
-        ``energy_wh``: stored at the start. ``surplus_wh``: over all these hours.
+        ``energy_wh``: stored at the start. ``surplus_wh``: over all ``hours``.
         """
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
         if self.clock is None or not np.count_nonzero(target > energy_wh):
@@ -141,19 +141,19 @@ class Store:
 
     @cached_property
     def _constant_limit_w(self) -> FloatArray:
-        """Charge limit of an empty battery [W], counted in stored power."""
+        """Return the charge limit of an empty battery in stored power [W]."""
         return self.battery_energy_wh * (
             np.inf if self.clock is None else self.clock.constant_rate_per_h
         )
 
     @cached_property
     def _constant_up_to_wh(self) -> FloatArray:
-        """Energy up to which the charge limit is constant [Wh]."""
+        """Return the energy up to which the charge limit is constant [Wh]."""
         return self.battery_energy_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
 
 
 def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:
-    """Values of an array, seen in the shape of another, at some of its places."""
+    """Return values of an array, in the shape of another, at flat places."""
     array = np.asarray(values, float)
     if array.ndim == like.ndim == 1 and len(array) == len(like):
         return array.take(at)

@@ -19,7 +19,7 @@ from solar.types import BoolArray, FloatArray
 
 
 class Dawns(NamedTuple):
-    """When the charge of each night is least: where a day begins; arrays of the days.
+    """Instants of the least charge of each night, where a day begins; arrays of the days.
 
     ``hour``: hours after the start of the day [h]. ``deficit_wh``: cumulative deficit from the
     start of the day until then [Wh].
@@ -30,7 +30,7 @@ class Dawns(NamedTuple):
 
 
 def dawns_of(day: ChargingDay, store: Store, noon_h: FloatArray | float) -> Dawns:
-    """Dawns: when, from midnight to the last node before noon, the charge is least.
+    """Return when, from midnight to the last node before noon, the charge is least.
 
     The charge is that of a battery which is neither full nor empty: surplus times charge
     efficiency less deficit over discharge efficiency, summed up from midnight. A surplus that a
@@ -63,14 +63,14 @@ def dawns_of(day: ChargingDay, store: Store, noon_h: FloatArray | float) -> Dawn
 
 
 def runs_empty(run: DayRun, dawns: Dawns) -> tuple[BoolArray, BoolArray]:
-    """Whether each day's battery is empty before its dawn, and after it; both if it stays so."""
+    """Return whether each day's battery is empty before its dawn, and after it."""
     begins_wh, ends_wh = run.shortfalls_wh()
     before = np.any(begins_wh < dawns.deficit_wh, axis=0)
     return before, np.any(ends_wh > dawns.deficit_wh, axis=0)
 
 
 def days_that_close(run: DayRun, dawns: Dawns) -> BoolArray:
-    """Whether each day's battery lasts from its dawn to the next day's, the last to its end."""
+    """Return whether each day's battery lasts from its dawn to the next one, or to the end."""
     before, after = runs_empty(run, dawns)
     return np.asarray(~(after | np.append(before[1:], False)))
 

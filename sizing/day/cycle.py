@@ -29,9 +29,9 @@ def simulate_cycle(
     climbs: bool = False,
     window_h: tuple[FloatArray, FloatArray] | None = None,
 ) -> Cycle:
-    """Converge the cycle of a batch, or march its flights, and measure them.
+    """Simulate a batch of days that repeat themselves, or of flights that land, and measure them.
 
-    What becomes of an element does not depend on the others, to the last digit.
+    The result of an element does not depend on the others, to the last digit.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ from solar.types import FloatArray
 
 
 class Flight(NamedTuple):
-    """Thrust power of level flight [W], airspeed [m/s] and air; 1 W and 1 m/s where none flies."""
+    """Thrust power [W], airspeed [m/s] and air of level flight; 1 W, 1 m/s where there is none."""
 
     thrust_w: Any
     airspeed_m_per_s: Any
@@ -39,7 +39,7 @@ class Flight(NamedTuple):
 def flight_of(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[OperatingPointPropulsion, Flight]:
-    """Propulsion of a design's size, and its level flight."""
+    """Return the propulsion of a design's size, and its level flight."""
     propulsion = aircraft.propulsion_by_parts
     assert propulsion is not None
     with np.errstate(invalid="ignore"):
@@ -54,7 +54,7 @@ def flight_of(
 
 
 def part_load_of(aircraft: Aircraft, mission: Mission, design: Design) -> AnyPartLoad:
-    """Power over load in the mission's turbulence and thermals.
+    """Return the power over the load in the mission's turbulence and thermals.
 
     Raises :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
     """
@@ -85,7 +85,7 @@ def _part_load(
     loads: tuple[FloatArray, FloatArray],
     bus_v: float,
 ) -> PartLoad:
-    """Power over loads relative to that of a level flight [W], infinite where there is none."""
+    """Return the power over the load, relative to that of level flight."""
 
     def power_w(load: FloatArray) -> Any:
         return propulsion.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
@@ -101,13 +101,13 @@ def _single_part_load(
     loads: tuple[float, float],
     bus_v: float,
 ) -> PartLoad:
-    """Power over load of a design, which several flights share: rotations are searched once."""
+    """Return the power over the load of one design: its flights share the search of rotations."""
     ends = np.asarray(loads[0]), np.asarray(loads[1])
     return _part_load(propulsion, flight, np.asarray(level_w), ends, bus_v)
 
 
 def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
-    """Largest relative error of a single design's table, half-way between its nodes."""
+    """Return the largest relative error of a single design's table, half-way between its nodes."""
     part = part_load_of(aircraft, mission, design)
     assert isinstance(part, PartLoad)
     propulsion, flight = flight_of(aircraft, mission, design)
@@ -117,7 +117,7 @@ def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) ->
 
 
 class Load(NamedTuple):
-    """What a batch draws [W]: at the nodes, ``(..., scenario, time)``, and without thermals."""
+    """Load of a batch [W]: at the nodes, ``(..., scenario, time)``, and without thermals."""
 
     power_w: FloatArray
     nominal_w: FloatArray
@@ -133,7 +133,7 @@ class Load(NamedTuple):
         paired: bool = False,
         part_load: AnyPartLoad | None = None,
     ) -> Load:
-        """Load of every design in every scenario, or ``paired``: of each in its own.
+        """Return the load of every design in every scenario, or ``paired``: of each in its own.
 
         Flight as fast as the wind of a scenario has the efficiency of that airspeed. ``part_load``:
         where it is known already; it plays no part where the place is held.
@@ -171,7 +171,7 @@ def load_profile(
     sunset_h: ArrayLike,
     part_load: AnyPartLoad = PROPORTIONAL,
 ) -> FloatArray:
-    """Load over the day: level flight, turbulence and thermals.
+    """Return the load over the day in turbulence and thermals [W].
 
     ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: with axes
     for scenarios and time. Returns power that the aircraft draws [W].
@@ -186,7 +186,7 @@ def load_profile(
 def load_shape(
     mission: Mission, time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike
 ) -> FloatArray:
-    """Thrust power over that of level flight [-], the time last: a single one without thermals."""
+    """Return the thrust power over that of level flight [-], ``(..., time)``."""
     all_day, most = (
         np.asarray(value, float)[..., np.newaxis]
         for value in (mission.turbulence.all_day, mission.turbulence.thermal)
@@ -197,7 +197,7 @@ def load_shape(
 
 
 def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:
-    """Triangle over the day's light: 0 at sunrise and sunset, 1 half-way between.
+    """Return the share of thermals [-]: 0 at sunrise and sunset, 1 half-way between, by night 0.
 
     Returns share of the thermals' extra power [-].
     """
@@ -218,7 +218,7 @@ def power_in_air_w(
     range_c: tuple[float, float],
     wind_m_per_s: FloatArray | None = None,
 ) -> FloatArray:
-    """Propulsion power in air that changes its temperature [W], ``(day, node)``.
+    """Return the propulsion power in air that changes its temperature [W], ``(day, node)``.
 
     At the pressure of an altitude, airspeed and drag times airspeed go with the square root of the
     absolute temperature (Anderson, Aircraft Performance and Design, equation 5.56); of parts at
@@ -253,7 +253,7 @@ def power_in_air_w(
 def _part_load_in_air(
     aircraft: Aircraft, mission: Mission, design: Design, range_c: tuple[float, float]
 ) -> tuple[FloatArray, PartLoad]:
-    """Temperatures of a range [K], and power over load at each of them, the designs behind."""
+    """Return temperatures of a range [K], and the power over the load at each, designs behind."""
     level_w = np.asarray(design.propulsion_power_w)
     if not level_w.ndim:
         part_load_of(aircraft, mission, design)  # which says what its own air is too much for

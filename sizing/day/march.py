@@ -43,7 +43,7 @@ SHORT = 1e-12
 
 
 def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray) -> FloatArray:
-    """Hours after an interval's start at which its surplus has filled the battery [h].
+    """Return when the surplus of an interval has filled the battery, after its start [h].
 
     ``before_charge_wh``: stored before the surplus. At most the end of the surplus.
     """
@@ -72,7 +72,7 @@ class Charging(NamedTuple):
 
 
 class DayOfFlight(NamedTuple):
-    """What a day leaves of batteries that may run empty on it.
+    """Batteries after a day on which they may run empty.
 
     ``empty_at_wh``: deficit since midnight at which each is empty for the first time [Wh], NaN
     where it is not. ``midnight_wh``, ``lowest_wh``: at the end of the day, and the least [Wh].
@@ -119,20 +119,20 @@ class ChargingDay:
 
     @cached_property
     def total_surplus_wh(self) -> FloatArray:
-        """Surplus of the day [Wh]."""
+        """Return the surplus of the day [Wh]."""
         return sum_over_time(self.surplus_wh)
 
     @cached_property
     def nightfall_deficit_wh(self) -> FloatArray:
-        """Cumulative deficit before the last surplus [Wh], minus infinity without any."""
+        """Return the deficit before the last surplus [Wh], minus infinity without any."""
         before_wh = self.deficit_before_surplus_wh
         return np.asarray(np.maximum.reduce(before_wh, axis=0, initial=-np.inf))
 
     def select(self, cells: IntArray) -> ChargingDay:
-        """Day of a part of the batch that knows the deficit at its end alone: enough to march.
+        """Return the day of a part of the batch, with the deficit at its end alone, to march it.
 
-        Without the first and last intervals in which none of them charges: what becomes of the
-        batteries is the same to the last bit.
+        The first and last intervals in which none of them charges are left out: the energies are
+        the same to the last bit.
         """
         daylight = _span(self.surplus_wh[:, cells] > 0.0)
         return replace(
@@ -168,23 +168,23 @@ class ChargingDay:
     def midnight_wh(
         self, store: Store, energy_wh: FloatArray, settled_deficit_wh: ArrayLike
     ) -> FloatArray:
-        """Energy at the end of the day after the last surplus; below zero if it ran empty [Wh].
+        """Return the energy at the end of the day after the last surplus [Wh].
 
-        Arguments are those after the last surplus. Not clipped, so that the negative part is the
-        energy missing from the battery.
+        Arguments are those after the last surplus. Below zero by what
+        is missing from an empty battery.
         """
         rest = self.cumulative_deficit_wh[-1] - settled_deficit_wh
         return np.asarray(energy_wh - rest / store.discharge_efficiency)
 
     def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
-        """Energy at the end of the day [Wh], zero where the battery has run empty by then."""
+        """Return the energy at the end of the day [Wh], zero where the battery is empty by then."""
         settled: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
             energy_wh, settled = step.after_charge_wh, step.settled_deficit_wh
         return np.maximum(self.midnight_wh(store, energy_wh, settled), 0.0)
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
-        """March and keep what becomes of the batteries."""
+        """March, and keep the energy around every surplus."""
         kept = np.empty((3, *self.surplus_wh.shape))
         for k, step in enumerate(self.charge(store, energy_wh)):
             kept[0, k], kept[1, k], kept[2, k] = step
@@ -214,7 +214,7 @@ class ChargingDay:
         return DayOfFlight(level, np.maximum(midnight, 0.0), lowest)
 
     def hour_of_deficit(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
-        """Instants at which the deficit since midnight reaches levels, each of one element [h]."""
+        """Return when the deficit since midnight reaches levels, each of one element [h]."""
         level, cumulative = np.maximum(level_wh, 0.0), self.cumulative_deficit_wh
         number = interval_reaching(cumulative, level, cells)
         interval = self.balance.interval(number, cells)
@@ -222,7 +222,7 @@ class ChargingDay:
         return np.asarray(interval.start_h + interval.deficit_parts_h(rest)[0])
 
     def deficit_until_wh(self, clock_h: FloatArray, cells: IntArray) -> FloatArray:
-        """Deficit from midnight to instants, each of one element [Wh]."""
+        """Return the deficit from midnight to instants, each of one element [Wh]."""
         time = self.balance.time_h
         number = np.clip(np.searchsorted(time, clock_h, side="right") - 1, 0, len(time) - 2)
         interval = self.balance.interval(number, cells)
@@ -233,14 +233,14 @@ class ChargingDay:
 
 
 def _span(charging: BoolArray) -> slice:
-    """Rows from the first to the last in which something is charged."""
+    """Return the rows from the first to the last in which a battery is charged."""
     rows = np.flatnonzero(charging.any(axis=1))
     return slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
 
 
 @dataclass(frozen=True)
 class DayRun:
-    """What became of the batteries on a day: energy around every surplus [Wh]."""
+    """Energy of the batteries around every surplus of a day [Wh]."""
 
     day: ChargingDay
     store: Store
@@ -251,7 +251,7 @@ class DayRun:
 
     @property
     def midnight_wh(self) -> FloatArray:
-        """Energy at the end of the day [Wh], below zero if the battery ran empty."""
+        """Return the energy at the end of the day [Wh], below zero if the battery ran empty."""
         energy, settled = self.start_wh, np.zeros_like(self.start_wh)
         if len(self.after_charge_wh):
             energy, settled = self.after_charge_wh[-1], self.settled_deficit_wh[-1]
@@ -259,11 +259,11 @@ class DayRun:
 
     @property
     def end_wh(self) -> FloatArray:
-        """Energy at the end of the day [Wh]."""
+        """Return the energy at the end of the day [Wh]."""
         return np.maximum(self.midnight_wh, 0.0)
 
     def shortfalls_wh(self, short: float = SHORT) -> tuple[FloatArray, FloatArray]:
-        """Deficits from midnight between which a battery is empty, one row each; NaN if it is not.
+        """Return deficits from midnight between which a battery is empty, a row each; NaN if not.
 
         What is not served is the end of a deficit, up to the next surplus or the end of the day.
         ``short``: state of charge below zero that counts.
@@ -275,13 +275,13 @@ class DayRun:
         return begins, np.where(empty, ends, np.nan)
 
     def empty_h(self, short: float = SHORT) -> FloatArray:
-        """When each battery is empty for the first time [h], NaN where it never is."""
+        """Return when each battery is empty for the first time [h], NaN where it never is."""
         level = np.fmin.reduce(self.shortfalls_wh(short)[0], axis=0)
         hour = self.day.hour_of_deficit(np.nan_to_num(level), np.arange(len(level)))
         return np.where(np.isnan(level), np.nan, hour)
 
     def energy_at_wh(self, hour: FloatArray) -> FloatArray:
-        """Stored energy at an hour of each element [Wh], straight lines between the nodes."""
+        """Return the stored energy at an hour of each element [Wh], linear between the nodes."""
         time, values = self.day.balance.time_h, self.energy_at_nodes_wh()
         number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)
         cells = np.arange(len(hour))
@@ -301,7 +301,7 @@ class DayRun:
         self.start_wh[cells] = start_wh
 
     def energy_at_nodes_wh(self) -> FloatArray:
-        """Energy at every node of the time axis [Wh]."""
+        """Return the energy at every node of the time axis [Wh]."""
         cumulative = self.day.cumulative_deficit_wh
         held, settled = np.empty_like(cumulative), np.zeros_like(cumulative)
         begin, stop = self.day.first + 1, self.day.first + 1 + len(self.after_charge_wh)
@@ -311,7 +311,7 @@ class DayRun:
         return self._after_deficit(held, cumulative - settled)
 
     def energy_at_node_wh(self, node: IntArray) -> FloatArray:
-        """Energy at one node for every element of the batch [Wh]."""
+        """Return the energy at a node of every element of the batch [Wh]."""
         cells = np.arange(len(node))
         row = np.minimum(node - self.day.first, len(self.after_charge_wh)) - 1
         held, settled = self.start_wh.copy(), np.zeros_like(self.start_wh)
@@ -332,12 +332,12 @@ class Repetition(NamedTuple):
 
     @property
     def highest_wh(self) -> FloatArray:
-        """Energy above which no unsettled element repeats its day [Wh]."""
+        """Return the energy above which no unsettled element repeats its day [Wh]."""
         return np.maximum(self.run.start_wh, self.run.end_wh)[self.unsettled]
 
 
 def first_repetition(day: ChargingDay, store: Store) -> Repetition:
-    """Run of a day that, in nearly all cases, ends with the energy it started with.
+    """Return the run of a day that, in nearly all cases, ends with the energy it started with.
 
     The energy after a cycle never falls, and rises by at most as much, when that before it rises
     (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
@@ -368,7 +368,7 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
 
 
 def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
-    """Energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
+    """Return the energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
 
     def gain(rows: IntArray, energy_wh: FloatArray) -> FloatArray:
         return day.select(rows).end_wh(store.select(rows), energy_wh) - energy_wh

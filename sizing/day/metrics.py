@@ -42,7 +42,7 @@ _ROWS_AT_ONCE = 16
 
 
 class Status(IntEnum):
-    """How a cycle ends, or why there is none; the values are flags of gridded results.
+    """End of a cycle, or the reason for none; values are flags of gridded results.
 
     ``failed`` stands for an error of the program, ``infeasible`` for an aircraft that cannot fly
     the mission, ``invalid`` for values that no aircraft or mission can have; ``lands`` for a flight
@@ -109,12 +109,12 @@ class Cycle:
         return np.isin(self.status, (Status.perpetual, Status.always_lit))
 
     def reshaped(self, batch: tuple[int, ...]) -> Cycle:
-        """Cycle of a one-dimensional batch in another shape."""
+        """Return the cycle of a one-dimensional batch in another shape."""
         return joined([self], lambda parts: parts[0].reshape(batch + parts[0].shape[1:]))
 
 
 def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:
-    """One cycle from the arrays of several with the same nodes of time; by default end to end."""
+    """Return a cycle of the arrays of several with one time axis, by default end to end."""
     budgets = [cycle.energy_budget for cycle in cycles]
     budget = {
         f.name: join([getattr(cycle, f.name) for cycle in budgets]) for f in fields(EnergyBudget)
@@ -139,7 +139,7 @@ class EqualPower:
 
 
 def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
-    """First rise and last fall of a net power through zero.
+    """Return first rise and last fall of a net power through zero.
 
     ``net_w``: solar power less the nominal load at the nodes, shape ``(time, ...)`` [W]. NaN where
     there is no such instant: the power is then always, or never, enough.
@@ -194,7 +194,7 @@ def _time_at(time_h: FloatArray, index: IntArray, fraction: FloatArray) -> Float
 
 
 def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = False) -> Cycle:
-    """Metrics of a batch from the run of its day.
+    """Return the metrics of a batch from the run of its day.
 
     The excess time is above zero for perpetual flight, and infinite where solar power never falls
     below the load; of a flight to a landing it is what is left then. ``climbs``: what a load lacks
@@ -244,7 +244,7 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
 
 
 def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
-    """Stored energy at the morning's equal power [Wh].
+    """Return the stored energy at the morning's equal power [Wh].
 
     That at midnight where there is no such instant.
     """
@@ -259,10 +259,10 @@ def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArra
 
 
 def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
-    """Hours and energy [Wh] that the load lacks.
+    """Return the hours and the energy [Wh] in which the load is not met.
 
-    A battery that runs empty stays so until the next surplus, or midnight: what is then lacking
-    tells the instant.
+    A battery that runs empty stays so until the next surplus, or midnight: what is lacking then
+    gives the instant.
     """
     day, balance, count = run.day, run.day.balance, len(run.start_wh)
     row, cells = np.divmod(np.flatnonzero(run.drained_wh < 0.0), count)
@@ -290,7 +290,7 @@ def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
 
 
 def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
-    """First and last instant of full charge by the clock [h], NaN where there is none."""
+    """Return first and last instant of full charge by the clock [h], NaN where there is none."""
     full = (run.after_charge_wh >= FULL * run.store.battery_energy_wh) & (run.day.surplus_wh > 0.0)
     if not len(full):
         none = np.full(len(run.start_wh), np.nan)
@@ -329,7 +329,7 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
 
 
 def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
-    """Integral over the time in flight by the trapezoidal rule."""
+    """Return the integral over the time in flight by the trapezoidal rule."""
     halves = np.diff(cells.time_h) / 2.0
     if cells.in_flight is not None:
         pairs = halves[:, np.newaxis] * (power_w[:-1] + power_w[1:])
@@ -341,7 +341,7 @@ def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
 
 
 def _sum_of_rows(rows: Callable[[slice], FloatArray], shape: tuple[int, ...]) -> FloatArray:
-    """Sum of computed rows in the order of time, some rows at a time: no array of all is made.
+    """Return the sum of computed rows in the order of time, without an array of all of them.
 
     Every sum begins with the one before it, so that the digits are those of a single sum.
     """

@@ -15,7 +15,7 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.day.battery import Store
 from sizing.day.heights import flight_levels
 from sizing.design import Design
-from sizing.held_station import flown_faster
+from sizing.held_station import flight_faster
 from sizing.mass_budget import closed_design, parametric_design
 from sizing.performance import Performance, performance_along
 from sizing.program.schedule import flown_along
@@ -76,7 +76,7 @@ def power_beyond_floor(
         ratio = np.maximum(wind / np.exp(np.sum(weights * np.log(speeds), axis=0)), 1.0)
         every = (one.mapped(lambda v: np.asarray(v)[..., np.newaxis]) for one in flown)
         powers = [
-            flown_faster(task.flown, air, one, ratio).propulsion_power_w
+            flight_faster(task.flown, air, one, ratio).propulsion_power_w
             for air, one in zip(task.airs, every, strict=True)
         ]
     table = np.log(np.stack(np.broadcast_arrays(*powers)))

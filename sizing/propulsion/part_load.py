@@ -63,7 +63,7 @@ class PartLoad:
 
     @property
     def beyond(self) -> BoolArray:
-        """True where the chain has no power at some load of the table, of the designs' shape."""
+        """Return where the chain has no power at some load of the table, of the designs' shape."""
         return np.asarray(self.coefficients[0] >= _BEYOND)
 
     def between(self) -> FloatArray:
