@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
 
 import numpy as np
 
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 _MAXIMUM_ROUNDS = 100
 _SECANT_ROUNDS = 8
@@ -88,113 +87,78 @@ def bracketed_root(
     return root
 
 
-def falling_root(
-    gain: Callable[[IntArray, FloatArray], FloatArray],
-    lower: FloatArray,
-    upper: FloatArray,
-    limit: FloatArray,
-) -> FloatArray:
-    """Where each of many functions, positive at ``lower`` and negative at ``upper``, is zero.
+class FallingRoots:
+    """Search for the roots of many functions, positive at ``lower`` and negative at ``upper``.
 
-    The functions must not fall faster than their argument rises: the value at either end then
-    leads to a nearer one. Secants at first, to the nearer end where they leave the bracket, then
-    the Illinois variant of the false position. An element leaves the search when its value or its
-    bracket is within ``limit``, or after 100 rounds; what the others do has no influence on it.
-    ``gain`` takes the indices of the elements still searched and a trial point for each. An element
-    whose value at the lower end is not above the limit has its root there.
-    """
-    every = np.arange(len(upper))
-    ends = gain(np.tile(every, 2), np.concatenate([lower, upper]))
-    lower_gain, upper_gain = np.split(ends, 2)
-    rising = lower_gain > limit
-    result = np.where(rising, upper, lower)
-    latest = np.maximum(upper + np.minimum(upper_gain, 0.0), lower)
-    work = _Brackets(
-        place=every,
-        least=lower + lower_gain,
-        most=latest,
-        lower=lower,
-        upper=upper,
-        lower_gain=lower_gain,
-        upper_gain=upper_gain,
-        side=np.zeros(len(upper)),
-        latest=upper,
-        latest_gain=upper_gain,
-        trial=latest,
-    ).select(rising)
-    for number in range(_MAXIMUM_ROUNDS):
-        if not len(work.place):
-            break
-        value = gain(work.place, work.trial)
-        result[work.place] = work.trial
-        near = limit[work.place]
-        work = work.narrowed(value, secant=number < _SECANT_ROUNDS)
-        work = work.select((np.abs(value) > near) & (work.upper - work.lower > near))
-    return result
+    As long as some are ``open``, :meth:`take` their values at ``trial``. The functions must not
+    fall faster than their argument rises: the value at either end then leads to a nearer one.
+    Secants at first, to the nearer end where they leave the bracket, then the Illinois variant of
+    the false position. A function leaves the search when its value or its bracket is within
+    ``limit``, or after 100 rounds; what the others do has no influence on it. A function whose
+    value at the lower end is not above the limit has its ``root`` there.
 
-
-@dataclass(frozen=True)
-class _Brackets:
-    """Brackets of the elements that are still searched; ``place`` is their index in the batch.
-
-    ``least``, ``most``: nearest points between which the values so far put the zero.
+    ``lower_value``, ``upper_value``: at the ends. ``open``: indices of the functions that are
+    searched.
     """
 
-    place: IntArray
-    least: FloatArray
-    most: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-    lower_gain: FloatArray
-    upper_gain: FloatArray
-    side: FloatArray
-    latest: FloatArray
-    latest_gain: FloatArray
-    trial: FloatArray
+    def __init__(
+        self,
+        lower: FloatArray,
+        upper: FloatArray,
+        lower_value: FloatArray,
+        upper_value: FloatArray,
+        limit: FloatArray,
+    ) -> None:
+        rising = lower_value > limit
+        self.root, self.open = np.where(rising, upper, lower), np.flatnonzero(rising)
+        self._limit, self._rounds = limit, 0
+        # The nearest points between which the values so far put the root.
+        least, most = lower + lower_value, np.maximum(upper + np.minimum(upper_value, 0.0), lower)
+        bracket, side = (lower, upper, lower_value, upper_value), np.zeros(len(upper))
+        rows = (least, most, *bracket, side, upper, upper_value, most)
+        self._brackets = np.stack(rows)[:, self.open]
 
-    def select(self, mask: BoolArray) -> _Brackets:
-        """Brackets of a part of the elements."""
-        return _Brackets(*(getattr(self, field.name)[mask] for field in fields(self)))
+    @property
+    def trial(self) -> FloatArray:
+        """Return the next point of every open function."""
+        return np.asarray(self._brackets[-1])
 
-    def narrowed(self, gain: FloatArray, *, secant: bool) -> _Brackets:
-        """Bracket with one end moved to the trial, and the next trial.
+    def take(self, value: FloatArray) -> None:
+        """Narrow the brackets by the values of the open functions at ``trial``.
 
         An end kept twice counts half in the false position (Illinois).
         """
-        trial = self.trial
-        rises = gain > 0.0
+        least, most, lower, upper, lower_value, upper_value, *before, trial = self._brackets
+        side_before, latest, latest_value = before
+        self.root[self.open] = trial
+        rises = value > 0.0
         side = np.where(rises, 1.0, -1.0)
-        again = side == self.side
-        lower_gain = np.where(again & ~rises, self.lower_gain / 2.0, self.lower_gain)
-        upper_gain = np.where(again & rises, self.upper_gain / 2.0, self.upper_gain)
-        lower_gain, upper_gain = (
-            np.where(rises, gain, lower_gain),
-            np.where(rises, upper_gain, gain),
+        again = side == side_before
+        lower_value = np.where(again & ~rises, lower_value / 2.0, lower_value)
+        upper_value = np.where(again & rises, upper_value / 2.0, upper_value)
+        lower_value, upper_value = (
+            np.where(rises, value, lower_value),
+            np.where(rises, upper_value, value),
         )
-        lower, upper = np.where(rises, trial, self.lower), np.where(rises, self.upper, trial)
-        least = np.where(rises, np.maximum(self.least, trial + gain), self.least)
-        most = np.where(rises, self.most, np.minimum(self.most, trial + gain))
-        if secant:
-            following = _zero(self.latest, trial, self.latest_gain, gain)
+        lower, upper = np.where(rises, trial, lower), np.where(rises, upper, trial)
+        least = np.where(rises, np.maximum(least, trial + value), least)
+        most = np.where(rises, most, np.minimum(most, trial + value))
+        if self._rounds < _SECANT_ROUNDS:
+            following = _zero(latest, trial, latest_value, value)
         else:
-            following = _zero(lower, upper, lower_gain, upper_gain)
-        return _Brackets(
-            self.place,
-            least,
-            most,
-            lower,
-            upper,
-            lower_gain,
-            upper_gain,
-            side,
-            trial,
-            gain,
-            np.clip(following, least, np.maximum(least, most)),
-        )
+            following = _zero(lower, upper, lower_value, upper_value)
+        following = np.clip(following, least, np.maximum(least, most))
+        bracket = (lower, upper, lower_value, upper_value)
+        self._rounds += 1
+        near = self._limit[self.open]
+        goes_on = (np.abs(value) > near) & (upper - lower > near)
+        goes_on &= self._rounds < _MAXIMUM_ROUNDS
+        rows = (least, most, *bracket, side, trial, value, following)
+        self.open, self._brackets = self.open[goes_on], np.stack(rows)[:, goes_on]
 
 
 def _zero(a: FloatArray, b: FloatArray, value_a: FloatArray, value_b: FloatArray) -> FloatArray:
-    """Zero of the straight line through two points; far below where they are level."""
+    """Return the zero of the straight line through two points; far below where they are level."""
     level = value_a == value_b
     slope = np.where(level, -1.0, value_b - value_a)
     return np.where(level, -np.inf, a - value_a * (b - a) / slope)
@@ -226,7 +190,7 @@ class LightestMass:
 
     @property
     def assumed_kg(self) -> FloatArray:
-        """Masses of open designs to compute the budgets of [kg]."""
+        """Return the masses of open designs to compute the budgets of [kg]."""
         return self.mass_kg[self.open]
 
     def take(self, budget_kg: FloatArray) -> None:

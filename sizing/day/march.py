@@ -33,7 +33,7 @@ from sizing.day.balance import (
     sum_over_time,
 )
 from sizing.day.battery import Store
-from sizing.roots import falling_root
+from sizing.roots import FallingRoots
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Of the battery's energy: change of the stored energy over a day that counts as none.
@@ -373,5 +373,9 @@ def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> Float
     def gain(rows: IntArray, energy_wh: FloatArray) -> FloatArray:
         return day.select(rows).end_wh(store.select(rows), energy_wh) - energy_wh
 
-    limit = _SETTLED * store.battery_energy_wh
-    return falling_root(gain, np.zeros_like(highest_wh), highest_wh, limit)
+    empty_wh, every = np.zeros_like(highest_wh), np.arange(len(highest_wh))
+    gains = gain(every, empty_wh), gain(every, highest_wh)
+    search = FallingRoots(empty_wh, highest_wh, *gains, _SETTLED * store.battery_energy_wh)
+    while search.open.size:
+        search.take(gain(search.open, search.trial))
+    return search.root

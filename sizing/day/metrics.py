@@ -127,9 +127,8 @@ def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concat
     )
 
 
-@dataclass(frozen=True)
-class EqualPower:
-    """Instants of equal power and where they lie on the time axis."""
+class EqualPower(NamedTuple):
+    """Instants of equal power [h], and the morning's place on the time axis."""
 
     morning_h: FloatArray
     evening_h: FloatArray
@@ -141,56 +140,36 @@ class EqualPower:
 def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
     """Return first rise and last fall of a net power through zero.
 
-    ``net_w``: solar power less the nominal load at the nodes, shape ``(time, ...)`` [W]. NaN where
+    ``net_w``: solar power less the nominal load at the nodes, ``(time, element)`` [W]. NaN where
     there is no such instant: the power is then always, or never, enough.
     """
-    shape = net_w.shape[1:]
-    net = net_w.reshape(len(net_w), -1)
-    below = net < 0.0
-    rise, fall = _first(below[:-1] > below[1:]), _last(below[:-1] < below[1:])
-    fraction = _fraction_at(rise.row, net)
-    morning = np.where(rise.any, _time_at(time_h, rise.row, fraction), np.nan)
-    evening_h = _time_at(time_h, fall.row, _fraction_at(fall.row, net))
+    below, columns = net_w < 0.0, np.arange(net_w.shape[1])
+    rise, rises = _marked_row(below[:-1] > below[1:])
+    fall, falls = _marked_row(below[:-1] < below[1:], last=True)
+
+    def crossing(row: IntArray) -> tuple[FloatArray, FloatArray]:
+        fraction = crossing_fraction(net_w[row, columns], net_w[row + 1, columns])
+        return fraction, time_h[row] + fraction * (time_h[row + 1] - time_h[row])
+
+    (fraction, morning_h), (_, evening_h) = crossing(rise), crossing(fall)
     return EqualPower(
-        morning_h=morning.reshape(shape),
-        evening_h=np.where(fall.any, evening_h, np.nan).reshape(shape),
-        morning_index=rise.row.reshape(shape),
-        morning_fraction=fraction.reshape(shape),
-        always_above=~(below[0] | rise.any | fall.any).reshape(shape),
+        morning_h=np.where(rises, morning_h, np.nan),
+        evening_h=np.where(falls, evening_h, np.nan),
+        morning_index=rise,
+        morning_fraction=fraction,
+        always_above=~(below[0] | rises | falls),
     )
 
 
-class _Marked(NamedTuple):
-    """A marked row of every column, 0 where there is none, and whether there is one."""
+def _marked_row(marks: BoolArray, *, last: bool = False) -> tuple[IntArray, BoolArray]:
+    """Return the first or last marked row of every column, 0 without any, and whether one is.
 
-    row: IntArray
-    any: BoolArray
-
-
-def _first(marks: BoolArray) -> _Marked:
-    """First marked row of every column; fast where marks are rare."""
-    return _marked(marks, slice(None, None, -1))
-
-
-def _last(marks: BoolArray) -> _Marked:
-    """Last marked row of every column; fast where marks are rare."""
-    return _marked(marks, slice(None))
-
-
-def _marked(marks: BoolArray, order: slice) -> _Marked:
+    Fast where marks are rare.
+    """
     row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
-    first = np.full(marks.shape[1], -1, np.intp)
-    first[column[order]] = row[order]  # of equal columns the last one stays
-    return _Marked(np.maximum(first, 0), first >= 0)
-
-
-def _fraction_at(index: IntArray, net_w: FloatArray) -> FloatArray:
-    columns = np.arange(net_w.shape[1])
-    return crossing_fraction(net_w[index, columns], net_w[index + 1, columns])
-
-
-def _time_at(time_h: FloatArray, index: IntArray, fraction: FloatArray) -> FloatArray:
-    return np.asarray(time_h[index] + fraction * (time_h[index + 1] - time_h[index]))
+    order, result = slice(None, None, 1 if last else -1), np.full(marks.shape[1], -1, np.intp)
+    result[column[order]] = row[order]  # of equal columns the last one stays
+    return np.maximum(result, 0), result >= 0
 
 
 def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = False) -> Cycle:
@@ -298,14 +277,14 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
     begins, ends = full.copy(), full.copy()
     begins[1:] = full[1:] > full[:-1]
     ends[:-1] = full[:-1] > full[1:]
-    begin, end = _first(begins), _last(ends)
-    columns = np.arange(len(begin.row))
-    interval = balance.interval(begin.row + run.day.first, columns)
-    before = np.maximum(run.drained_wh[begin.row, columns], 0.0)
+    (begin, begins_once), (end, ends_once) = _marked_row(begins), _marked_row(ends, last=True)
+    columns = np.arange(len(begin))
+    interval = balance.interval(begin + run.day.first, columns)
+    before = np.maximum(run.drained_wh[begin, columns], 0.0)
     first = interval.start_h + full_after_h(interval, run.store, before)
-    interval = balance.interval(end.row + run.day.first, columns)
+    interval = balance.interval(end + run.day.first, columns)
     last = interval.start_h + interval.surplus_h()[1]
-    return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
+    return np.where(begins_once, first, np.nan), np.where(ends_once, last, np.nan)
 
 
 def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
