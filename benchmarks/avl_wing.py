@@ -192,14 +192,14 @@ def stability(aircraft: Aircraft, alpha_deg: float = 0.0, step_deg: float = 1.0)
             "neutral_point": found.in_chord(neutral_m),
             "static_margin": (neutral_m - found.gravity_m) / wing.aerodynamic_chord_m,
             "lift_slope": derivatives["dCL/dalpha"],
-            "downwash_slope": 1.0 - slope / found.found.tail_slope,
+            "downwash_slope": 1.0 - slope / found.neutral_point.tail_slope,
             "directional_slope": derivatives["dCn'/dbeta"],
         },
         {
-            "neutral_point": found.in_chord(found.found.x_m),
+            "neutral_point": found.in_chord(found.neutral_point.x_m),
             "static_margin": found.static_margin,
-            "lift_slope": float(found.found.slope),
-            "downwash_slope": float(found.found.downwash),
+            "lift_slope": float(found.neutral_point.slope),
+            "downwash_slope": float(found.neutral_point.downwash),
             "directional_slope": found.directional_slope,
         },
     )

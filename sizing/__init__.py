@@ -1,6 +1,6 @@
 """Sizing layer: aircraft, their day and night energy balance, and their optimisation.
 
-The names of ``dir(sizing)`` are what one may use; a name is imported when it is first asked for.
+``dir(sizing)`` lists the public names; a name is imported at its first use.
 Built on :mod:`missions` and :mod:`solar`.
 
 * ``load_aircraft`` reads an aircraft, ``analyse`` says how long it flies, ``size`` finds the best

@@ -21,10 +21,6 @@ from .mass_budget import ImpossibleDesignError as ImpossibleDesignError
 from .mass_budget import closed_design as closed_design
 from .mass_budget import design_of as design_of
 from .mass_budget import with_total_mass as with_total_mass
-from .own_models import register_drag as register_drag
-from .own_models import register_propulsion_efficiency as register_propulsion_efficiency
-from .own_models import register_propulsion_mass as register_propulsion_mass
-from .own_models import register_structure as register_structure
 from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days
@@ -50,6 +46,10 @@ from .results.uncertainty import analyse_uncertainty as analyse_uncertainty
 from .results.weather import WeatherAnalysis as WeatherAnalysis
 from .results.weather import analyse_weather as analyse_weather
 from .results.weather_sizing import size_in_weather as size_in_weather
+from .user_models import register_drag as register_drag
+from .user_models import register_propulsion_efficiency as register_propulsion_efficiency
+from .user_models import register_propulsion_mass as register_propulsion_mass
+from .user_models import register_structure as register_structure
 from .validity.ranges import Extrapolation as Extrapolation
 
 __version__: str

@@ -1,4 +1,4 @@
-"""Description of a solar aircraft: measured, or parametric and therefore open to sizing."""
+"""Description of a solar aircraft: measured, or parametric for sizing."""
 
 from __future__ import annotations
 
@@ -11,23 +11,29 @@ from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
 from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
-from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
+from sizing.aerodynamics.parabolic import DragPolar, UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.balance.checks import (
     cells_on_planform,
     check_balance,
     check_planforms,
-    without_own_constants,
+    without_replaced_constants,
 )
 from sizing.balance.drag import DragComponents
 from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
 from sizing.battery.battery import Battery
-from sizing.catalogues.choice import Kind, OfCatalogue, Taken, own_entries, taken
+from sizing.catalogues.choice import (
+    CatalogueRecord,
+    CatalogueValue,
+    Kind,
+    catalogue_values,
+    user_entries,
+)
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design_space import PROPULSION_VARIABLES, DesignSpace
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
-from sizing.layout.filling import check_layout, laid_out
+from sizing.layout.filling import check_layout, with_layout_values
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
@@ -52,7 +58,7 @@ _TOTAL_MASS = (
     "airframe.avionics_mass_kg, airframe.other_mass_kg and what the models compute"
 )
 _NO_TOTAL_MASS = dict.fromkeys(("mass_kg", "total_mass_kg", "mass"), _TOTAL_MASS)
-# What may stand in place of the aspect ratio, and the power of the wingspan over it.
+# Keys in place of the aspect ratio, which is the wingspan to this power over their value.
 _CHORDWISE = {"chord_m": 1, "wing_area_m2": 2}
 ENTRY_KEYS.update(
     aspect_ratio=tuple(_CHORDWISE),
@@ -71,15 +77,15 @@ ENTRY_KEYS.update(
     table=(),
     product=PARTS_OF_PROPELLER,
 )
-# A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
+# Tolerance of a fully covered wing, above the optimiser's of about 1e-8.
 _FULL_WING = 1e-6
 
 
 class LevelFlight(Record):
-    """Electric propulsion power of level flight, measured at one mass and air density.
+    """Electric propulsion power of level flight, measured at a mass and an air density.
 
-    The largest electric power of the propulsion and its efficiency from there to thrust power are
-    needed to climb, and for nothing else.
+    The largest electric power of the propulsion and its efficiency to thrust power are used for
+    climbs only.
     """
 
     electric_power_w: PositiveReal
@@ -101,9 +107,9 @@ class LevelFlight(Record):
 
 
 class MeasuredAirframe(Record):
-    """A built aircraft, known by its mass and its measured power.
+    """Built aircraft with known mass and measured power.
 
-    Power at another mass or density is scaled with mass^1.5 and density^-0.5.
+    Power at another mass or density scales with mass^1.5 and density^-0.5.
     """
 
     unaccounted_mass_key: ClassVar[str] = "mass_without_battery_kg"
@@ -116,17 +122,16 @@ class MeasuredAirframe(Record):
 
 
 Aerodynamics = Annotated[
-    DragPolar | WingPolar | OwnDragPolar,
+    DragPolar | WingPolar | UserDragPolar,
     Field(discriminator="model"),
     kind_by_default("model", "parabolic"),
 ]
 
 
 class ParametricAirframe(Record):
-    """An aircraft to be sized: masses and power follow from geometry and technology.
+    """Airframe for sizing: masses and power follow from geometry and technology.
 
-    ``mass_growth``: contingency on what is built and not bought, structure and ``other_mass_kg``,
-    as a share of them.
+    ``mass_growth`` is the contingency on structure and ``other_mass_kg``, as a share of them.
     """
 
     explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | {
@@ -156,13 +161,13 @@ class ParametricAirframe(Record):
     @model_validator(mode="before")
     @classmethod
     def _drag_by_parts(cls, data: Any) -> Any:
-        return without_own_constants(data)
+        return without_replaced_constants(data)
 
     @model_validator(mode="after")
     def _check_balance(self) -> ParametricAirframe:
         check_balance(self)
         braced = getattr(self.structure, "bracing", None) is not None
-        if braced and isinstance(self.aerodynamics, OwnDragPolar):
+        if braced and isinstance(self.aerodynamics, UserDragPolar):
             text = "its drag needs aerodynamics.model parabolic or wing_polar (got own)"
             raise wrong_value("structure.bracing", text)
         return self
@@ -170,7 +175,7 @@ class ParametricAirframe(Record):
     @model_validator(mode="before")
     @classmethod
     def _from_chord(cls, data: Any) -> Any:
-        """Aspect ratio from a mean chord or a wing area, where the file gives that instead."""
+        """Compute the aspect ratio from a mean chord or a wing area in the file."""
         if not isinstance(data, Mapping):
             return data
         keys = [key for key in ("aspect_ratio", *_CHORDWISE) if key in data]
@@ -182,23 +187,23 @@ class ParametricAirframe(Record):
             raise wrong_value(keys[-1], text)
         if not is_positive(value):
             raise wrong_value(keys[0], f"must be a number greater than 0 (got {shown(value)})")
-        # Of a wingspan that is none, its own error says so.
+        # An invalid wingspan is refused by its own check.
         ratio = span_m ** _CHORDWISE[keys[0]] / value if is_positive(span_m) else 1.0
-        rest = {key: one for key, one in data.items() if key not in _CHORDWISE}
+        rest = {key: other for key, other in data.items() if key not in _CHORDWISE}
         return {**rest, "aspect_ratio": ratio}
 
 
 Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator="kind")]
 
 
-class SolarModules(OfCatalogue, SolarCell):
+class SolarModules(CatalogueRecord, SolarCell):
     """Solar modules: area, efficiencies, and the mass of modules and MPPT.
 
-    ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
-    surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
-    ``cell`` names an entry of the catalogue of solar cells, ``mppt_board`` one of that of MPPTs;
-    they give what the file does not.
-    ``layout`` lays whole cells, which give the area and, with strings, the mass of the MPPTs.
+    ``geometry`` arranges the area, for models that depend on the attitude. Areas of its surfaces
+    are relative: a sized aircraft keeps the arrangement at another area. ``cell`` and
+    ``mppt_board`` name entries of the catalogues of solar cells and MPPTs, which give the keys that
+    the file omits. ``layout`` has whole cells, which give the area and, with strings, the mass of
+    the MPPTs.
     """
 
     _entries: ClassVar[Mapping[str, Kind]] = {"cell": "cells", "mppt_board": "mppts"}
@@ -221,7 +226,7 @@ class SolarModules(OfCatalogue, SolarCell):
     ) -> SolarModules:
         if not isinstance(data, Mapping) or data.get("layout") is None:
             return handler(data)
-        data, new = laid_out(data)
+        data, new = with_layout_values(data)
         record = handler(data)
         assert record.layout is not None
         strings = record.layout.strings
@@ -251,7 +256,7 @@ class SolarModules(OfCatalogue, SolarCell):
 
     @property
     def shading(self) -> Shading | None:
-        """Shading by the tail, none without a tail."""
+        """Shading by the tail; None without a tail."""
         return None if self.tail is None else Shading(self.tail, loss_model(self.shading_loss))
 
 
@@ -263,7 +268,7 @@ class Power(Record):
 
 
 class Aircraft(FileRecord):
-    """A solar aircraft as its file describes it."""
+    """Solar aircraft as described in its file."""
 
     explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS
 
@@ -278,7 +283,7 @@ class Aircraft(FileRecord):
     provenance: Provenance | None = None
 
     def facts(self) -> dict[str, Any]:
-        """Name, kind and size."""
+        """Return name, kind and size."""
         return {
             "name": self.name,
             "airframe": self.airframe.kind,
@@ -290,15 +295,15 @@ class Aircraft(FileRecord):
 
     @property
     def texts_read(self) -> dict[str, str]:
-        """Text of every file that it names, by path; see :func:`texts_as_read`."""
-        texts = own_entries(self.modules, "cell") | own_entries(self.battery, "cell")
-        texts |= own_entries(self.modules, "mppt_board")
+        """Text of every file named by the aircraft, by path; see :func:`texts_as_read`."""
+        texts = user_entries(self.modules, "cell") | user_entries(self.battery, "cell")
+        texts |= user_entries(self.modules, "mppt_board")
         propulsion = getattr(self.airframe, "propulsion", None)
         if propulsion is not None and isinstance(propulsion.motor, str):
-            texts |= own_entries(propulsion, "motor")
+            texts |= user_entries(propulsion, "motor")
         if isinstance(propulsion, OperatingPointPropulsion):
             texts |= propulsion.propeller.texts_read()
-            texts |= own_entries(propulsion.propeller, "product")
+            texts |= user_entries(propulsion.propeller, "product")
         polar = getattr(self.airframe, "aerodynamics", None)
         if isinstance(polar, WingPolar) and (text := polar.contents_read()) is not None:
             texts[polar.airfoil] = text
@@ -306,40 +311,44 @@ class Aircraft(FileRecord):
 
     @property
     def parametric(self) -> ParametricAirframe:
-        """Airframe that is sized; TypeError for a measured aircraft."""
+        """Parametric airframe; a measured aircraft raises TypeError."""
         if not isinstance(self.airframe, ParametricAirframe):
             raise TypeError(f"{self.name} is a measured aircraft: it has no mass budget to size")
         return self.airframe
 
     def with_airframe(self, **changes: Any) -> Aircraft:
-        """Aircraft with some values of its airframe changed, not validated."""
+        """Return the aircraft with changed values of its airframe, not validated."""
         airframe = self.airframe.model_copy(update=changes)
         return self.model_copy(update={"airframe": airframe})
 
     @property
     def propulsion_by_parts(self) -> OperatingPointPropulsion | None:
-        """Propulsion that has an operating point; None for constants and measured aircraft."""
+        """Propulsion at its operating point; None for constants and measured aircraft."""
         propulsion = getattr(self.airframe, "propulsion", None)
         return propulsion if isinstance(propulsion, OperatingPointPropulsion) else None
 
     def reading_notes(self) -> list[str]:
-        """What was left out of files that the aircraft names, and how they were read."""
+        """Return notes on parts of named files that were left out, and on their format."""
         polar = getattr(self.airframe, "aerodynamics", None)
         parts = self.propulsion_by_parts
         read = {
             "polar": polar.polar if isinstance(polar, WingPolar) else None,
             "propeller": parts.propeller.propeller if parts is not None else None,
         }
-        return [f"{name}: {note}" for name, of in read.items() for note in getattr(of, "notes", ())]
+        return [
+            f"{name}: {note}" for name, data in read.items() for note in getattr(data, "notes", ())
+        ]
 
-    def from_catalogues(self) -> list[Taken]:
-        """Values that catalogues gave, with their sources."""
-        entries = taken(self.modules, "modules.") + taken(self.battery, "battery.")
+    def from_catalogues(self) -> list[CatalogueValue]:
+        """Return the values from catalogues, with their sources."""
+        entries = catalogue_values(self.modules, "modules.") + catalogue_values(
+            self.battery, "battery."
+        )
         propulsion = getattr(self.airframe, "propulsion", None)
         if isinstance(propulsion, Propulsion):
-            entries += taken(propulsion, "airframe.propulsion.")
+            entries += catalogue_values(propulsion, "airframe.propulsion.")
         elif isinstance(propulsion, OperatingPointPropulsion):
-            entries += propulsion.taken()
+            entries += propulsion.catalogue_values()
         return entries
 
     @model_validator(mode="before")
@@ -352,7 +361,7 @@ class Aircraft(FileRecord):
         lift = self.design_space.lift_coefficient
         if lift is None or not isinstance(self.airframe, ParametricAirframe):
             return self
-        # As on the airframe, which a sized design becomes.
+        # The same limits as in the airframe, into which a sized design is written.
         polar = self.airframe.aerodynamics
         if isinstance(polar, WingPolar):
             highest, allowed = polar.highest_lift_coefficient, "at most that of the stall margin"
@@ -397,7 +406,7 @@ class Aircraft(FileRecord):
         return Wing(span_m, span_m / self.airframe.aspect_ratio)
 
     def placed_cells(self) -> list[PlacedCell]:
-        """Whole cells of wing and tail; none without a layout."""
+        """Return the whole cells of wing and tail; none without a layout."""
         layout = self.modules.layout
         return [] if layout is None else layout.placed(self.wing, self.modules.tail)
 

@@ -1,13 +1,12 @@
-"""How high an aircraft flies perpetually: excess time over altitude, and where it ends.
+"""Ceiling of perpetual flight: excess time over altitude.
 
-Each altitude is a flight at that altitude by day and night, through the same weather
-(:meth:`missions.mission.Mission.at_altitude`). Thin air asks for more power, gives more sunlight
-and colder modules; none of these dominates everywhere, so that feasibility need not be monotone.
-The altitudes are scanned, and the highest change from feasible to infeasible is refined. A feasible
-band narrower than the scan's step may be missed.
+Each flight stays at its altitude by day and night, in the same weather
+(:meth:`missions.mission.Mission.at_altitude`). Thin air needs more power, but has more sunlight and
+colder modules: feasibility need not be monotone. The altitudes are scanned, and the highest change
+from feasible to infeasible is refined. A feasible band narrower than the scan's step may be missed.
 
-Of a mission with climbs the altitude is the night's floor; the ceiling of its climbs stays, and is
-the highest floor there can be.
+For a mission with climbs the altitude is the night's floor; the ceiling of its climbs stays, and
+bounds the floor.
 """
 
 from __future__ import annotations
@@ -30,11 +29,11 @@ from sizing.validity.extrapolations import extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.types import FloatArray
 
-# End of a search whose end is not given: for a start near the ground, and that of the air.
+# Default end of a search; missions near it search to the end of the atmosphere.
 _HIGHEST_M, _NEAR_M = 20000.0, 5000.0
 DEFAULT_STEP_M = 250.0
 _RESOLUTION_M = 0.1
-# Limits the root finder where excess time is infinite.
+# Bound of excess time in the search for roots, where it is infinite.
 _FAR_H = 1000.0
 HOPELESS_H = -24.0
 
@@ -43,14 +42,14 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class AltitudeFlight:
-    """Flight at one altitude in the scenario with the least excess time there.
+    """Flight at an altitude in its critical scenario.
 
-    Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and for an aircraft that cannot
-    carry itself all but altitude, air density and excess time (-24 h) is NaN. Module temperature is
-    what the mission gives, NaN where they find their own. ``extrapolations``
-    tell what lies outside the range of a model. ``reason``: why it cannot fly there at all.
-    ``maximum_altitude_m``: highest altitude of the day; None without climbs, of which all else but
-    the cycle is at the night's floor.
+    Power is electric; ``airspeed_m_per_s`` is NaN where unknown. For an aircraft that cannot carry
+    itself all values but altitude, air density and excess time (-24 h) are NaN. Module temperature
+    is that of the mission, NaN for a heat balance. ``extrapolations`` are the quantities outside
+    the range of a model, ``reason`` is why it cannot fly there. ``maximum_altitude_m`` is the
+    highest altitude of the day, None without climbs; all other values but those of the cycle are at
+    the night's floor.
     """
 
     altitude_m: float
@@ -70,10 +69,10 @@ class AltitudeFlight:
 
 @dataclass(frozen=True)
 class PerpetualCeiling:
-    """Excess time over altitude and the highest altitude that keeps more than the required one.
+    """Excess time over altitude, and the highest altitude with more than the required one.
 
-    ``highest`` is none where no altitude does. ``at_search_limit`` tells that the aircraft flies
-    perpetually at the end of the search, so that the true ceiling lies higher.
+    ``highest`` is None if there is none. ``at_search_limit`` is true if the end of the search is
+    feasible, so that the ceiling lies higher.
     """
 
     flights: tuple[AltitudeFlight, ...]
@@ -83,7 +82,7 @@ class PerpetualCeiling:
     at_search_limit: bool
 
     def column(self, name: str) -> FloatArray:
-        """One quantity of :class:`AltitudeFlight` over the scanned altitudes."""
+        """Return a quantity of :class:`AltitudeFlight` over the scanned altitudes."""
         return np.array([getattr(flight, name) for flight in self.flights], float)
 
 
@@ -102,15 +101,15 @@ def highest_perpetual_altitude(
     ----------
     aircraft, mission, solar
         As for :func:`sizing.performance.performance`. The search starts at the mission's altitude,
-        and goes down from there where no altitude above is feasible; a parametric aircraft's masses
-        are those of a flight at each altitude, or night's floor.
+        and goes down from there if no altitude above is feasible; a parametric aircraft's mass
+        budget is closed at each altitude, or night's floor.
     highest_m : float
         End of the search [m]; if left out 20,000 m, or 32,000 m for missions above 15,000 m. With
         climbs it ends at their ceiling at the latest.
     step_m : float
         Spacing of the scan [m]; the ceiling itself is found to 0.1 m.
     progress : callable, optional
-        Told after every scanned altitude how many are done, and of how many.
+        Called after every scanned altitude with the number of altitudes done, and of all.
 
     Returns
     -------
@@ -138,18 +137,18 @@ def highest_perpetual_altitude(
     if not step_m > 0.0:
         raise ValueError(f"step_m must be above 0 (got {step_m:g})")
     altitudes = scanned_altitudes_m(mission.altitude_m, highest_m, step_m)
-    flown = partial(flight_at_altitude, aircraft, mission, solar)
+    simulate = partial(flight_at_altitude, aircraft, mission, solar)
     flights = []
     for number, altitude_m in enumerate(altitudes, start=1):
-        flights.append(flown(altitude_m))
+        flights.append(simulate(altitude_m))
         if progress is not None:
             progress(number, len(altitudes))
     required_h = mission.required_excess_time_h
     below = scanned_altitudes_m(0.0, mission.altitude_m, step_m)[:-1]
     while below and not any(flight.excess_time_h > required_h for flight in flights):
         try:
-            flights.insert(0, flown(below.pop()))
-        except InputError:  # where a table of winds ends
+            flights.insert(0, simulate(below.pop()))
+        except InputError:  # the table of winds ends
             break
         if progress is not None:
             progress(len(flights), len(flights) + len(below))
@@ -158,18 +157,18 @@ def highest_perpetual_altitude(
             operating_trouble(aircraft, mission)
             or f"{aircraft.name} cannot carry its own mass at any altitude"
         )
-    highest = _highest(flights, flown, required_h)
+    highest = _highest(flights, simulate, required_h)
     return PerpetualCeiling(
         flights=tuple(flights),
         required_excess_time_h=required_h,
         highest=highest,
-        best=_best_altitude(flights, flown),
+        best=_best_altitude(flights, simulate),
         at_search_limit=highest is flights[-1],
     )
 
 
 def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> list[float]:
-    """Altitudes to scan [m]: both ends, and the multiples of the step between them."""
+    """Return the altitudes to scan: both ends, and multiples of the step between them [m]."""
     if not lowest_m < highest_m:
         return [float(highest_m)]
     first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
@@ -180,9 +179,9 @@ def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> lis
 def flight_at_altitude(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, altitude_m: float
 ) -> AltitudeFlight:
-    """Worst scenario of a mission flown at another altitude, or from another night's floor.
+    """Return the critical scenario's flight at another altitude, or from another night's floor.
 
-    Returns with an excess time of -24 h for an aircraft that cannot carry its own mass there.
+    The excess time is -24 h for an aircraft that cannot carry its own mass there.
     """
     there = mission.climbing_from(altitude_m)
     density_kg_per_m3 = float(there.air_state().density_kg_per_m3)
@@ -192,7 +191,15 @@ def flight_at_altitude(
     except ImpossibleDesignError:
         reason = operating_reason(aircraft, there) or "cannot carry its own mass"
         return AltitudeFlight(
-            *(altitude_m, HOPELESS_H, *5 * (nan,), density_kg_per_m3, nan),
+            altitude_m=altitude_m,
+            excess_time_h=HOPELESS_H,
+            minimum_state_of_charge=nan,
+            propulsion_power_w=nan,
+            solar_energy_wh=nan,
+            load_energy_wh=nan,
+            airspeed_m_per_s=nan,
+            density_kg_per_m3=density_kg_per_m3,
+            module_temperature_c=nan,
             worst_scenario=0,
             reason=reason,
             maximum_altitude_m=None if there.climb is None else nan,
@@ -217,9 +224,9 @@ def flight_at_altitude(
 
 
 def _highest(
-    flights: list[AltitudeFlight], flown: Callable[[float], AltitudeFlight], required_h: float
+    flights: list[AltitudeFlight], simulate: Callable[[float], AltitudeFlight], required_h: float
 ) -> AltitudeFlight | None:
-    """Last feasible flight, refined up to where it turns infeasible."""
+    """Return the last feasible flight, refined to the edge of feasibility, or None."""
     feasible = [i for i, flight in enumerate(flights) if flight.excess_time_h > required_h]
     if not feasible:
         return None
@@ -228,24 +235,24 @@ def _highest(
         return flights[-1]
 
     def margin_h(altitude_m: float) -> float:
-        return float(np.clip(flown(altitude_m).excess_time_h - required_h, -_FAR_H, _FAR_H))
+        return float(np.clip(simulate(altitude_m).excess_time_h - required_h, -_FAR_H, _FAR_H))
 
-    # Excess time jumps where a day's gain turns to a loss; the change of sign is found either way.
+    # Excess time may jump at the edge; the change of sign is found either way.
     below, above = flights[last].altitude_m, flights[last + 1].altitude_m
     edge = float(brentq(margin_h, below, above, xtol=_RESOLUTION_M))
-    # The root is known to its resolution: step down to the feasible side.
+    # The root has a finite resolution: step down to the feasible side.
     retreat = _RESOLUTION_M
-    highest = flown(edge)
+    highest = simulate(edge)
     while highest.excess_time_h <= required_h and edge - retreat > below:
-        highest = flown(edge - retreat)
+        highest = simulate(edge - retreat)
         retreat *= 2.0
     return highest if highest.excess_time_h > required_h else flights[last]
 
 
 def _best_altitude(
-    flights: list[AltitudeFlight], flown: Callable[[float], AltitudeFlight]
+    flights: list[AltitudeFlight], simulate: Callable[[float], AltitudeFlight]
 ) -> AltitudeFlight:
-    """Flight with the largest excess time, refined between the neighbours of the scan's."""
+    """Return the flight of largest excess time, refined between the neighbours of the scan's."""
     index = int(np.argmax([flight.excess_time_h for flight in flights]))
     best = flights[index]
     if np.isinf(best.excess_time_h):
@@ -253,10 +260,10 @@ def _best_altitude(
 
     lower, upper = flights[max(index - 1, 0)], flights[min(index + 1, len(flights) - 1)]
     least = minimize_scalar(
-        lambda altitude_m: -max(flown(float(altitude_m)).excess_time_h, -_FAR_H),
+        lambda altitude_m: -max(simulate(float(altitude_m)).excess_time_h, -_FAR_H),
         bounds=(lower.altitude_m, upper.altitude_m),
         method="bounded",
         options={"xatol": 1.0},
     )
-    refined = flown(float(least.x))
+    refined = simulate(float(least.x))
     return refined if refined.excess_time_h > best.excess_time_h else best

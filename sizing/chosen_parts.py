@@ -1,11 +1,11 @@
-"""What a sizing has chosen on request, as data of an aircraft's file."""
+"""Parts chosen by a sizing, as data of an aircraft's file."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from sizing.aircraft import Aircraft
-from sizing.catalogues.choice import taken
+from sizing.catalogues.choice import catalogue_values
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import Design
 from sizing.parameters import parameter
@@ -16,7 +16,7 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> No
     variables = design.variables
     if variables.lift_coefficient is not None:
         data["airframe"]["aerodynamics"]["lift_coefficient"] = float(variables.lift_coefficient)
-    if all(one is None for one in variables.of_propulsion):
+    if all(value is None for value in variables.of_propulsion):
         return
     propulsion = aircraft.propulsion_by_parts
     assert propulsion is not None
@@ -26,14 +26,14 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> No
         if value is not None:
             parts.setdefault(part, {})[key] = float(value)
     if variables.motor_speed_constant_rpm_per_v is not None:
-        # A product of the catalogue has its own winding.
-        wound = propulsion.own_motor.rewound(float(variables.motor_speed_constant_rpm_per_v))
+        # The rewound motor replaces a product of the catalogue.
+        wound = propulsion.motor_constants.rewound(float(variables.motor_speed_constant_rpm_per_v))
         parts["motor"] = wound.model_dump(exclude_none=True)
-    sized = any(one is not None for one in variables.of_propulsion[:2])
+    sized = any(value is not None for value in variables.of_propulsion[:2])
     mass_kg = propulsion.sized(*variables.mapped(float).of_propulsion).propeller.mass_kg
     if sized and mass_kg is not None:
         parts["propeller"]["mass_kg"] = float(mass_kg)
-    # No longer the product that the file names.
+    # The product in the file has another size.
     if sized and parts["propeller"].pop("product", None) is not None:
         for key in PARTS_OF_PROPELLER:
             parts["propeller"].setdefault(key, getattr(propulsion.propeller, key))
@@ -54,13 +54,13 @@ def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[st
     if whole_cells:
         return data
     if data["modules"].pop("layout", None) is not None:
-        # The boards of the strings, which may have less than the power that they take.
+        # The mass of the boards by strings may differ from that by rated power.
         data["modules"]["mppt_mass_kg_per_w"] = aircraft.modules.mppt_mass_kg_per_w
         if data["modules"].pop("mppt_board", None) is not None:
             data["modules"]["mppt_efficiency"] = aircraft.modules.mppt_efficiency
     if data["battery"].pop("pack", None) is not None:
         technology = aircraft.battery.model_dump(mode="json")
-        of_entry = {one.key for one in taken(aircraft.battery, "")}
+        of_entry = {value.key for value in catalogue_values(aircraft.battery, "")}
         for key in ("specific_energy_wh_per_kg", "charge_limit"):
             if key not in of_entry:
                 data["battery"][key] = technology[key]

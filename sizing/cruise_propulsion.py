@@ -1,4 +1,4 @@
-"""An aircraft whose efficiencies of propulsion are those of its operating point in level flight."""
+"""Aircraft with the propulsion efficiencies of its operating point in level flight."""
 
 from __future__ import annotations
 
@@ -18,19 +18,18 @@ def with_operating_point(
     bus_voltage_v: float,
     propulsors: int = 1,
 ) -> tuple[Aircraft, OperatingPoint]:
-    """Aircraft with the efficiencies of its propulsion at its operating point in level flight.
+    """Return the aircraft with the efficiencies of its operating point in level flight.
 
-    Drag over the number of propulsors is the thrust of each; the efficiencies change the rated
-    power, and with it the mass and the drag, until they stay. Analyses, replays and maps of the new
-    aircraft are those of the old one with these constants: in climbs, thermals and other air they
-    are not computed anew, nor is the voltage over the night.
+    The efficiencies change rated power, mass and drag, and are iterated until they converge.
+    Analyses, replays and maps of the returned aircraft have constant efficiencies, in climbs,
+    thermals, other air and at any bus voltage.
 
     Parameters
     ----------
     aircraft : Aircraft
         Parametric; its constants of the propulsion are replaced.
     mission : Mission
-        Its air and payload.
+        Only air and payload are used.
     propulsor : Propulsor
     bus_voltage_v : float
         Voltage of the bus [V], see :class:`BatteryVoltage`.
@@ -41,12 +40,12 @@ def with_operating_point(
     -------
     aircraft : Aircraft
     point : OperatingPoint
-        Of one propulsor.
+        Operating point of a propulsor.
 
     Raises
     ------
     ImpossibleDesignError
-        If the propulsor cannot do it, with what would do, or the aircraft cannot carry its mass.
+        If level flight exceeds a limit of the propulsor, or the aircraft cannot carry its mass.
     ValueError
         For a measured aircraft, whose power is known, or less than one propulsor.
     """
@@ -69,7 +68,7 @@ def with_operating_point(
 def _point(
     aircraft: Aircraft, mission: Mission, propulsor: Propulsor, bus_v: float, propulsors: int
 ) -> OperatingPoint:
-    """Operating point of one of the propulsors in level flight."""
+    """Return the operating point of a propulsor in level flight."""
     design = design_of(aircraft, mission)
     power_w = float(design.propulsion_power_w) * _propulsion(aircraft).efficiency
     airspeed = float(design.airspeed_m_per_s)
@@ -92,7 +91,7 @@ def _propulsion(aircraft: Aircraft) -> Propulsion:
 
 
 def _with_efficiencies(aircraft: Aircraft, point: OperatingPoint) -> Aircraft:
-    """Aircraft with the efficiencies of an operating point."""
+    """Return the aircraft with the efficiencies of an operating point."""
     changed = _propulsion(aircraft).model_copy(
         update={
             "motor": None,

@@ -14,7 +14,7 @@ import numpy as np
 
 from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air, gust_speed_fraction, plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar, Polar
+from sizing.aerodynamics.parabolic import DragPolar, Polar, UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft
 from sizing.design_space import PROPULSION_VARIABLES
@@ -264,7 +264,7 @@ def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
 
 
 def flown_at(
-    aerodynamics: DragPolar | OwnDragPolar | WingPolar, lift_coefficient: Value | None
+    aerodynamics: DragPolar | UserDragPolar | WingPolar, lift_coefficient: Value | None
 ) -> Polar:
     """Return the polar in level flight at a chosen lift coefficient.
 

@@ -1,4 +1,4 @@
-"""What an optimiser may choose within: ranges of the variables, and limits of a design."""
+"""Design space: ranges of the design variables, and limits of a design."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from solar.schema import PositiveReal, Record
 
 
 class Range(Record):
-    """Bounds of a design variable; equal ones hold it."""
+    """Bounds of a design variable; equal bounds fix it."""
 
     minimum: PositiveReal
     maximum: PositiveReal
@@ -52,7 +52,7 @@ LimitedQuantity = Literal[
 ]
 LimitEnd = Literal["minimum", "maximum"]
 ENDS: tuple[LimitEnd, LimitEnd] = ("minimum", "maximum")
-# Limits that have a key of their own.
+# Limits with their own keys.
 _NAMED_LIMITS: dict[str, tuple[LimitedQuantity, LimitEnd]] = {
     "maximum_wing_loading_kg_per_m2": ("wing_loading_kg_per_m2", "maximum"),
     "minimum_stall_margin": ("stall_margin", "minimum"),
@@ -62,7 +62,7 @@ _NAMED_LIMITS: dict[str, tuple[LimitedQuantity, LimitEnd]] = {
 
 
 class LimitRow(NamedTuple):
-    """An end of what a quantity of the design may have, and the key it is given by."""
+    """Lower or upper limit of a quantity of the design, and its key."""
 
     quantity: LimitedQuantity
     end: LimitEnd
@@ -71,7 +71,7 @@ class LimitRow(NamedTuple):
 
 
 class Limit(Record):
-    """Least and largest value that a quantity of the design may have; one of them may be left."""
+    """Least and largest value of a quantity of the design; either is optional."""
 
     minimum: PositiveReal | None = None
     maximum: PositiveReal | None = None
@@ -93,11 +93,10 @@ PROPULSION_VARIABLES = (
 
 
 class DesignSpace(Record):
-    """Bounds within which the optimiser may choose.
+    """Bounds of the optimiser's variables and of other quantities.
 
-    Aspect ratio, lift coefficient, propeller, gear and winding of the motor stay as they are on the
-    airframe if they have no range here.
-    ``limits`` bounds any other quantity of the design.
+    Aspect ratio, lift coefficient, propeller, gear and winding of the motor are those of the
+    airframe unless they have a range here. ``limits`` bounds any other quantity of the design.
     """
 
     wingspan_m: Range = Range(minimum=1.0, maximum=15.0)
@@ -117,28 +116,28 @@ class DesignSpace(Record):
     limits: dict[LimitedQuantity, Limit] = Field(default_factory=dict)
 
     def requested_ranges(self) -> dict[str, Range]:
-        """Bounds of the variables that are chosen on request, by name; of those that are."""
+        """Return the bounds of the optional variables that have a range, by name."""
         names = ("aspect_ratio", "lift_coefficient", *PROPULSION_VARIABLES)
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def __hash__(self) -> int:
-        # A mapping has no hash of its own; aircraft serve as keys of what is kept for them.
+        # Mappings have no hash; aircraft are keys of caches.
         others = (getattr(self, name) for name in type(self).model_fields if name != "limits")
         return hash((*others, frozenset(self.limits.items())))
 
     def limit_rows(self) -> dict[str, LimitRow]:
-        """Every limit on a quantity of the design, by the name of its row."""
-        given = [(*place, getattr(self, key), key) for key, place in _NAMED_LIMITS.items()]
-        given += [
+        """Return the limits on quantities of the design, by the names of their rows."""
+        ends = [(*place, getattr(self, key), key) for key, place in _NAMED_LIMITS.items()]
+        ends += [
             (quantity, end, getattr(limit, end), f"limits.{quantity}.{end}")
             for quantity, limit in self.limits.items()
             for end in ENDS
         ]
-        rows = (LimitRow(*one) for one in given if one[2] is not None)
+        rows = (LimitRow(*end) for end in ends if end[2] is not None)
         return {f"{row.quantity}_{row.end}": row for row in rows}
 
-    def own_requirements(self, it: Any) -> list[Any]:
-        """Requirements of the user's own on a design in flight; a file has none."""
+    def user_requirements(self, it: Any) -> list[Any]:
+        """Return user-defined requirements on a design in flight; none in files."""
         return []
 
     @model_validator(mode="after")

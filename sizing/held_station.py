@@ -1,7 +1,7 @@
-"""Flight as fast as the wind of its scenario, where a mission holds its place.
+"""Flight at the speed of the wind, for missions that hold their place.
 
-At the same mass a higher airspeed takes a lower lift coefficient, ``C_L = 2 m g / (rho V^2 S)``,
-and the power of level flight at it. No more is flown than the propulsion's rated power.
+At constant mass a higher airspeed needs a lower lift coefficient, ``C_L = 2 m g / (rho V^2 S)``.
+The power is limited by the rated power of the propulsion.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
 POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
-_ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
+_ROUNDING = 1e-6  # relative tolerance of the rated power, above the solver's
 
 
-def refuse_one_airspeed(aircraft: Aircraft, what: str) -> None:
-    """Refuse an aircraft whose power is known at one airspeed alone."""
+def refuse_measured_aircraft(aircraft: Aircraft, what: str) -> None:
+    """Refuse a measured aircraft, whose power is known at one airspeed only."""
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise ValueError(
             f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
@@ -33,7 +33,7 @@ def held_flight(
 ) -> Design:
     """Return designs that fly as fast as the wind, or at their calm airspeed if that is faster.
 
-    Of infinite power where it exceeds the rated power. The wind broadcasts against the designs.
+    The power is infinite where it exceeds the rated power. The wind broadcasts with the designs.
     """
     flight, able = against_wind(aircraft, mission, design, wind_m_per_s, design.rated_power_w)
     return flight._replace(propulsion_power_w=np.where(able, flight.propulsion_power_w, np.inf))
@@ -51,7 +51,7 @@ def against_wind(
     What exceeds the rated power is no flight, whatever its power is; where no power is known the
     design keeps its airspeed.
     """
-    refuse_one_airspeed(aircraft, "wind.hold_station")
+    refuse_measured_aircraft(aircraft, "wind.hold_station")
     conditions = FlightConditions.of(mission, aircraft)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         ratio = np.maximum(wind_m_per_s / np.asarray(design.airspeed_m_per_s), 1.0)

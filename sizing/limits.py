@@ -1,6 +1,6 @@
-"""Limits on a design: quantities that may be bounded, and constraints besides those of energy.
+"""Limits on a design: quantities that may be bounded, and requirements besides energy.
 
-The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
+The formulas use arithmetic alone, for floats, arrays and symbolic expressions.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from sizing.parameters import label, unit
 from sizing.propulsion.shafts import shares_of_limits
 from sizing.smooth import Value
 
-MASS_BUDGET = "mass_budget"  # met where its value is 0, as of closed designs
-# What is missed by less, relative to its limit, is met: the solver meets its rows to about 1e-8.
+MASS_BUDGET = "mass_budget"  # an equation, which closed designs meet
+# Relative tolerance of requirements, above the solver's of about 1e-8.
 ROW_TOLERANCE = 1e-5
 
 
 class DesignInFlight(NamedTuple):
-    """A design, and the aircraft whose technology it has."""
+    """Design and its aircraft."""
 
     aircraft: Aircraft
     design: Design
 
     @property
     def conditions(self) -> FlightConditions:
-        """Conditions that it flies in."""
+        """Conditions of the flight."""
         return self.design.conditions
 
     @property
@@ -57,21 +57,21 @@ class DesignInFlight(NamedTuple):
 
     @property
     def drag_n(self) -> Value:
-        """Drag of level flight [N]: what the propulsion gives over airspeed, ``P eta / v``."""
+        """Drag of level flight, thrust power over airspeed [N]."""
         return self.design.thrust_power_w / self.design.airspeed_m_per_s
 
     @property
     def lift_to_drag(self) -> Value:
-        """Lift over drag in level flight [-]: lift carries the weight, ``m g / D``."""
+        """Lift over drag in level flight, ``m g / D`` [-]."""
         return self.design.total_mass_kg * GRAVITY_M_PER_S2 / self.drag_n
 
     @property
     def climb_rate_m_per_s(self) -> Value:
-        """Climb at the airspeed of level flight and rated power [m/s]: excess power over weight."""
+        """Climb rate at rated power and level-flight airspeed: excess power over weight [m/s]."""
         chain, weight_n = self.design.chain, self.design.total_mass_kg * GRAVITY_M_PER_S2
         assert chain is not None
-        spare_w = self.design.rated_power_w - self.design.propulsion_power_w
-        return spare_w * chain.efficiency / weight_n
+        excess_w = self.design.rated_power_w - self.design.propulsion_power_w
+        return excess_w * chain.efficiency / weight_n
 
     @property
     def load_w(self) -> Value:
@@ -118,14 +118,14 @@ QUANTITIES: dict[LimitedQuantity, Callable[[DesignInFlight], Value]] = {
 
 
 class Requirement(NamedTuple):
-    """A requirement on a design: met where ``value >= 0``, relative to the limit."""
+    """Requirement on a design, met where ``value >= 0``, relative to its limit."""
 
     name: str
     value: Value
     text: str
 
 
-# Limits of the propulsion's parts, and what they are kept by: more than a solver misses them by.
+# Relative margin of the limits of the propulsion's parts, above the solver's tolerance.
 _CUSHION = 1e-4
 _OF_PROPULSION = {
     "bus_voltage": "the empty battery's voltage falls short of the motor's need by {missed}",
@@ -136,9 +136,9 @@ _OF_PROPULSION = {
 
 
 def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
-    """How far a propulsion is from limits of its parts that do not refuse its flight by themselves.
+    """Return the relative margins to limits of a propulsion's parts.
 
-    Relative; empty for others.
+    They are empty where limits make operating points infeasible, or there is nothing to choose.
     """
     propulsion, design = it.aircraft.propulsion_by_parts, it.design
     if propulsion is None or (propulsion.is_exact and propulsion.is_limited):
@@ -146,17 +146,18 @@ def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
     free = it.aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES)
     if not (propulsion.is_exact or free):
         return {}
-    own = propulsion.sized(*design.variables.of_propulsion)
-    flight = design.airspeed_m_per_s, it.conditions.air
-    turns, shaft_w, _ = own.propeller_state(design.thrust_power_w, *flight)
-    used = shares_of_limits(own, turns, shaft_w, *flight, bus_voltage_v(it.aircraft)[0])
+    sized = propulsion.sized(*design.variables.of_propulsion)
+    speed_m_per_s, air = design.airspeed_m_per_s, it.conditions.air
+    turns, shaft_w, _ = sized.propeller_state(design.thrust_power_w, speed_m_per_s, air)
+    empty_v, _ = bus_voltage_v(it.aircraft)
+    used = shares_of_limits(sized, turns, shaft_w, speed_m_per_s, air, empty_v)
     return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
 
 def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]:
-    """Requirements on the design itself; the mass budget, an equation, comes first.
+    """Return the requirements on a design; the first is the mass budget, an equation.
 
-    Texts say what is wrong when the requirement is missed; ``{missed}`` stands for by how much.
+    Their texts describe a violation; ``{missed}`` stands for its size.
     """
     it = DesignInFlight(aircraft, design)
     covered = aircraft.parametric.maximum_module_coverage * design.wing_area_m2
@@ -171,7 +172,7 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
             1.0 - design.variables.module_area_m2 / covered,
             "the modules need {missed} more wing area than maximum_module_coverage allows them",
         ),
-        # Relative to the airspeed, as the wind may be zero.
+        # Relative to the airspeed, as the wind may be 0.
         Requirement(
             "airspeed_above_wind",
             1.0 - it.conditions.wind_m_per_s / design.airspeed_m_per_s,
@@ -179,23 +180,22 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
         ),
     ]
     for name, limit in aircraft.design_space.limit_rows().items():
-        least, ratio = limit.end == "minimum", QUANTITIES[limit.quantity](it) / limit.value
-        of = "" if unit(limit.quantity) == "1" else f" {unit(limit.quantity)}"
-        missed = "falls short of its minimum" if least else "exceeds its maximum"
-        text = f"{label(limit.quantity)} {missed} {limit.value:g}{of} by {{missed}}"
-        rows.append(Requirement(name, ratio - 1.0 if least else 1.0 - ratio, text))
+        is_minimum, ratio = limit.end == "minimum", QUANTITIES[limit.quantity](it) / limit.value
+        unit_of_limit = "" if unit(limit.quantity) == "1" else f" {unit(limit.quantity)}"
+        violation = "falls short of its minimum" if is_minimum else "exceeds its maximum"
+        text = f"{label(limit.quantity)} {violation} {limit.value:g}{unit_of_limit} by {{missed}}"
+        rows.append(Requirement(name, ratio - 1.0 if is_minimum else 1.0 - ratio, text))
     margins = _propulsion_margins(it)
-    rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
-    return [*rows, *aircraft.design_space.own_requirements(it)]
+    rows += [Requirement(name, margin, _OF_PROPULSION[name]) for name, margin in margins.items()]
+    return [*rows, *aircraft.design_space.user_requirements(it)]
 
 
 def meets_requirements(
     aircraft: Aircraft, design: Design, *, wind_m_per_s: Value | None = None
 ) -> NDArray[np.bool_]:
-    """Whether closed designs keep every requirement on the design itself.
+    """Return whether closed designs meet all requirements, of the designs' shape.
 
-    ``wind_m_per_s``: of each design, instead of its mission's strongest. Returns of the designs'
-    shape.
+    ``wind_m_per_s`` is that of each design, by default the mission's strongest.
     """
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
     if wind_m_per_s is not None:

@@ -1,8 +1,8 @@
-"""The catalogue of parameters, and how to read and replace one of an aircraft or a mission.
+"""Catalogue of parameters, and reading and replacing parameters of aircraft and missions.
 
-A parameter is a number named by its key in the aircraft's file; keys of the mission carry the
-prefix ``mission.``, as on the command line. What is known of each, its unit, symbol, label and
-sensible range, stands once in ``data/parameters.csv``.
+A parameter is a number named by its key in the aircraft's file; keys of the mission have the prefix
+``mission.``, as on the command line. Units, symbols, labels and sensible ranges are in
+``data/parameters.csv``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MISSION_PREFIX = "mission."
 BUILD_KEY = "airframe.structure.build"
-# Numbers of a model that build multiplies.
+# Numbers of a structural model that the build factor multiplies.
 FITTED_KEYS = frozenset(f"airframe.structure.{key}" for key in ("calibration", "coefficient_kg"))
 
 Kind = Literal["design", "quantity", "technology", "mission", "bound"]
@@ -34,16 +34,15 @@ Kind = Literal["design", "quantity", "technology", "mission", "bound"]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A row of the catalogue.
+    """Parameter of the catalogue.
 
-    ``key``: in the aircraft's file, behind ``mission.`` in the mission's, or the name of a
-    quantity. ``kind``: ``design`` variable, ``quantity`` of a design, ``technology`` of the
-    aircraft, ``mission`` or ``bound`` of the design space. ``unit``: for instance ``Wh/kg``; ``1``
-    for none. ``symbol``: in LaTeX, as in the literature; may be empty. ``label``: for people: axes
-    and tables. ``minimum``, ``maximum``: sensible range, about what has been built or is in sight.
-    ``relaxable``: ``up`` or ``down`` where a relaxation may move it that way, else empty.
-    ``sensitive``: whether its sensitivity is worth a row. ``about``: what it is and does, for those
-    who choose its value; may be empty.
+    ``key``: key in the aircraft's file, with ``mission.`` in the mission's, or name of a quantity.
+    ``kind``: ``design`` variable, ``quantity`` of a design, ``technology`` of the aircraft,
+    ``mission`` or ``bound`` of the design space. ``unit``: for instance ``Wh/kg``; ``1`` for none.
+    ``symbol``: in LaTeX, may be empty. ``label``: words for axes and tables. ``minimum``,
+    ``maximum``: sensible range of values built or in sight. ``relaxable``: direction of
+    relaxations, ``up`` or ``down``, else empty. ``sensitive``: whether tables of sensitivities
+    have it. ``about``: explanation for the choice of its value, may be empty.
     """
 
     key: str
@@ -61,7 +60,7 @@ class Parameter:
 
 @cache
 def catalogue() -> Mapping[str, Parameter]:
-    """Every parameter by its key, in the order of the file."""
+    """Return the parameters by their keys, in the order of the file."""
     rows = data_rows("parameters")
     return MappingProxyType({row["key"]: _from_row(row) for row in rows})
 
@@ -79,61 +78,58 @@ def _from_row(row: dict[str, Any]) -> Parameter:
 
 @cache
 def design_keys() -> Mapping[str, str]:
-    """Keys of the design variables by their short names, such as ``wingspan_m``."""
+    """Return the keys of the design variables by their short names, such as ``wingspan_m``."""
     return MappingProxyType({p.name: p.key for p in catalogue().values() if p.kind == "design"})
 
 
 @cache
 def parameter(key: str) -> Parameter:
-    """Parameter by its key or its name in results."""
-    found = catalogue().get(key) or next((p for p in catalogue().values() if p.name == key), None)
-    if found is None:
+    """Return a parameter by its key or its name in results."""
+    row = catalogue().get(key) or next((p for p in catalogue().values() if p.name == key), None)
+    if row is None:
         raise KeyError(f"the catalogue of parameters has no {key}")
-    return found
+    return row
 
 
 def label(key: str) -> str:
-    """Parameter in words."""
+    """Return the name of a parameter in words."""
     return parameter(key).label
 
 
 def unit_text(unit: str) -> str:
-    """Unit as people write it: ``m²`` for ``m2``, ``°C`` for ``C``, nothing for ``1``."""
+    """Return a unit for texts: ``m²`` for ``m2``, ``°C`` for ``C``, nothing for ``1``."""
     plain = {"1": "", "C": "°C"}
     return plain.get(unit, unit.replace("m2", "m²").replace("m3", "m³"))
 
 
 def unit(key: str) -> str:
-    """Unit of a parameter, ``1`` for none."""
+    """Return the unit of a parameter, ``1`` for none."""
     return parameter(key).unit
 
 
 def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> float | None:
-    """Value of a parameter.
-
-    Returns in the parameter's unit; None where neither has one.
-    """
+    """Return the value of a parameter in its unit; None if neither record has it."""
     on_mission = key.startswith(MISSION_PREFIX)
-    found = value_at(mission if on_mission else owner, key.removeprefix(MISSION_PREFIX))
-    if isinstance(found, str):  # a word that stands for a number
-        found = value_at(owner, f"{key}_factor")
-    return float(found) if isinstance(found, int | float) else None
+    value = value_at(mission if on_mission else owner, key.removeprefix(MISSION_PREFIX))
+    if isinstance(value, str):  # a word in place of a number
+        value = value_at(owner, f"{key}_factor")
+    return float(value) if isinstance(value, int | float) else None
 
 
-def is_doubled(owner: BaseModel, key: str) -> bool:
-    """Whether the parameter ``build`` of the file moves the same."""
+def build_scales(owner: BaseModel, key: str) -> bool:
+    """Return whether the file's ``build`` scales the same mass as a parameter."""
     return key in FITTED_KEYS and parameter_value(owner, None, BUILD_KEY) is not None
 
 
 def value_at(node: Any, key: str) -> Any:
-    """What stands below a record at a key with dots; None where nothing does."""
+    """Return the value at a key with dots below a record; None if there is none."""
     for part in key.split("."):
         node = node.get(part) if isinstance(node, Mapping) else getattr(node, part, None)
     return node
 
 
 def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[M, Mission]:
-    """Aircraft and mission with one parameter replaced, unchecked; see :func:`replaced`."""
+    """Return aircraft and mission with a parameter replaced, unchecked; see :func:`replaced`."""
     parts = key.removeprefix(MISSION_PREFIX).split(".")
     if key.startswith(MISSION_PREFIX):
         return owner, replaced(mission, parts, value)
@@ -141,23 +137,18 @@ def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[
 
 
 def replaced(node: M, parts: Sequence[str], value: Value) -> M:
-    """Copy of a description with one value replaced, without validation.
+    """Return a copy of a record with a value replaced, without validation.
 
-    The copy is built anew, because a plain copy would take over what the original has cached.
-
-    ``parts``: names of the fields that lead to the value. ``value``: the formulas use arithmetic
-    only, so that any of them will do.
+    The copy does not share cached properties with the original. ``parts`` is the path of fields to
+    the value, which may be a number, an array or a symbol.
     """
     return all_replaced(node, {".".join(parts): value})
 
 
 def all_replaced(node: M, values: Mapping[str, Value]) -> M:
-    """Copy of a description with some values replaced, without validation; see :func:`replaced`.
-
-    ``values``: by their keys, with a dot between the names of fields; numbers, texts or symbols.
-    """
+    """Return a copy with values replaced by their keys with dots; see :func:`replaced`."""
     inner: dict[str, dict[str, Value]] = {}
-    names = getattr(type(node), "model_fields", None)  # none: some descriptions, by their names
+    names = getattr(type(node), "model_fields", None)  # None for a mapping of records
     fields = dict(node) if names is None else {name: getattr(node, name) for name in names}
     for key, value in values.items():
         head, _, rest = key.partition(".")
@@ -165,5 +156,5 @@ def all_replaced(node: M, values: Mapping[str, Value]) -> M:
             inner.setdefault(head, {})[rest] = value
         else:
             fields[head] = value
-    fields |= {head: all_replaced(fields[head], some) for head, some in inner.items()}
+    fields |= {head: all_replaced(fields[head], changes) for head, changes in inner.items()}
     return cast("M", fields if names is None else type(node).model_construct(**fields))

@@ -1,6 +1,6 @@
-"""Roots of many functions at once, each bracketed and narrowed on its own; bisection of one.
+"""Roots of many functions at once, each in its own bracket, and bisection of a condition.
 
-``scipy.optimize.elementwise`` finds the same roots; its import takes longer than a sizing.
+``scipy.optimize.elementwise`` finds the same roots, but its import takes longer than a sizing.
 """
 
 from __future__ import annotations
@@ -17,27 +17,33 @@ _SECANT_ROUNDS = 8
 _CLOSE = 4.0 * np.finfo(float).eps
 
 
-def bisected(
-    short: float,
-    enough: float,
+def bisect(
+    insufficient: float,
+    sufficient: float,
     suffices: Callable[[float], bool],
     tolerance: Callable[[float], float],
     *,
     step: float = 1.0,
     most: float = math.inf,
 ) -> float:
-    """Value that is enough, next to one that is too short, within a tolerance of what is found.
+    """Return a sufficient value within a tolerance of an insufficient one.
 
-    Where none is known to be enough (infinity), it is looked for up to ``most`` in steps that
-    double; infinite where none is.
+    If no sufficient value is known (infinity), steps that double search it up to ``most``; infinite
+    if there is none.
     """
-    while math.isinf(enough) and short < most:
-        value, step = min(short + step, most), 2.0 * step
-        short, enough = (short, value) if suffices(value) else (value, enough)
-    while math.isfinite(enough) and abs(enough - short) > tolerance(enough):
-        middle = (short + enough) / 2.0
-        short, enough = (short, middle) if suffices(middle) else (middle, enough)
-    return enough
+    while math.isinf(sufficient) and insufficient < most:
+        value, step = min(insufficient + step, most), 2.0 * step
+        if suffices(value):
+            sufficient = value
+        else:
+            insufficient = value
+    while math.isfinite(sufficient) and abs(sufficient - insufficient) > tolerance(sufficient):
+        middle = (insufficient + sufficient) / 2.0
+        if suffices(middle):
+            sufficient = middle
+        else:
+            insufficient = middle
+    return sufficient
 
 
 def bracketed_root(
@@ -46,14 +52,14 @@ def bracketed_root(
     upper: FloatArray,
     relative_tolerance: float = _CLOSE,
 ) -> FloatArray:
-    """Where each of many functions is zero, between two ends with values of opposite signs.
+    """Return the roots of many functions, each between two ends with values of opposite signs.
 
     Chandrupatla, T. R. (1997), A new hybrid quadratic/bisection algorithm for finding the zero of
     a nonlinear function without using derivatives, Advances in Engineering Software 28, 145-149: a
     parabola through the last three points where it is monotonic between them, else the middle.
-    What the other functions do has no influence on one. ``value`` takes a trial for every
-    function; the bracket that is left is at most ``relative_tolerance`` of its end with the smaller
-    value, which is the root. NaN where both ends' values have the same sign.
+    The functions do not influence each other. ``value`` takes a trial for every function; the final
+    bracket is at most ``relative_tolerance`` of its end with the smaller value, which is the root.
+    NaN where both ends' values have the same sign.
     """
     here, other = lower, upper
     f_here, f_other = value(here), value(other)
@@ -67,11 +73,11 @@ def bracketed_root(
             if not searched.any():
                 break
             trial = np.where(searched, here + share * (other - here), root)
-            found = value(trial)
-            same = np.sign(found) == np.sign(f_here)
+            f_trial = value(trial)
+            same = np.sign(f_trial) == np.sign(f_here)
             third, f_third = np.where(same, here, other), np.where(same, f_here, f_other)
             other, f_other = np.where(same, other, here), np.where(same, f_other, f_here)
-            here, f_here = trial, found
+            here, f_here = trial, f_trial
             nearest = np.where(np.abs(f_here) < np.abs(f_other), here, other)
             root = np.where(searched, nearest, root)
             width, close = np.abs(other - here), relative_tolerance * np.abs(nearest)
@@ -126,7 +132,7 @@ class FallingRoots:
     def take(self, value: FloatArray) -> None:
         """Narrow the brackets by the values of the open functions at ``trial``.
 
-        An end kept twice counts half in the false position (Illinois).
+        The value at an end kept twice is halved in the false position (Illinois).
         """
         least, most, lower, upper, lower_value, upper_value, *before, trial = self._brackets
         side_before, latest, latest_value = before
@@ -164,22 +170,22 @@ def _zero(a: FloatArray, b: FloatArray, value_a: FloatArray, value_b: FloatArray
     return np.where(level, -np.inf, a - value_a * (b - a) / slope)
 
 
-# Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
-# closes, a long step might pass the lightest solution and find a heavier one.
+# Largest slope of the budget for secant steps: beyond, near the largest design that closes, a long
+# step might pass the lightest solution.
 _STEEPEST = 0.8
 
 
 class LightestMass:
-    """Search for the lightest masses that equal the budgets which they lead to.
+    """Search for the lightest masses that equal the mass budgets for them.
 
-    As long as some are ``open``, :meth:`take` the budgets of their ``assumed_kg``. Steps to the
-    budget itself climb from below to the lightest solution. Where a budget is convex in the mass it
-    assumes, which it nearly always is, a step along the secant of the last two never passes that
-    solution either, and is longer. Where it is not, or is steep, steps are plain ones.
+    While designs are ``open``, :meth:`take` the budgets of their ``assumed_kg``. Plain steps to the
+    budget climb from below to the lightest solution. For a budget convex in the assumed mass, as
+    nearly all are, a step along the secant of the last two is longer and does not pass the solution
+    either. Other or steep budgets take plain steps.
 
     ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
-    largest change of the mass in the last iteration, relative to it [-]. ``mass_kg`` is infinite
-    where there is none. ``open``: indices of the designs that have not settled.
+    largest relative change of the mass in the last iteration [-]. ``mass_kg`` is infinite without a
+    solution. ``open``: indices of the designs that have not converged.
     """
 
     def __init__(self, start_kg: FloatArray, relative_tolerance: float = 1e-13) -> None:
@@ -204,9 +210,9 @@ class LightestMass:
             still = np.abs(budget - assumed) <= self._tolerance * assumed
             slope = (budget - budget_before) / (assumed - before)
             convex = slope >= slope_before
-            # No two secants yet, or ones that lead nowhere: the plain step.
-            sound = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
-            longer = np.where(sound, 1.0 / (1.0 - slope), 1.0)
+            # Plain steps without two valid secants.
+            feasible = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
+            longer = np.where(feasible, 1.0 / (1.0 - slope), 1.0)
             settled = still | np.isinf(budget)
             step = np.where(settled, budget, assumed + longer * (budget - assumed))
         self._before[:, self.open] = assumed, budget, slope

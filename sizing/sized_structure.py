@@ -1,4 +1,4 @@
-"""Structure of a design: its parts, what sizes it, and a second opinion on its mass."""
+"""Structure of a design: masses of its parts, sizing criteria, and a second opinion on its mass."""
 
 from __future__ import annotations
 
@@ -18,19 +18,16 @@ from sizing.structures.rib_wing_keys import StructureParts
 
 
 def structure_parts(aircraft: Aircraft, design: Design) -> StructureParts | None:
-    """Masses of the structure's parts, without the airframe's mass growth.
+    """Return the masses of the structure's parts, without the airframe's mass growth [kg].
 
-    Returns masses [kg]; None where the model of the structure knows no parts.
+    None for models of the structure without parts.
     """
     sized = _sized_rib_wing(aircraft, design)
     return None if sized is None else sized[0].breakdown(sized[1])
 
 
 def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessment | None:
-    """What sizes the structure, and how far it bends and twists.
-
-    None where the model of the structure does not say.
-    """
+    """Return sizing criteria, deflections and twist of a rib wing; None for other models."""
     sized = _sized_rib_wing(aircraft, design)
     if sized is None:
         return None
@@ -45,7 +42,7 @@ def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessm
 def _structure_remarks(
     aircraft: Aircraft, model: RibWingStructure, inputs: StructureInputs
 ) -> Iterator[str]:
-    """What the criteria of the structure do not cover, and a key whose sense has changed."""
+    """Yield remarks on uncovered loads, and on a key with a changed meaning."""
     tail = aircraft.modules.tail
     excluded = {
         "T-tails": tail is not None and tail.is_t_tail,
@@ -63,11 +60,11 @@ def _structure_remarks(
         )
 
 
-def structure_by_both(aircraft: Aircraft, design: Design) -> dict[str, Value] | None:
-    """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
+def structure_masses_by_model(aircraft: Aircraft, design: Design) -> dict[str, Value] | None:
+    """Return the structural mass by the file's model and another one, by their names [kg].
 
-    By their names, the file's first; None where there is no second opinion. The other one has the
-    calibration and build of the file too, relative to that of AtlantikSolar.
+    Without mass growth; None where there is no second opinion. The other model has the file's
+    calibration and build factor, relative to those of AtlantikSolar.
     """
     sized = _sized_structure(aircraft, design)
     other = None if sized is None else other_model(sized[0])
@@ -81,7 +78,7 @@ def structure_by_both(aircraft: Aircraft, design: Design) -> dict[str, Value] | 
 def _sized_rib_wing(
     aircraft: Aircraft, design: Design
 ) -> tuple[RibWingStructure, StructureInputs] | None:
-    """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
+    """Return the rib wing of an aircraft and its inputs; None for other structures."""
     sized = _sized_structure(aircraft, design)
     if sized is None or not isinstance(sized[0], RibWingStructure):
         return None
@@ -89,7 +86,7 @@ def _sized_rib_wing(
 
 
 def _sized_structure(aircraft: Aircraft, design: Design) -> tuple[Any, StructureInputs] | None:
-    """Model of an aircraft's structure and what it is sized from; None of a measured aircraft."""
+    """Return the structural model of an aircraft and its inputs; None if measured."""
     inputs = design.sized_from
     if inputs is None:
         return None

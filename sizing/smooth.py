@@ -1,6 +1,6 @@
 """Maximum and absolute value without a kink, for floats, arrays and symbols alike.
 
-A hyperbola replaces the kink: its derivatives exist everywhere, which Newton's method needs.
+A hyperbola replaces the kink, so that derivatives exist everywhere, as Newton's method needs.
 """
 
 from __future__ import annotations
@@ -9,22 +9,18 @@ from collections.abc import Iterable
 from functools import reduce
 from typing import Any
 
-# A number, an array or a symbolic expression: whatever the arithmetic is asked to carry.
+# A number, an array or a symbolic expression.
 Value = Any
 
-# Blending width relative to the two values: the overshoot is this much where they are equal and
-# its square over four where one of them vanishes.
+# Blending width relative to the two values, and relative overshoot where they are equal.
 BLEND = 0.02
 
 
 def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
-    """Larger of two values whose sum is positive, differentiable any number of times.
+    """Return the larger of two values of positive sum, smoothly.
 
-    ``(s + sqrt(d^2 + (blend s)^2)) / 2`` with sum s and difference d. Never below the larger value,
-    above it by at most ``blend`` times it, where both are equal; rises with either value; scales
-    with both, so that it needs no absolute width.
-
-    Returns in the unit of the values.
+    ``(s + sqrt(d^2 + (blend s)^2)) / 2`` with sum s and difference d. It exceeds the larger value
+    by at most ``blend`` times it, where both are equal, and rises with either value.
     """
     total = first + second
     gap = first - second
@@ -32,34 +28,31 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
 
 
 def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
-    """Smaller of two positive values: their product over the smooth maximum, so positive as well.
+    """Return the smaller of two positive values, smoothly: their product over the smooth maximum.
 
-    Never above the smaller value, below it by at most ``blend`` times it, where both are equal.
-
-    Returns in the unit of the values.
+    It is below the smaller value by at most ``blend`` times it, where both are equal.
     """
     return first * second / smooth_maximum(first, second, blend)
 
 
 def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:
-    """Absolute value with its kink rounded, ``sqrt(value^2 + (blend scale)^2)``.
+    """Return the absolute value without its kink, ``sqrt(value^2 + (blend scale)^2)``.
 
-    ``blend``: width of the rounded kink relative to the scale [-]. Returns above the absolute value
-    by at most ``blend scale``, at zero.
+    It exceeds the absolute value by at most ``blend scale``, at 0.
     """
     return (value * value + (blend * scale) ** 2) ** 0.5
 
 
 def chebyshev_series(coefficients: Iterable[Value], x: Value) -> Value:
-    """Chebyshev series by Clenshaw's recurrence; coefficients may be expressions themselves."""
+    """Return a Chebyshev series by Clenshaw's recurrence; coefficients may be expressions."""
     first, *others = coefficients
-    one: Value = 0.0
-    two: Value = 0.0
+    last: Value = 0.0
+    before: Value = 0.0
     for coefficient in reversed(others):
-        one, two = coefficient + 2.0 * x * one - two, one
-    return first + x * one - two
+        last, before = coefficient + 2.0 * x * last - before, last
+    return first + x * last - before
 
 
 def largest(needs: dict[str, Value]) -> Value:
-    """Smooth maximum of what several criteria ask for, in their order."""
+    """Return the smooth maximum of the needs of several criteria, in their order."""
     return reduce(smooth_maximum, needs.values())

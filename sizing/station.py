@@ -1,8 +1,7 @@
-"""Station keeping: how fast an aircraft flies perpetually, and how often the wind lets it stay.
+"""Station keeping: fastest perpetual flight, and the share of time that the wind is below it.
 
-An aircraft holds its place while the wind is not faster than it flies. It may fly faster than its
-design does: at a lower lift coefficient, with more power, as far as the repeated day returns the
-energy of the night.
+An aircraft holds its place if it flies at least as fast as the wind. It may fly faster than its
+design, at a lower lift coefficient with more power, as long as the repeated day is perpetual.
 """
 
 from __future__ import annotations
@@ -18,26 +17,26 @@ from missions.winds.statistics import WindStatistics
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
-from sizing.held_station import held_flight, refuse_one_airspeed
+from sizing.held_station import held_flight, refuse_measured_aircraft
 from sizing.mass_budget import design_of
 from sizing.performance import fly
 from solar.types import BoolArray, FloatArray
 
-# Airspeed over that of the design: more takes over 20 times the power.
+# Largest airspeed over the design's: more needs over 20 times the power.
 FASTEST = 3.0
 _SPEEDS = 201
-# Halvings of the interval of airspeeds: to 0.01 % of it.
+# Number of halvings of the interval of airspeeds, to 0.01 % of it.
 _HALVINGS = 14
 
 
 @dataclass(frozen=True)
 class StationKeeping:
-    """Scenarios, their wind and what the aircraft can do against it, arrays of one length.
+    """Scenarios with their winds and the aircraft's fastest perpetual flight, ``(scenario,)``.
 
-    ``airspeed_m_per_s``: the fastest at which the repeated day is perpetual, NaN where none is.
-    ``share``: of the time in which the wind is at most as fast, 0 where it does not fly
-    perpetually. ``wind_m_per_s``: at the mission's percentile. ``at_end``: whether the airspeed is
-    the fastest that is considered.
+    ``airspeed_m_per_s``: fastest airspeed of perpetual flight, NaN if there is none. ``share``:
+    share of the time that the wind is at most that fast, 0 without perpetual flight.
+    ``wind_m_per_s``: at the mission's percentile. ``at_end``: whether the airspeed is the fastest
+    of the search.
     """
 
     scenarios: Scenarios
@@ -54,25 +53,25 @@ def station_keeping(
     *,
     scenarios: Scenarios | None = None,
 ) -> StationKeeping:
-    """Share of the time in which an aircraft holds its place while it flies perpetually."""
-    given = winds_of(aircraft, mission)
-    # How fast it flies is looked for here.
-    update = {"wind_statistics": given.model_copy(update={"hold_station": False})}
+    """Return the share of time that an aircraft holds its place in perpetual flight."""
+    statistics = winds_of(aircraft, mission)
+    # The airspeed is searched for here.
+    update = {"wind_statistics": statistics.model_copy(update={"hold_station": False})}
     mission = mission.model_copy(update=update)
-    some = mission.scenarios() if scenarios is None else scenarios
-    winds = mission.scenario_winds_m_per_s(some)
-    day = solar_day(aircraft, mission, solar, scenarios=some)
+    scenarios = mission.scenarios() if scenarios is None else scenarios
+    winds = mission.scenario_winds_m_per_s(scenarios)
+    day = solar_day(aircraft, mission, solar, scenarios=scenarios)
     fastest, at_end = _fastest(aircraft, mission, solar, day)
-    months = [month_and_day(int(one))[0] for one in some.day_of_year]
-    table = given.table(mission.longitude_deg)
-    below = table.share_below(fastest, some.latitude_deg, mission.altitude_m, months)
+    months = [month_and_day(int(day_of_year))[0] for day_of_year in scenarios.day_of_year]
+    table = statistics.table(mission.longitude_deg)
+    below = table.share_below(fastest, scenarios.latitude_deg, mission.altitude_m, months)
     share = np.where(np.isfinite(fastest), below, 0.0)
-    return StationKeeping(some, fastest, share, winds, at_end)
+    return StationKeeping(scenarios, fastest, share, winds, at_end)
 
 
 def winds_of(aircraft: Aircraft, mission: Mission) -> WindStatistics:
     """Return the mission's winds; refuse an aircraft that cannot hold its place against them."""
-    refuse_one_airspeed(aircraft, "station keeping")
+    refuse_measured_aircraft(aircraft, "station keeping")
     if mission.wind_statistics is None:
         raise file_error(mission.name, "lacks wind: {percentile: ...}, for station keeping")
     return mission.wind_statistics
@@ -81,10 +80,9 @@ def winds_of(aircraft: Aircraft, mission: Mission) -> WindStatistics:
 def faster_flight(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[FloatArray, FloatArray]:
-    """Airspeeds from the design's up, and the least electric power at each or faster.
+    """Return airspeeds from the design's up, and the least electric power at each or a faster one.
 
-    What would be slower and take more power is left out: the aircraft may always fly faster than it
-    must. Infinite above the rated power.
+    The power is infinite above the rated power.
     """
     ratio = np.linspace(1.0, FASTEST, _SPEEDS)
     airspeed = np.asarray(design.airspeed_m_per_s, float) * ratio
@@ -96,10 +94,10 @@ def faster_flight(
 def _fastest(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
 ) -> tuple[FloatArray, BoolArray]:
-    """Fastest airspeed of a perpetual day in every scenario, and whether nothing faster is known.
+    """Return the fastest perpetual airspeed of every scenario, and whether it ends the search.
 
-    Power never falls with the airspeed, and more load never makes a day perpetual: the interval
-    between an airspeed that is and one that is not is halved.
+    Power never falls with airspeed, so that the interval between a feasible and an infeasible
+    airspeed is halved.
     """
     design = design_of(aircraft, mission)
     airspeeds, powers = faster_flight(aircraft, mission, design)
@@ -108,12 +106,12 @@ def _fastest(
 
     def perpetual(airspeed: FloatArray) -> BoolArray:
         power = np.interp(airspeed, airspeeds, powers)
-        flown = design._replace(
+        faster = design._replace(
             propulsion_power_w=power,
             airspeed_m_per_s=airspeed,
             battery_energy_wh=np.full(count, float(design.battery_energy_wh)),
         )
-        perf = fly(aircraft, mission, solar, flown, day, keep_trajectory=False, paired=True)
+        perf = fly(aircraft, mission, solar, faster, day, keep_trajectory=False, paired=True)
         return np.asarray(perf.cycle.perpetual)
 
     low, high = np.full(count, airspeeds[0]), np.full(count, airspeeds[highest])

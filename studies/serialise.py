@@ -151,11 +151,12 @@ RECORDS = {
         """,
     # ---- Parts of both
     "BalanceAssessment": """
-        items horizontal_volume_for_static_margin=holding_volume mass_kg
-        centre_of_gravity_m=gravity_m neutral_point_m=found.x_m
+        items horizontal_volume_for_static_margin=volume_for_margin mass_kg
+        centre_of_gravity_m=gravity_m neutral_point_m=neutral_point.x_m
         aerodynamic_chord_m=wing.aerodynamic_chord_m
         aerodynamic_chord_leading_edge_m=chord_leading_edge_m static_margin
-        downwash_slope=found.downwash lift_slope_per_rad=found.slope tail=planes
+        downwash_slope=neutral_point.downwash lift_slope_per_rad=neutral_point.slope
+        tail=planes
         tail_lift_coefficient=level.tail_lift wing_lift_coefficient=level.wing_lift
         trim_drag_coefficient=level.drag elevator_deg elevator_at_stall_deg elevator_limit_deg
         directional_slope_per_rad=directional_slope rudder_sideslip_deg=sideslip_deg

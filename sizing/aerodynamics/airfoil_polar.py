@@ -172,19 +172,9 @@ class AirfoilPolar:
         return chebyshev_series(self._maximum_lift, inside) / (1.0 + below * below)
 
     def profile_drag(self, cl: Value, reynolds: Value) -> Value:
-        """Return the drag coefficient of the section [-] on the branch up to the stall.
+        """Return the drag coefficient of the section on the branch up to the stall [-].
 
-        Parameters
-        ----------
-        cl
-            Lift coefficient of the section [-].
-        reynolds
-            Reynolds number of the chord [-], above zero.
-
-        Returns
-        -------
-        Value
-            Drag coefficient on the chord [-], above zero for every lift and Reynolds number.
+        It is positive for every lift coefficient, and every Reynolds number above zero.
         """
         inside, below = self._reynolds_coordinates(reynolds)
         top = chebyshev_series(self._maximum_lift, inside) - _STALL_DISTANCE

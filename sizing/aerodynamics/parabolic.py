@@ -11,8 +11,8 @@ from typing import Annotated, Literal, Protocol, Self
 from pydantic import AfterValidator, model_validator
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.own_models import drag_function
 from sizing.smooth import Value
+from sizing.user_models import drag_function
 from solar.schema import (
     Fraction,
     LiftCoefficient,
@@ -40,34 +40,13 @@ class Polar(Protocol):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Return the airspeed of level flight [m/s].
-
-        Parameters
-        ----------
-        mass_kg, wing_area_m2, density_kg_per_m3
-            Mass [kg], wing area [m2] and air density [kg/m3].
-
-        Returns
-        -------
-        Value
-            At :attr:`flight_lift_coefficient` [m/s].
-        """
+        """Return the airspeed of level flight at :attr:`flight_lift_coefficient` [m/s]."""
         ...
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Return the drag coefficient of the aircraft in level flight [-].
+        """Return the drag coefficient on the wing area in level flight [-].
 
-        Parameters
-        ----------
-        aspect_ratio
-            Of the wing [-].
-        reynolds
-            Reynolds number of the mean chord [-].
-
-        Returns
-        -------
-        Value
-            On the wing area, at :attr:`flight_lift_coefficient` [-].
+        ``reynolds`` is that of the mean chord.
         """
         ...
 
@@ -127,7 +106,7 @@ class DragPolar(AtLiftCoefficient):
         return profile, induced, self.parasitic_drag_coefficient
 
 
-class OwnDragPolar(AtLiftCoefficient):
+class UserDragPolar(AtLiftCoefficient):
     """User-defined drag model, by its name: see :func:`sizing.register_drag`."""
 
     model: Literal["own"]
@@ -147,22 +126,7 @@ def level_flight_power_w(
     density_kg_per_m3: Value,
     dynamic_viscosity: Value,
 ) -> Value:
-    """Return the aerodynamic power of level flight, drag times airspeed [W].
-
-    Parameters
-    ----------
-    polar : Polar
-        Lift and drag of the aircraft.
-    mass_kg, wingspan_m, aspect_ratio
-        Mass [kg], wingspan [m] and aspect ratio [-].
-    density_kg_per_m3, dynamic_viscosity
-        Of the air [kg/m3, Pa s].
-
-    Returns
-    -------
-    Value
-        ``0.5 rho V^3 S C_D`` with the wing area ``S = b^2/AR`` [W].
-    """
+    """Return the aerodynamic power of level flight, ``0.5 rho V^3 S C_D`` with S = b^2/AR [W]."""
     area = wingspan_m**2 / aspect_ratio
     chord = wingspan_m / aspect_ratio
     airspeed = polar.airspeed_m_per_s(

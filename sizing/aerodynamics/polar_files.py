@@ -146,7 +146,7 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
     for file, number, line in _lines(text, source):
         if _PROGRAM.match(line):
             program = " ".join(line.split())
-        start = _started(file, number, line, program)
+        start = _new_polar(file, number, line, program)
         if line.strip() and (not polars or polars[-1].source != file) and start is None:
             empty.setdefault(file, number)
         if start is not None:
@@ -181,7 +181,7 @@ def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
         yield file, number, line.rstrip("\r")
 
 
-def _started(file: str, number: int, line: str, program: str) -> FilePolar | None:
+def _new_polar(file: str, number: int, line: str, program: str) -> FilePolar | None:
     """Return a new polar if a line starts one, else None."""
     if _OF_A_SITE.match(line):
         return FilePolar(file, number, "section", "unnamed", program)

@@ -113,11 +113,11 @@ class WingPolar(Record):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _as_the_wing_has_it(
+    def _take_wing_values(
         cls, data: Any, handler: ModelWrapValidatorHandler[WingPolar]
     ) -> WingPolar:
         """Take values from polars of a wing unless given, without counting them as given."""
-        polar = _of_a_wing(data)
+        polar = _wing_values(data)
         new = {key: value for key, value in polar.items() if key not in data}
         if not new:
             return handler(data)
@@ -264,7 +264,7 @@ class WingPolar(Record):
         return (2.0 * pressure / density_kg_per_m3) ** 0.5
 
 
-def _of_a_wing(data: Any) -> dict[str, float]:
+def _wing_values(data: Any) -> dict[str, float]:
     """Return the keys given by polars of a wing; empty without readable ones."""
     if not isinstance(data, Mapping) or not isinstance(data.get("airfoil"), str):
         return {}

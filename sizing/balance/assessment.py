@@ -11,8 +11,8 @@ from sizing.balance.drag import DragShares
 from sizing.balance.in_design import (
     balance_items,
     body_volume_m3,
-    holding_volume,
     polar_with_tail,
+    volume_for_margin,
 )
 from sizing.balance.masses import Item, centre_of_gravity
 from sizing.balance.stability import (
@@ -28,28 +28,27 @@ from sizing.design import Design, flown_at
 from sizing.limits import DesignInFlight
 from sizing.smooth import Value
 
-_SLOW = 1.2  # speed over the stall speed at which the controls are assessed
+_SLOW = 1.2  # airspeed over stall speed for the assessment of controls
 
 
 @dataclass(frozen=True)
 class BalanceAssessment:
-    """Balance in level flight, controls at 1.2 times the stall speed.
+    """Balance in level flight, and controls at 1.2 times the stall speed.
 
-    ``items``: masses with their places. ``asked_margin``: static margin that the file asks for;
-    ``holding_volume``: volume coefficient of the horizontal tail that would have it, None where
-    none does. ``design_mass_kg``: of the mass budget, which a weighed list need not meet.
-    ``found``: neutral point. ``sideslip_deg``: held by the whole rudder. ``motor_out``: share of
-    the rudder that one of two motors, at the fronts of two booms, needs; None with another number
-    of them.
+    ``required_margin``: static margin of the file; ``volume_for_margin``: volume coefficient of the
+    horizontal tail with this margin, None if there is none. ``design_mass_kg``: total of the mass
+    budget, from which weighed masses may differ. ``sideslip_deg``: sideslip at the full rudder.
+    ``motor_out``: share of the rudder to balance a single motor of two at the fronts of two booms;
+    None for other aircraft.
     """
 
     items: tuple[Item, ...]
-    asked_margin: float | None
-    holding_volume: float | None
+    required_margin: float | None
+    volume_for_margin: float | None
     design_mass_kg: float
     wing: Wing
     planes: TailPlanes
-    found: NeutralPoint
+    neutral_point: NeutralPoint
     gravity_m: float
     level: Trim
     drag_coefficient: float
@@ -64,35 +63,35 @@ class BalanceAssessment:
     @property
     def static_margin(self) -> float:
         """Neutral point behind the centre of gravity, over the mean aerodynamic chord [-]."""
-        return float((self.found.x_m - self.gravity_m) / self.wing.aerodynamic_chord_m)
+        return float((self.neutral_point.x_m - self.gravity_m) / self.wing.aerodynamic_chord_m)
 
     def in_chord(self, x_m: float) -> float:
-        """Place over the mean aerodynamic chord, behind its leading edge [-]."""
+        """Return a position over the mean aerodynamic chord, behind its leading edge [-]."""
         return float((x_m - self.wing.at_chord(0.0)) / self.wing.aerodynamic_chord_m)
 
     @property
     def chord_leading_edge_m(self) -> float:
-        """Place of the leading edge of the mean aerodynamic chord [m]."""
+        """Position of the leading edge of the mean aerodynamic chord [m]."""
         return float(self.wing.at_chord(0.0))
 
     @property
     def mass_kg(self) -> float:
-        """Sum of the items [kg]."""
+        """Sum of the masses [kg]."""
         return float(sum(item.mass_kg for item in self.items))
 
 
 def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:
-    """Drag of the parts in level flight; None where the file does not build it up."""
+    """Return the drag of the parts in level flight; None without a drag build-up in the file."""
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
     it = DesignInFlight(aircraft, design)
     polar = _polar(airframe, design, it.lift_coefficient)
-    return DragShares(*(float(one) for one in polar.shares(it.reynolds_number)))
+    return DragShares(*(float(share) for share in polar.shares(it.reynolds_number)))
 
 
 def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
-    """Polar of a design at a lift coefficient, built up where the file asks for it."""
+    """Return the polar of a design at a lift coefficient, with its drag build-up if any."""
     variables = design.variables
     return polar_with_tail(
         airframe,
@@ -103,7 +102,7 @@ def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
 
 
 def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment | None:
-    """Balance of a design of floats; None where the file has no tail or no balance."""
+    """Return the balance of a design of floats; None without tail or balance in the file."""
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.balance is None:
         return None
@@ -113,14 +112,14 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     it = DesignInFlight(aircraft, design)
     variables = design.variables
     wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
-    wing = Wing(*(float(one) for one in wing))
+    wing = Wing(*(float(value) for value in wing))
     planes, body_m3 = tail.planes(wing), body_volume_m3(airframe)
-    found = neutral_point(wing, tail, planes, body_m3)
-    inputs = airframe, design.masses, design.sized_from
+    neutral = neutral_point(wing, tail, planes, body_m3)
+    masses, inputs = design.masses, design.sized_from
     items = tuple(
-        Item(one.name, float(one.mass_kg), float(one.x_m))
-        for one in balance_items(*inputs)
-        if float(one.mass_kg) > 0.0
+        Item(item.name, float(item.mass_kg), float(item.x_m))
+        for item in balance_items(airframe, masses, inputs)
+        if float(item.mass_kg) > 0.0
     )
     gravity_m = float(centre_of_gravity(items))
     lift = float(it.lift_coefficient)
@@ -129,21 +128,23 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     moment = balance.pitching_moment_coefficient
     efficiency = getattr(airframe.aerodynamics, "span_efficiency", 1.0)
     level, slow, stall = (
-        trim(wing, tail, planes, lift=one, moment=moment, gravity_x_m=gravity_m,
+        trim(wing, tail, planes, lift=lift_coefficient, moment=moment, gravity_x_m=gravity_m,
              span_efficiency=efficiency)
-        for one in (lift, slow_lift, stall_lift)
+        for lift_coefficient in (lift, slow_lift, stall_lift)
     )  # fmt: skip
     directional = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
     drag, slow_drag = (
-        float(_polar(airframe, design, one).drag_coefficient(wing.aspect_ratio, reynolds))
-        for one, reynolds in (
+        float(
+            _polar(airframe, design, lift_coefficient).drag_coefficient(wing.aspect_ratio, reynolds)
+        )
+        for lift_coefficient, reynolds in (
             (lift, it.reynolds_number),
             (slow_lift, it.reynolds_number * (lift / slow_lift) ** 0.5),
         )
     )
     elevator, at_stall = (
-        degrees(elevator_deflection(tail, found, level, other, one - lift))
-        for other, one in ((slow, slow_lift), (stall, stall_lift))
+        degrees(elevator_deflection(tail, neutral, level, trimmed, lift_coefficient - lift))
+        for trimmed, lift_coefficient in ((slow, slow_lift), (stall, stall_lift))
     )
     sideslip = float(directional.rudder / directional.slope)
     slow_speed = float(design.airspeed_m_per_s) * (lift / slow_lift) ** 0.5
@@ -152,12 +153,12 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     yawing = slow_drag * planes.horizontal_span_m / 2.0 / wing.wingspan_m
     return BalanceAssessment(
         items=items,
-        asked_margin=balance.static_margin,
-        holding_volume=holding_volume(*inputs),
+        required_margin=balance.static_margin,
+        volume_for_margin=volume_for_margin(airframe, masses, inputs),
         design_mass_kg=float(design.total_mass_kg),
         wing=wing,
         planes=planes,
-        found=found,
+        neutral_point=neutral,
         gravity_m=gravity_m,
         level=level,
         drag_coefficient=drag,

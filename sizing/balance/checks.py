@@ -1,4 +1,4 @@
-"""What the keys of balance and trim need of one another in an aircraft's file."""
+"""Checks of the keys of balance and trim in an aircraft's file against each other."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from sizing.layout.cells import CellLayout
 
 
-# Chords over the mean chord that count as the same: a table of cells may have four digits.
+# Tolerance of equal relative chords: a table of cells may have four digits.
 _SAME_CHORD = 1e-3
-# Of the structure's model, which airframe.tail stands for.
+# Keys of the structure's model that airframe.tail replaces.
 _TAIL_KEYS = ("fuselage_chords", "horizontal_tail_ratio", "vertical_tail_ratio")
-# Of the drag polars, which airframe.drag stands for: none unless the file says so.
+# Keys of the drag polars that airframe.drag replaces: 0 by default.
 _DRAG_CONSTANTS = {
     "parabolic": ("parasitic_drag_coefficient",),
     "wing_polar": ("tail_area_ratio", "fuselage_wetted_area_ratio"),
 }
 
 
-def without_own_constants(data: Any) -> Any:
-    """Airframe whose polar has no drag of its own for what ``drag`` builds up."""
+def without_replaced_constants(data: Any) -> Any:
+    """Return an airframe's data with 0 for drag constants that ``drag`` replaces."""
     polar = data.get("aerodynamics") if isinstance(data, Mapping) else None
     if not isinstance(polar, Mapping) or data.get("drag") is None:
         return data
@@ -36,7 +36,7 @@ def without_own_constants(data: Any) -> Any:
 
 
 def _relative_chords(inner: float, taper: float) -> dict[str, tuple[float, ...]]:
-    """Planform of two panels as that of cells: chord over the mean chord along the half-span."""
+    """Return the planform of two panels as relative chords along the half-span, for cells."""
     root = 1.0 / (inner + (1.0 - inner) * (1.0 + taper) / 2.0)
     if inner == 0.0:
         return {"half_span": (0.0, 1.0), "relative_chord": (root, taper * root)}
@@ -44,11 +44,11 @@ def _relative_chords(inner: float, taper: float) -> dict[str, tuple[float, ...]]
 
 
 def cells_on_planform(data: Any) -> Any:
-    """Aircraft whose cells lie on the wing of ``airframe.planform``, unless they have their own."""
+    """Return an aircraft's data with cells on ``airframe.planform``, unless given otherwise."""
     airframe, modules = (_mapping(data, key) for key in ("airframe", "modules"))
     planform, layout = _mapping(airframe, "planform"), _mapping(modules, "layout")
     shape: list[Any] = [planform.get(key) for key in ("inner_fraction", "taper_ratio")]
-    valid = all(isinstance(one, int | float) and 0.0 <= one <= 1.0 for one in shape)
+    valid = all(isinstance(value, int | float) and 0.0 <= value <= 1.0 for value in shape)
     if not (valid and layout) or "planform" in layout or shape[0] == 1.0 or shape[1] == 0.0:
         return data
     placed = {**layout, "planform": _relative_chords(*shape)}
@@ -56,19 +56,19 @@ def cells_on_planform(data: Any) -> Any:
 
 
 def _mapping(holder: Any, key: str) -> Mapping[str, Any]:
-    """Mapping under a key; empty where there is none."""
-    found = holder.get(key) if isinstance(holder, Mapping) else None
-    return found if isinstance(found, Mapping) else {}
+    """Return the mapping under a key; empty if there is none."""
+    value = holder.get(key) if isinstance(holder, Mapping) else None
+    return value if isinstance(value, Mapping) else {}
 
 
 def check_planforms(wing: Planform | None, layout: CellLayout) -> None:
-    """Refuse cells on another planform than that of the wing."""
+    """Refuse cells on another planform than the wing."""
     if wing is None or layout.planform is None:
         return
     cells, shape = layout.planform, _relative_chords(wing.inner_fraction, wing.taper_ratio)
     places = sorted({*cells.half_span, *shape["half_span"]})
-    own = np.interp(places, cells.half_span, cells.relative_chord)
-    if not np.allclose(own, np.interp(places, shape["half_span"], shape["relative_chord"]),
+    chords = np.interp(places, cells.half_span, cells.relative_chord)
+    if not np.allclose(chords, np.interp(places, shape["half_span"], shape["relative_chord"]),
                        atol=_SAME_CHORD):  # fmt: skip
         raise wrong_value(
             "modules.layout.planform", "is another wing than airframe.planform; give one"
@@ -76,7 +76,7 @@ def check_planforms(wing: Planform | None, layout: CellLayout) -> None:
 
 
 def check_balance(airframe: Any) -> None:
-    """Refuse keys of a parametric airframe that lack what they need, and what is given twice."""
+    """Refuse missing and duplicate keys of a parametric airframe."""
     balance = airframe.balance
     for key in ("drag", "balance"):
         if getattr(airframe, key) is not None and airframe.tail is None:

@@ -1,7 +1,7 @@
-"""Drag of tails, booms, pods and gaps by handbook formulas, instead of one parasitic constant.
+"""Drag of tails, booms, pods and gaps by handbook formulas, in place of a parasitic constant.
 
 ``C_D = C_f F Q S_wet/S``: skin friction, form factor, interference (Raymer, D. P., Aircraft Design:
-A Conceptual Approach, eq. 12.24). Arithmetic only, for floats, arrays and symbols.
+A Conceptual Approach, eq. 12.24). Arithmetic alone, for floats, arrays and symbols.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ from solar.schema import (
 
 
 def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
-    """Skin friction coefficient of a flat plate, laminar over a share of it [-].
+    """Return the skin friction coefficient of a partly laminar flat plate [-].
 
-    ``1.328 Re^-1/2`` and ``0.074 Re^-1/5`` (Schlichting, Boundary-Layer Theory), averaged by the
-    share as Raymer does in section 12.5.3.
+    ``1.328 Re^-1/2`` and ``0.074 Re^-1/5`` (Schlichting, Boundary-Layer Theory), weighted by the
+    laminar fraction (Raymer, section 12.5.3).
     """
     laminar, turbulent = 1.328 * reynolds**-0.5, 0.074 * reynolds**-0.2
     return laminar_fraction * laminar + (1.0 - laminar_fraction) * turbulent
 
 
 def _plane_wetted(thickness_ratio: float) -> float:
-    """Wetted area of a plane over its area: Raymer, eq. 7.11."""
+    """Return the wetted area of a plane over its area: Raymer, eq. 7.11 [-]."""
     return 1.977 + 0.52 * thickness_ratio
 
 
 def _body_form(slenderness: Value) -> Value:
-    """Form factor of a body, ``1 + 60/f^3 + f/400`` with length over diameter: Raymer, 12.31."""
+    """Return a body's form factor ``1 + 60/f^3 + f/400``, f length over diameter: Raymer, 12.31."""
     return 1.0 + 60.0 / slenderness**3 + slenderness / 400.0
 
 
 def _ellipsoid_m2(length_m: float, diameter_m: float) -> float:
-    """Surface of an ellipsoid of revolution that is longer than thick."""
+    """Return the surface of an elongated ellipsoid of revolution [m2]."""
     slenderness = length_m / diameter_m
     eccentricity = (1.0 - slenderness**-2) ** 0.5
     stretched = slenderness / eccentricity * asin(eccentricity)
@@ -60,9 +60,9 @@ def _ellipsoid_m2(length_m: float, diameter_m: float) -> float:
 class Pod(Record):
     """Pod or nacelle as an ellipsoid of revolution along the airspeed.
 
-    ``wetted_area_m2``: of one pod, in place of the diameter, which is then that of the ellipsoid
-    with this surface; the structure's pod has the surface of all pods, where one gives it.
-    ``interference`` is 1.3 for a body on the wing (Raymer, section 12.5.5).
+    ``wetted_area_m2`` of a pod replaces its diameter; if any pod has it, the surface of all pods is
+    that of the structure's pod. ``interference`` is 1.3 for a body on the wing (Raymer, section
+    12.5.5).
     """
 
     length_m: PositiveReal
@@ -86,33 +86,33 @@ class Pod(Record):
 
     @cached_property
     def thick_m(self) -> float:
-        """Diameter, given or that of the surface [m]."""
+        """Diameter, given or by the wetted area [m]."""
         if self.diameter_m is not None:
             return self.diameter_m
         assert self.wetted_area_m2 is not None
-        wanted, low_m, high_m = self.wetted_area_m2, 0.0, self.length_m
+        area_m2, low_m, high_m = self.wetted_area_m2, 0.0, self.length_m
         while high_m - low_m > 1e-12 * self.length_m:
             middle_m = (low_m + high_m) / 2.0
-            small = _ellipsoid_m2(self.length_m, middle_m) < wanted
+            small = _ellipsoid_m2(self.length_m, middle_m) < area_m2
             low_m, high_m = (middle_m, high_m) if small else (low_m, middle_m)
         return low_m
 
     @property
     def volume_m3(self) -> float:
-        """Volume of all of these pods [m3]."""
+        """Volume of all these pods [m3]."""
         return float(self.count * pi / 6.0 * self.thick_m**2 * self.length_m)
 
     @property
     def wetted_m2(self) -> float:
-        """Surface of all of these pods, that of ellipsoids [m2]."""
+        """Surface of all these pods [m2]."""
         return float(self.count * _ellipsoid_m2(self.length_m, self.thick_m))
 
 
 class DragComponents(Record):
-    """What has drag besides the wing; tails and booms are those of tail and structure.
+    """Components with drag besides the wing; sizes of tails and booms come from the tail.
 
-    ``gaps_fraction``: of the profile drag of wing and components, for gaps of control surfaces,
-    leaks and protuberances (Raymer, section 12.5.7: 5 to 10 % of propeller aircraft).
+    ``gaps_fraction`` is the drag of gaps at control surfaces, leaks and protuberances over the
+    profile drag of wing and components (Raymer, section 12.5.7: 5 to 10 % for propeller aircraft).
     """
 
     pods: tuple[Pod, ...] = ()
@@ -129,15 +129,15 @@ class DragComponents(Record):
 
     @property
     def built_m2(self) -> float | None:
-        """Surface of all pods for the structure; None where no pod gives one [m2]."""
-        given = any(pod.wetted_area_m2 is not None for pod in self.pods)
-        return sum(pod.wetted_m2 for pod in self.pods) if given else None
+        """Surface of all pods for the structure; None if no pod has a wetted area [m2]."""
+        is_given = any(pod.wetted_area_m2 is not None for pod in self.pods)
+        return sum(pod.wetted_m2 for pod in self.pods) if is_given else None
 
 
 class DragShares(NamedTuple):
-    """Drag coefficients of the parts, on the wing area [-]; their sum is that of the aircraft.
+    """Drag coefficients of the parts on the wing area; their sum is the aircraft's [-].
 
-    ``other``: constants of the file's polar. ``trim``: of the static margin that is asked for.
+    ``other``: constants of the file's polar. ``trim``: trim drag at the required static margin.
     """
 
     wing_profile: Value
@@ -157,12 +157,12 @@ class DragShares(NamedTuple):
 
     @property
     def parasitic(self) -> Value:
-        """What one constant stands for without components: all but wing and trim."""
+        """Drag of all parts but wing and trim [-]."""
         return sum(self[3:-1], self[2])
 
 
 class Booms(NamedTuple):
-    """Tubes between wing and tail; of the structure's model."""
+    """Tubes between wing and tail, of the structure's model."""
 
     number: int
     diameter_m: Value
@@ -170,11 +170,11 @@ class Booms(NamedTuple):
 
 @dataclass(frozen=True)
 class BuiltUpPolar:
-    """Polar of a wing with the drag of the other parts, for one wing.
+    """Polar of an aircraft of given size, with the drag of its components and of trim.
 
-    ``base``: polar of the file at the lift coefficient of level flight. ``components``: none leaves
-    the base's drag. ``static_margin``: over the mean aerodynamic chord, whose trim drag counts;
-    none leaves trim out. ``moment``: of the wing about its aerodynamic centre.
+    ``base``: polar of the file at the lift coefficient of level flight. ``static_margin``: over the
+    mean aerodynamic chord, None without trim drag [-]. ``moment``: pitching moment coefficient of
+    the wing about its aerodynamic centre [-].
     """
 
     base: DragPolar | WingPolar
@@ -198,13 +198,13 @@ class BuiltUpPolar:
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s], that of the base."""
+        """Return the airspeed of level flight, by the base polar [m/s]."""
         return self.base.airspeed_m_per_s(
             mass_kg=mass_kg, wing_area_m2=wing_area_m2, density_kg_per_m3=density_kg_per_m3
         )
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft in level flight [-]; the wing is this polar's own."""
+        """Return the drag coefficient of the aircraft in level flight, with its own wing [-]."""
         return self.shares(reynolds).total
 
     @property
@@ -218,7 +218,7 @@ class BuiltUpPolar:
         return 0.0 if self.components is None else self.components.volume_m3
 
     def shares(self, reynolds: Value) -> DragShares:
-        """Drag of the parts."""
+        """Return the drag of the parts."""
         profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
         horizontal, vertical, booms, pods, gaps = self._components(profile, reynolds)
         return DragShares(
@@ -234,7 +234,7 @@ class BuiltUpPolar:
         )
 
     def _components(self, profile: Value, reynolds: Value) -> tuple[Value, ...]:
-        """Tail planes, booms, pods, and the gaps of them and the wing."""
+        """Return the drag of tail planes, booms, pods, and gaps [-]."""
         it = self.components
         if it is None:
             return (0.0,) * 5
@@ -262,7 +262,7 @@ class BuiltUpPolar:
         return horizontal, vertical, booms, pods, gaps
 
     def _trim_drag(self, static_margin: float) -> Value:
-        """Trim drag at a static margin, whatever masses bring it about."""
+        """Return the trim drag at a static margin [-]."""
         wing, planes = self.wing, self.planes
         neutral_m = neutral_point(wing, self.tail, planes, self.body_m3).x_m
         return trim(

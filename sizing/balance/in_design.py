@@ -1,8 +1,7 @@
-"""Tail, drag and balance of an aircraft's file in its designs.
+"""Tail, drag build-up and balance of an aircraft's file in its designs.
 
-The tail goes into the models of structure and drag, for numbers and symbols alike, and so do the
-masses along the span and the wires that carry the wing. Of a static
-margin that is asked for the size of the horizontal tail is told that would have it.
+Tail, masses along the span and wires to the wing enter the models of structure and drag, for
+numbers and symbols. The horizontal tail for a required static margin is reported.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ from solar.types import FloatArray
 def structure_with_tail(
     airframe: ParametricAirframe, wingspan_m: Value, aspect_ratio: Value
 ) -> StructureModel:
-    """Model of the structure with the tail of the file, where it has one."""
+    """Return the model of the structure with the tail of the file, if any."""
     structure = airframe.structure
     if airframe.tail is None:
         return structure
@@ -53,10 +52,9 @@ def structure_with_tail(
 def polar_with_tail(
     airframe: ParametricAirframe, polar: Polar, wingspan_m: Value, aspect_ratio: Value
 ) -> Polar:
-    """Polar with the drag of tail, booms and pods, and of the trim that the file asks for.
+    """Return the file's polar with the drag of tail, booms and pods, and of trim, if required.
 
-    ``polar``: of the file, at the lift coefficient of level flight; it is returned as it is where
-    the file asks for neither.
+    ``polar`` is that of the file at the lift coefficient of level flight.
     """
     balance, tail, structure = airframe.balance, airframe.tail, airframe.structure
     margin = None if balance is None else balance.static_margin
@@ -84,7 +82,7 @@ def polar_with_wires(
     total_mass_kg: Value,
     airspeed_m_per_s: Value,
 ) -> Polar:
-    """Polar with the drag of the wires that carry the wing; itself where there are none."""
+    """Return the polar with the drag of wires to the wing, if any."""
     structure = getattr(aircraft.airframe, "structure", None)
     if not isinstance(structure, RibWingStructure) or structure.bracing is None:
         return polar
@@ -103,7 +101,7 @@ def structure_inputs(
     airspeed_m_per_s: Value,
     propulsion_kg: Value,
 ) -> StructureInputs:
-    """Inputs of the structure; along the span lie the modules and the shares of the file."""
+    """Return the inputs of the structure, with the mass along the span."""
     airframe = aircraft.parametric
     battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
     systems_kg = airframe.avionics_mass_kg + air.payload_mass_kg + airframe.other_mass_kg
@@ -123,19 +121,21 @@ def structure_inputs(
 
 
 def body_volume_m3(airframe: ParametricAirframe) -> float:
-    """Volume of the pods [m3]; none without drag by components."""
+    """Return the volume of the pods; 0 without drag by components [m3]."""
     return 0.0 if airframe.drag is None else airframe.drag.volume_m3
 
 
 def balance_items(
     airframe: ParametricAirframe, masses: Any, inputs: StructureInputs
 ) -> tuple[Item, ...]:
-    """Masses with their places: as weighed, or of the mass budget, which they add up to."""
+    """Return masses with their places, weighed or by the mass budget."""
     balance = airframe.balance
     assert balance is not None
     assert airframe.tail is not None
     if balance.weighed:
-        return tuple(Item(one.name, one.mass_kg, one.x_m) for one in balance.weighed)
+        return tuple(
+            Item(weighed.name, weighed.mass_kg, weighed.x_m) for weighed in balance.weighed
+        )
     wing = wing_of(airframe.planform, inputs.wingspan_m, inputs.aspect_ratio)
     structure = structure_with_tail(airframe, wing.wingspan_m, wing.aspect_ratio)
     assert isinstance(structure, RibWingStructure)  # others are refused at validation
@@ -159,17 +159,16 @@ def balance_items(
     return tuple(items)
 
 
-# Volume coefficients of a horizontal tail that a static margin may ask for.
+# Range of volume coefficients in the search for a static margin.
 _LEAST_VOLUME, _MOST_VOLUME = 0.01, 3.0
 
 
-def holding_volume(
+def volume_for_margin(
     airframe: ParametricAirframe, masses: Any, inputs: StructureInputs
 ) -> float | None:
-    """Volume coefficient of the horizontal tail that has the static margin asked for [-].
+    """Return the volume coefficient of the horizontal tail for the required static margin [-].
 
-    With the mass of that tail, and all others as they are. None where no margin is asked for, and
-    where no tail has it.
+    The tail's mass changes with it, all other masses stay. None if no margin is required or found.
     """
     tail, balance = airframe.tail, airframe.balance
     assert tail is not None
@@ -181,9 +180,9 @@ def holding_volume(
     def error(volume: FloatArray) -> FloatArray:
         sized = tail.with_volume(volume)
         neutral_m = neutral_point(wing, sized, sized.planes(wing), body_volume_m3(airframe)).x_m
-        own = airframe.model_copy(update={"tail": sized})
-        gravity_m = centre_of_gravity(balance_items(own, masses, inputs))
+        changed = airframe.model_copy(update={"tail": sized})
+        gravity_m = centre_of_gravity(balance_items(changed, masses, inputs))
         return np.asarray((neutral_m - gravity_m) / wing.aerodynamic_chord_m - margin)
 
-    found = bracketed_root(error, np.array([_LEAST_VOLUME]), np.array([_MOST_VOLUME]))
-    return None if np.isnan(found[0]) else float(found[0])
+    volume = bracketed_root(error, np.array([_LEAST_VOLUME]), np.array([_MOST_VOLUME]))
+    return None if np.isnan(volume[0]) else float(volume[0])

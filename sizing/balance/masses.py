@@ -1,7 +1,7 @@
-"""Where the masses of an aircraft are: positions of its parts, or a list of what was weighed.
+"""Places of an aircraft's masses: positions of its parts, or a list of weighed masses.
 
-Positions in chords are behind the leading edge of the wing root, in mean chords, so that they grow
-with the wing; those of weighed masses are in metres.
+Positions are behind the leading edge of the wing root: in mean chords, which scale with the wing,
+or in metres for weighed masses.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _TAIL_MASS = 0.15
 
 
 class Item(NamedTuple):
-    """A mass and its place behind the leading edge of the wing root [m]."""
+    """Mass and its place behind the leading edge of the wing root [m]."""
 
     name: str
     mass_kg: Value
@@ -35,13 +35,13 @@ class Item(NamedTuple):
 
 
 def centre_of_gravity(items: Sequence[Item]) -> Value:
-    """Place of the centre of gravity [m], ``sum(m x)/sum(m)``."""
+    """Return the place of the centre of gravity, ``sum(m x)/sum(m)`` [m]."""
     mass = sum((item.mass_kg for item in items[1:]), items[0].mass_kg)
     return sum((i.mass_kg * i.x_m for i in items[1:]), items[0].mass_kg * items[0].x_m) / mass
 
 
 class WeighedMass(Record):
-    """A mass as weighed, with its place behind the leading edge of the wing root."""
+    """Weighed mass, with its place behind the leading edge of the wing root [m]."""
 
     name: Name
     mass_kg: PositiveReal
@@ -49,10 +49,10 @@ class WeighedMass(Record):
 
 
 class Positions(Record):
-    """Places of what the build-up has no place for, in mean chords; all are assumptions.
+    """Places of parts that the mass build-up does not locate, in mean chords; all assumptions.
 
-    A tractor ahead of the wing, a pod about its leading edge. ``battery`` is the share of it that
-    is not in the wing.
+    The propeller is a tractor ahead of the wing, the pod lies at its leading edge. ``battery`` is
+    the part of the battery outside the wing.
     """
 
     propulsion: Real = -0.6
@@ -66,16 +66,20 @@ class Positions(Record):
 
 
 class Balance(Record):
-    """Key ``airframe.balance``: masses with their places, and the static margin that is asked for.
+    """Key ``airframe.balance``: masses with their places, and the required static margin.
 
-    ``weighed``: every mass of the aircraft, instead of the build-up. ``static_margin``: neutral
-    point behind the centre of gravity, over the mean aerodynamic chord; trim has the drag of it.
+    ``weighed``: all masses of the aircraft, in place of the build-up. ``static_margin``: neutral
+    point behind the centre of gravity, over the mean aerodynamic chord, for the drag of trim.
     """
 
     explained_keys: ClassVar[Mapping[str, str]] = dict.fromkeys(
         (
-            *("held_by", "moved", "foremost_chords", "rearmost_chords"),
-            *("minimum_horizontal_volume", "maximum_horizontal_volume"),
+            "held_by",
+            "moved",
+            "foremost_chords",
+            "rearmost_chords",
+            "minimum_horizontal_volume",
+            "maximum_horizontal_volume",
         ),
         "nothing is moved or sized for a static margin: give positions_chords and airframe.tail; "
         "the tail that would have the margin is reported",
@@ -98,9 +102,10 @@ class Balance(Record):
 def wing_and_tail_items(
     parts: StructureParts, wing: Wing, tail_x_m: Value, pod_x_m: Value
 ) -> list[Item]:
-    """Parts of a rib wing; joints are spread over all of them.
+    """Return the parts of a rib wing with their places; joints lie at the centroid of the others.
 
-    ``tail_x_m``: centroid of the tail planes. The boom reaches from the wing's quarter chord to it.
+    ``tail_x_m`` is the centroid of the tail planes; the boom ends there and at the wing's quarter
+    chord.
     """
     masses = parts._asdict()
     places = {name: wing.at_chord(share) for name, share in _WING_PARTS.items()}
@@ -110,10 +115,10 @@ def wing_and_tail_items(
 
 
 def spar_x_m(wing: Wing) -> Value:
-    """Place of what lies in the spar [m]."""
+    """Return the place of masses in the spar [m]."""
     return wing.at_chord(_SPAR)
 
 
 def tail_mass_x_m(wing: Wing, arm_m: Value, chord_m: Value) -> Value:
-    """Centroid of the tail planes [m]."""
+    """Return the centroid of the tail planes [m]."""
     return wing.quarter_m + arm_m + _TAIL_MASS * chord_m

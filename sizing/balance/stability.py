@@ -1,6 +1,6 @@
 """Static stability and trim by handbook formulas: neutral point, tail lift, control authority.
 
-Arithmetic only where an optimiser passes symbols. Sources at each function; docs/balance.md.
+Arithmetic alone where an optimiser passes symbols. Sources at each function; docs/balance.md.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from sizing.smooth import Value
 _VORTEX_SPACING = pi / 4.0
 # Share of a hinged flap's theoretical effect at an unsealed hinge (Phillips, section 1.7).
 _HINGE = 0.8
-# A tail plane at the root and a body double part of a fin (Raymer, section 16.4.5: 1.55).
+# Effective over geometric aspect ratio of a fin at tail plane and body (Raymer, section 16.4.5).
 _FIN_END_PLATE = 1.55
 # (1 + d sigma/d beta) eta at the fins, of an unswept wing at mid height (Raymer, eq. 16.48):
 # 0.724 + 3.06/2 S_v/S + 0.009 AR.
@@ -23,12 +23,12 @@ _SIDEWASH, _SIDEWASH_AREA, _SIDEWASH_RATIO = 0.724, 3.06 / 2.0, 0.009
 
 
 def downwash_slope(wing: Wing, aft_m: Value, height_m: float) -> Value:
-    """Change of the downwash angle at the tail with the wing's angle of attack [-].
+    """Return the change of downwash angle at the tail with the wing's angle of attack [-].
 
     ``d eps/d alpha = kappa_p/kappa_b a/AR`` of a bound vortex with two tip vortices, rolled up, of
     a wing with elliptic lift: Phillips, W. F., Mechanics of Flight, section 4.5.
 
-    ``aft_m``, ``height_m``: of the tail's quarter chord from the wing's.
+    ``aft_m``, ``height_m``: position of the tail's quarter chord from the wing's.
     """
     half_m, spacing = wing.wingspan_m / 2.0, _VORTEX_SPACING
     x2, y2 = (aft_m / half_m) ** 2, (height_m / half_m) ** 2
@@ -40,10 +40,10 @@ def downwash_slope(wing: Wing, aft_m: Value, height_m: float) -> Value:
 
 
 class NeutralPoint(NamedTuple):
-    """Where the lift of an angle of attack acts, controls fixed.
+    """Neutral point with fixed controls.
 
-    ``slope``: lift slope of the aircraft on the wing area [1/rad]. ``tail_slope``: that of the
-    tail plane alone, on its own area. ``downwash``: ``d eps/d alpha`` at it [-].
+    ``slope``: lift slope of the aircraft on the wing area [1/rad]. ``tail_slope``: lift slope of
+    the tail plane on its own area [1/rad]. ``downwash``: ``d eps/d alpha`` at the tail [-].
     """
 
     x_m: Value
@@ -53,14 +53,14 @@ class NeutralPoint(NamedTuple):
 
 
 def neutral_point(wing: Wing, tail: Tail, planes: TailPlanes, body_m3: float) -> NeutralPoint:
-    """Stick-fixed neutral point.
+    """Return the stick-fixed neutral point.
 
     ``a = a_w (1 + eta S_h/S a_t/a_w (1 - d eps/d alpha))``,
     ``h_n = h_w + V_h eta a_t/a (1 - d eps/d alpha) - C_M,body/a`` (Etkin, B., and Reid, L. D.,
     Dynamics of Flight, 3rd ed., eq. 2.3,18 to 2.3,24). A slender body adds the moment slope
     ``2 volume/(S c)``, of all apparent mass across and none along (Munk, NACA TR 184, 1924).
 
-    ``body_m3``: volume of pods.
+    ``body_m3`` is the volume of the pods.
     """
     tail_slope = lift_slope(tail.horizontal_aspect_ratio)
     downwash = downwash_slope(wing, planes.arm_m, tail.horizontal_height_m)
@@ -76,7 +76,7 @@ class Trim(NamedTuple):
     """Steady flight without a pitching moment.
 
     ``tail_lift``: lift coefficient of the tail plane on its own area and pressure. ``wing_lift``:
-    that of the wing, which carries the rest. ``drag``: what trimming adds to the drag coefficient.
+    lift coefficient of the wing, which carries the rest. ``drag``: trim drag coefficient.
     """
 
     tail_lift: Value
@@ -94,16 +94,16 @@ def trim(
     gravity_x_m: Value,
     span_efficiency: Value,
 ) -> Trim:
-    """Tail lift without which the aircraft would pitch, and the drag that it costs.
+    """Return the tail lift for zero pitching moment, and the trim drag.
 
     ``C_Lt = (C_M0 + C_L (x_cg - x_w)/c)/(eta V_h)`` (Etkin and Reid, eq. 2.3,6 with 2.3,14).
-    Induced drag of both planes together is Prandtl's of a biplane without gap,
+    The induced drag of both planes is Prandtl's of a biplane without gap,
     ``L_w^2/(pi q b_w^2) + 2 (b_t/b_w) L_w L_t/(pi q b_w b_t) + L_t^2/(pi q b_t^2)``: Laitone,
     E. V., Ideal Tail Load for Minimum Aircraft Drag, Journal of Aircraft 15 (1978), p. 190. All
     terms have the span efficiency of the drag polar.
 
-    ``lift``: of the aircraft, on the wing area. ``moment``: of the wing about its aerodynamic
-    centre, on the mean aerodynamic chord. ``gravity_x_m``: centre of gravity.
+    ``lift``: lift coefficient of the aircraft on the wing area. ``moment``: moment coefficient of
+    the wing about its aerodynamic centre. ``gravity_x_m``: centre of gravity.
     """
     area = tail.dynamic_pressure_ratio * planes.horizontal_m2 / wing.area_m2
     lever = moment * wing.aerodynamic_chord_m + lift * (gravity_x_m - wing.quarter_m)
@@ -117,27 +117,27 @@ def trim(
 
 
 def control_effectiveness(chord_fraction: float) -> float:
-    """Change of the angle of zero lift per deflection of a hinged flap [-].
+    """Return the change of the zero-lift angle per deflection of a hinged flap [-].
 
     ``1 - (theta - sin theta)/pi`` with ``cos theta = 2 c_f/c - 1``, thin airfoil theory, times 0.8
-    for an unsealed hinge (Phillips, section 1.7); 1 for a plane that moves as a whole.
+    for an unsealed hinge (Phillips, section 1.7); 1 for an all-moving plane.
     """
     theta = acos(2.0 * chord_fraction - 1.0)
     return 1.0 if chord_fraction == 1.0 else _HINGE * (1.0 - (theta - sin(theta)) / pi)
 
 
 def elevator_deflection(
-    tail: Tail, found: NeutralPoint, level: Trim, slow: Trim, lift_change: Value
+    tail: Tail, neutral: NeutralPoint, level: Trim, slow: Trim, lift_change: Value
 ) -> Value:
-    """Elevator that trims another lift coefficient, trailing edge down, from neutral [rad].
+    """Return the elevator deflection for another lift coefficient, trailing edge down [rad].
 
-    The tail plane is set so that the elevator is neutral in level flight. The tail's lift has to
-    change by that of both trims; its angle of attack brings ``a_t d alpha (1 - d eps/d alpha)``.
+    The elevator is neutral in level flight. It adds the change of tail lift between both trims that
+    the angle of attack does not bring, ``a_t d alpha (1 - d eps/d alpha)``.
 
-    ``lift_change``: lift coefficient of the second trim over that of the first.
+    ``lift_change`` is the difference of the lift coefficients of both trims.
     """
-    by_angle = found.tail_slope * (1.0 - found.downwash) * lift_change / found.slope
-    effect = found.tail_slope * control_effectiveness(tail.elevator_chord_fraction)
+    by_angle = neutral.tail_slope * (1.0 - neutral.downwash) * lift_change / neutral.slope
+    effect = neutral.tail_slope * control_effectiveness(tail.elevator_chord_fraction)
     return (slow.tail_lift - level.tail_lift - by_angle) / effect
 
 
@@ -154,7 +154,7 @@ class DirectionalStability(NamedTuple):
 def directional_stability(
     wing: Wing, tail: Tail, planes: TailPlanes, *, gravity_x_m: Value, body_m3: float
 ) -> DirectionalStability:
-    """Yawing moments of fins, pods and rudder.
+    """Return the yawing moments of fins, pods and rudder.
 
     Fins: ``a_v S_v l/(S b)`` times ``(1 + d sigma/d beta) eta`` of Raymer, eq. 16.47 and 16.48, at
     1.55 times their aspect ratio. Pods: ``-2 volume/(S b)`` as in pitch.

@@ -1,7 +1,7 @@
 """Planform of the wing, and size of the tail planes.
 
-Positions are behind the leading edge of the wing root [m]. The formulas use arithmetic only, so
-that floats, arrays and symbols pass alike.
+Positions are behind the leading edge of the wing root [m]. The formulas use arithmetic alone, for
+floats, arrays and symbols.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _Deflection = Annotated[float, Strict(), Field(gt=0.0, le=45.0)]
 
 
 def lift_slope(aspect_ratio: Value) -> Value:
-    """Lift slope of a straight wing or tail plane of any aspect ratio [1/rad].
+    """Return the lift slope of a straight wing or tail plane of any aspect ratio [1/rad].
 
     ``2 pi AR/(2 + sqrt(4 + AR^2))``, Helmbold's equation: Raymer, D. P., Aircraft Design: A
     Conceptual Approach, eq. 12.6, without sweep at low Mach numbers.
@@ -32,8 +32,8 @@ def lift_slope(aspect_ratio: Value) -> Value:
 class Wing(NamedTuple):
     """Wing with a straight quarter-chord line.
 
-    ``mean_chord_m``: area over span. ``aerodynamic_chord_m``: ``(2/S) int c^2 dy``, the mean
-    aerodynamic chord, which the static margin counts in.
+    ``aerodynamic_chord_m`` is the mean aerodynamic chord, ``(2/S) int c^2 dy``, the unit of static
+    margins.
     """
 
     wingspan_m: Value
@@ -43,7 +43,7 @@ class Wing(NamedTuple):
 
     @property
     def mean_chord_m(self) -> Value:
-        """Area over span [m]."""
+        """Mean chord, area over span [m]."""
         return self.wingspan_m / self.aspect_ratio
 
     @property
@@ -53,26 +53,26 @@ class Wing(NamedTuple):
 
     @property
     def quarter_m(self) -> Value:
-        """Place of the quarter-chord line [m], on which the aerodynamic centre lies."""
+        """Position of the quarter-chord line and the aerodynamic centre [m]."""
         return QUARTER * self.root_chord_m
 
     def at_chord(self, fraction: float) -> Value:
-        """Place of the mean aerodynamic chord at a fraction of it [m]."""
+        """Return the position of a fraction of the mean aerodynamic chord [m]."""
         return self.quarter_m + (fraction - QUARTER) * self.aerodynamic_chord_m
 
 
 class Planform(Record):
-    """Wing of two panels to a side: a rectangle inside, straight taper outside.
+    """Planform of two panels to a side: a rectangle inside, straight taper outside.
 
-    ``inner_fraction``: of the half-span, which is a rectangle. ``taper_ratio``: chord of the tip
-    over that of the root.
+    ``inner_fraction`` is the rectangle's share of the half-span, ``taper_ratio`` the chord of the
+    tip over the root's.
     """
 
     inner_fraction: Annotated[float, Strict(), Field(ge=0.0, lt=1.0)]
     taper_ratio: Fraction
 
     def wing(self, wingspan_m: Value, aspect_ratio: Value) -> Wing:
-        """Chords of a wing of this planform; the area stays span squared over aspect ratio."""
+        """Return the wing of this planform with area ``span^2/aspect_ratio``."""
         outer, taper = 1.0 - self.inner_fraction, self.taper_ratio
         mean = self.inner_fraction + outer * (1.0 + taper) / 2.0
         square = self.inner_fraction + outer * (1.0 + taper + taper**2) / 3.0
@@ -84,16 +84,16 @@ _RECTANGLE = Planform(inner_fraction=0.0, taper_ratio=1.0)
 
 
 def wing_of(planform: Planform | None, wingspan_m: Value, aspect_ratio: Value) -> Wing:
-    """Wing of a planform; a rectangle where the file has none."""
+    """Return the wing of a planform; a rectangle if there is none."""
     return (planform or _RECTANGLE).wing(wingspan_m, aspect_ratio)
 
 
 class TailPlanes(NamedTuple):
-    """Tail planes of an aircraft; areas are those of both halves and of all fins.
+    """Tail planes of an aircraft; areas include both halves and all fins.
 
-    ``arm_m``, ``vertical_arm_m``: from the quarter chord of the wing to that of the horizontal tail
-    and of the fins. ``boom_m``: length of the booms, the longer of both. ``fin_height_m``,
-    ``fin_chord_m``: of one fin.
+    ``arm_m``, ``vertical_arm_m``: distance of the quarter chords of wing and horizontal tail, and
+    of wing and fins. ``boom_m``: length of the booms, the larger distance. ``fin_height_m``,
+    ``fin_chord_m``: size of a single fin.
     """
 
     arm_m: Value
@@ -108,10 +108,10 @@ class TailPlanes(NamedTuple):
 
 
 class Tail(Record):
-    """Tail planes by their volume coefficients or areas; the fins may have an arm of their own.
+    """Tail planes by volume coefficients or areas; the fins may have another arm.
 
     ``V_h = S_h l/(S c)`` with the mean aerodynamic chord, ``V_v = S_v l/(S b)`` (Raymer, eq. 6.26
-    and 6.27). With an arm in chords and volume coefficients the tail grows with the wing.
+    and 6.27). With an arm in chords and volume coefficients the tail scales with the wing.
     """
 
     arm_m: PositiveReal | None = None
@@ -135,36 +135,36 @@ class Tail(Record):
 
     @model_validator(mode="after")
     def _check_sizes(self) -> Tail:
-        for one, other in (
+        for first, second in (
             ("arm_m", "arm_chords"),
             ("horizontal_volume", "horizontal_area_m2"),
             ("vertical_volume", "vertical_area_m2"),
         ):
-            given = [key for key in (one, other) if getattr(self, key) is not None]
-            if not given:
-                raise wrong_value(one, f"required key is missing (or {other}, above 0)")
-            if len(given) > 1:
-                text = f"give this or {one}, not both (got {getattr(self, other):g})"
-                raise wrong_value(other, text)
+            keys = [key for key in (first, second) if getattr(self, key) is not None]
+            if not keys:
+                raise wrong_value(first, f"required key is missing (or {second}, above 0)")
+            if len(keys) > 1:
+                text = f"give this or {first}, not both (got {getattr(self, second):g})"
+                raise wrong_value(second, text)
         if self.vertical_arm_m is not None and self.vertical_arm_chords is not None:
             text = f"give this or vertical_arm_m, not both (got {self.vertical_arm_chords:g})"
             raise wrong_value("vertical_arm_chords", text)
         return self
 
     def with_volume(self, horizontal_volume: Value) -> Tail:
-        """These planes with another volume coefficient of the horizontal one, not validated."""
+        """Return the tail with another horizontal volume coefficient, not validated."""
         size = {"horizontal_volume": horizontal_volume, "horizontal_area_m2": None}
         return all_replaced(self, size)
 
     def planes(self, wing: Wing) -> TailPlanes:
-        """Tail planes behind a wing."""
+        """Return the tail planes behind a wing."""
         arm_m = self.arm_m or wing.mean_chord_m * self.arm_chords
-        own_m, boom_m = self.vertical_arm_m, arm_m
+        vertical_m, boom_m = self.vertical_arm_m, arm_m
         if self.vertical_arm_chords is not None:
-            own_m = wing.mean_chord_m * self.vertical_arm_chords
-        if own_m is not None:
-            boom_m = smooth_maximum(arm_m, own_m)
-        fins_m = arm_m if own_m is None else own_m
+            vertical_m = wing.mean_chord_m * self.vertical_arm_chords
+        if vertical_m is not None:
+            boom_m = smooth_maximum(arm_m, vertical_m)
+        fins_m = arm_m if vertical_m is None else vertical_m
         horizontal = self.horizontal_area_m2
         if horizontal is None:
             horizontal = self.horizontal_volume * (wing.area_m2 / arm_m) * wing.aerodynamic_chord_m
@@ -186,7 +186,7 @@ class Tail(Record):
         )
 
     def structure_keys(self, wing: Wing) -> dict[str, Value]:
-        """What the structure's model has of the tail, by its own keys; both in mean chords."""
+        """Return boom length and tail volumes in mean chords, by the structure model's keys."""
         planes = self.planes(wing)
         volume = planes.boom_m / (wing.area_m2 * wing.mean_chord_m)
         return {

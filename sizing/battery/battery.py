@@ -1,4 +1,4 @@
-"""The battery: energy, efficiencies, charge limit, voltage, and what air and age make of them."""
+"""Battery: energy, efficiencies, charge limit, voltage, temperature and age."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
 from missions.air import thin_air_share
 from sizing.battery.condition import HEATED_PACK, Ageing, BatteryTemperature, InternalResistance
-from sizing.battery.pack import BatteryPack, packed
-from sizing.catalogues.choice import Kind, OfCatalogue, known_entry
+from sizing.battery.pack import BatteryPack, with_pack_values
+from sizing.catalogues.choice import CatalogueRecord, Kind, known_entry
 from sizing.smooth import Value
 from solar.schema import (
     CellCount,
@@ -26,14 +26,13 @@ from solar.schema import (
 )
 from solar.types import FloatArray
 
-# No two elements give more energy per mass of what they make than beryllium and oxygen: Gibbs
-# energy of formation of BeO 580.1 kJ/mol (CRC Handbook of Chemistry and Physics) over
-# 25.012 g/mol. Lithium and fluorine, the elements of batteries, give 6293 Wh/kg.
+# Upper bound of chemistry: Gibbs energy of formation of BeO, 580.1 kJ/mol over 25.012 g/mol (CRC
+# Handbook of Chemistry and Physics). Lithium and fluorine give 6293 Wh/kg.
 _HIGHEST_WH_PER_KG = 6443.0
 
 
 class NoChargeLimit(Record):
-    """The battery takes whatever the sun leaves over."""
+    """Absent charge limit: the battery takes all excess solar power."""
 
     kind: Literal["none"] = "none"
 
@@ -41,8 +40,8 @@ class NoChargeLimit(Record):
 class RuleChargeLimit(Record):
     """Constant current, then an exponential taper up to full charge.
 
-    The design rule used for AtlantikSolar where no measurement exists: 0.5 C up to 90 % state of
-    charge, falling exponentially to 4.6 % of that at full charge.
+    The design rule of AtlantikSolar without measurements: 0.5 C up to 90 % state of charge, falling
+    exponentially to 4.6 % of that at full charge.
     """
 
     kind: Literal["rule"] = "rule"
@@ -52,7 +51,7 @@ class RuleChargeLimit(Record):
 
 
 class TableChargeLimit(Record):
-    """Charge current measured over the state of charge; held constant outside the table."""
+    """Charge current measured over the state of charge; constant outside the table."""
 
     kind: Literal["table"] = "table"
     state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
@@ -74,31 +73,17 @@ ChargeLimit = Annotated[
 
 
 def constant_up_to(limit: ChargeLimit) -> float:
-    """State of charge up to which a charge limit has the rate of an empty battery."""
+    """Return the state of charge up to which a charge limit is constant [-]."""
     if isinstance(limit, RuleChargeLimit):
         return limit.taper_start
     return limit.state_of_charge[0] if isinstance(limit, TableChargeLimit) else 1.0
 
 
 def charge_rate_per_h(limit: ChargeLimit, state_of_charge: ArrayLike) -> FloatArray:
-    """Largest stored power relative to the energy at full charge [1/h].
+    """Return the largest stored power relative to the energy at full charge [1/h].
 
-    Parameters
-    ----------
-    limit : ChargeLimit
-        Rule or table; a table is held constant outside its range.
-    state_of_charge : array_like
-        State of charge, 0 to 1 [-].
-
-    Returns
-    -------
-    ndarray
-        Of the shape of ``state_of_charge`` [1/h].
-
-    Raises
-    ------
-    ValueError
-        For :class:`NoChargeLimit`, which has no finite rate.
+    A table is constant outside its range. :class:`NoChargeLimit`, which has no finite rate, raises
+    ValueError.
     """
     soc = np.asarray(state_of_charge, float)
     if isinstance(limit, RuleChargeLimit):
@@ -141,12 +126,12 @@ class BatteryVoltage(Record):
 
     @property
     def ends_v(self) -> tuple[float, float]:
-        """Voltages of the battery where the table begins and ends: empty and full [V]."""
+        """Voltages of the battery at the ends of the table: empty and full [V]."""
         low, high = self.voltage_v([self.state_of_charge[0], self.state_of_charge[-1]])
         return float(low), float(high)
 
     def voltage_v(self, state_of_charge: ArrayLike) -> FloatArray:
-        """Voltage of the battery.
+        """Return the voltage of the battery.
 
         Parameters
         ----------
@@ -175,16 +160,15 @@ class BatteryVoltage(Record):
         return np.asarray(self.cells_in_series * cell)
 
 
-class Battery(OfCatalogue):
-    """A battery pack described by its mass.
+class Battery(CatalogueRecord):
+    """Battery pack described by its mass.
 
-    Temperature, internal resistance and ageing are those of :mod:`sizing.battery.condition`;
-    a battery without them is the same in any air and at any age. ``voltage`` is that of the bus,
-    for a propulsion at its operating point. ``cell`` names an entry of the
-    catalogue of batteries, which gives what the file does not; the specific energy of a cell counts
-    for the share ``cell_mass_fraction`` of the pack's mass. ``pack`` makes it one of whole cells,
-    whose mass follows from their number. Below ``minimum_state_of_charge`` nothing is drawn:
-    energies and states of charge count from it.
+    Temperature, internal resistance and ageing are those of :mod:`sizing.battery.condition`. The
+    battery does not depend on air and age without them. ``voltage`` is that of the bus, for a
+    propulsion at its operating point. ``cell`` names an entry of the catalogue of batteries, which
+    gives the keys that the file omits; ``cell_mass_fraction`` is the cells' share of the pack's
+    mass. With ``pack`` the battery has whole cells, whose number gives its mass. No energy is drawn
+    below ``minimum_state_of_charge``, the zero of energies and states of charge.
     """
 
     _entries: ClassVar[Mapping[str, Kind]] = {"cell": "batteries"}
@@ -208,7 +192,7 @@ class Battery(OfCatalogue):
     def _with_pack(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
         if not isinstance(data, Mapping) or data.get("pack") is None:
             return handler(data)
-        data, new = packed(data)
+        data, new = with_pack_values(data)
         record = handler(data)
         record.__pydantic_fields_set__.difference_update(new)
         return record
@@ -216,7 +200,7 @@ class Battery(OfCatalogue):
     @model_validator(mode="wrap")
     @classmethod
     def _with_curve(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
-        """Table of voltages of the catalogue's cell, where the file has none; it does not count."""
+        """Add the voltages of the catalogue's cell if the file has none, as a default."""
         voltage = data.get("voltage") if isinstance(data, Mapping) else None
         if not isinstance(voltage, Mapping):
             return handler(data)
@@ -242,7 +226,7 @@ class Battery(OfCatalogue):
 
     @property
     def ends_v(self) -> tuple[float, float] | None:
-        """Voltages where it counts as empty and as full [V]; None without a table of voltages."""
+        """Voltages at empty and full usable energy [V]; None without a table of voltages."""
         if self.voltage is None:
             return None
         low, high = self.bus_voltage_v(np.array([0.0, 1.0]))
@@ -250,13 +234,14 @@ class Battery(OfCatalogue):
 
     @property
     def nominal_voltage_v(self) -> float:
-        """Voltage of the bus with a half charged battery, by which a day is flown [V]."""
+        """Voltage of the bus at half of the usable energy, for the simulation of a day [V]."""
         return float(self.bus_voltage_v(np.array(0.5)))
 
     def bus_voltage_v(self, state_of_charge: FloatArray) -> FloatArray:
-        """Voltage of the bus at shares of the usable energy [V]; held where the table ends.
+        """Return the voltage of the bus at shares of the usable energy [V].
 
-        That energy is what lies above the floor, or between the ends of a pack's window.
+        Usable is the energy above the floor, or in a pack's window of states of charge. The voltage
+        is constant outside the table.
         """
         assert self.voltage is not None
         table, least, most = self.voltage.state_of_charge, self.minimum_state_of_charge, 1.0
@@ -272,14 +257,14 @@ class Battery(OfCatalogue):
 
     @property
     def mean_charge_efficiency(self) -> Value:
-        """Charge efficiency of a flight: of the internal resistance if given, else the file's."""
+        """Mean charge efficiency of a flight, by the internal resistance if given [-]."""
         if self.resistance is None:
             return self.charge_efficiency
         return self.resistance.charge_efficiency(self._resistance_factor)
 
     @property
     def mean_discharge_efficiency(self) -> Value:
-        """Discharge efficiency of a flight: as :attr:`mean_charge_efficiency`."""
+        """Mean discharge efficiency of a flight, by the internal resistance if given [-]."""
         if self.resistance is None:
             return self.discharge_efficiency
         return self.resistance.discharge_efficiency(self._resistance_factor)
@@ -289,9 +274,9 @@ class Battery(OfCatalogue):
         return 1.0 if self.ageing is None else self.ageing.resistance_factor()
 
     def temperature_at(self, altitude_m: Value) -> tuple[BatteryTemperature | None, Value]:
-        """What holds the pack's temperature at an altitude, and how much of it counts [-].
+        """Return the pack's temperature control at an altitude, and its weight [-].
 
-        What the file says; else, high up, a heater and insulation.
+        Without a temperature in the file, a heater and insulation are assumed in thin air.
         """
         if self.temperature is not None:
             return self.temperature, 1.0
@@ -299,12 +284,12 @@ class Battery(OfCatalogue):
         return (HEATED_PACK, share) if np.any(share > 0.0) else (None, 0.0)
 
     def capacity_fraction(self, air_c: Value, altitude_m: Value = 0.0) -> Value:
-        """Capacity above the floor, in air of a temperature and at its age, over the new and warm.
+        """Return usable capacity at an air temperature and age, over new and warm capacity.
 
         Parameters
         ----------
         air_c, altitude_m : float or array_like
-            Air temperature [C], and altitude, from which a heater may be assumed [m].
+            Air temperature [C], and altitude, for the assumption of a heater [m].
 
         Returns
         -------
@@ -324,14 +309,14 @@ class Battery(OfCatalogue):
     def heater_w(
         self, air_c: Value, altitude_m: Value = 0.0, mass_kg: Value | None = None
     ) -> Value:
-        """Power that its heater draws.
+        """Return the power of the heater.
 
         Parameters
         ----------
         air_c, altitude_m : float or array_like
             Air temperature [C] and altitude [m].
         mass_kg : float or array_like, optional
-            Of another battery of its kind [kg].
+            Mass of another battery of this kind [kg].
 
         Returns
         -------
@@ -343,7 +328,7 @@ class Battery(OfCatalogue):
         return fixed + at_1_kg * mass ** (2.0 / 3.0)
 
     def heater_parts_w(self, air_c: Value, altitude_m: Value) -> tuple[Value, Value]:
-        """Power of the heater that has no part in the mass, and that of an insulated 1 kg.
+        """Return the heater's power independent of the mass, and for an insulated pack of 1 kg.
 
         Parameters
         ----------
@@ -353,7 +338,7 @@ class Battery(OfCatalogue):
         Returns
         -------
         tuple of float or ndarray
-            Both [W]; the second grows with the mass to the power of 2/3.
+            Both [W]; the second scales with the mass to the power of 2/3.
         """
         held, share = self.temperature_at(altitude_m)
         if held is None:

@@ -1,7 +1,7 @@
-"""The battery as it is: its temperature, its internal resistance and its age.
+"""Condition of the battery: temperature, internal resistance and age.
 
-Three records that a battery may have; without them it delivers all of its energy, at the
-efficiencies of its file, in any air and at any age. Functions take floats or arrays.
+The records are optional: without them a battery delivers all of its energy, at the efficiencies of
+its file, in any air and at any age. Functions take floats or arrays.
 
 Sources
 -------
@@ -41,13 +41,13 @@ REFERENCE_C = 25.0
 END_OF_LIFE = 0.8
 _DAYS_PER_MONTH = 365.0 / 12.0
 _CELL_AH = 2.05  # nominal capacity of the cell of the ageing law
-# The law ends far above; draws of uncertain inputs must not end in a battery that is none.
+# Lower bound of capacity and efficiency, for draws of uncertain inputs; far below the law's range.
 _LEAST = 0.001
 _LARGEST_LOSS = 0.5
 
 
 class Insulation(Record):
-    """Foam around the pack, from which its heat loss follows at any mass.
+    """Foam around the pack, for its heat loss at any mass.
 
     ``conductivity_w_per_m_k``: rigid polymer foam, Incropera et al., Fundamentals of Heat and Mass
     Transfer, 6th edition, table A.3 (extruded polystyrene 0.027, moulded 0.040). ``packs`` cubes of
@@ -60,22 +60,22 @@ class Insulation(Record):
     density_kg_per_m3: PositiveReal = 2000.0
 
     def heat_loss_w_per_k(self, mass_kg: Value) -> Value:
-        """Heat that a battery of a mass loses per kelvin [W/K].
+        """Return the heat loss of a battery of a mass [W/K].
 
-        Through the six faces of each cube, ``6 k (m / (n rho))^(2/3) n / d``; edges and the film of
-        air outside are left out, which make up for each other in part.
+        Six faces of each cube, ``6 k (m / (n rho))^(2/3) n / d``. Edges and outside air, whose
+        effects partly cancel, are neglected.
         """
         face_m2 = (mass_kg / (self.packs * self.density_kg_per_m3)) ** (2.0 / 3.0)
         return 6.0 * self.packs * self.conductivity_w_per_m_k / self.thickness_m * face_m2
 
 
 class BatteryTemperature(Record):
-    """Temperature of the pack, from the air and a heater, and its capacity over it.
+    """Temperature of the pack by air and heater, and its capacity over temperature.
 
-    The pack is ``ambient_offset_k`` warmer than the air. With ``held_c`` a heater keeps it from
-    getting colder, as far as ``heater_power_w`` goes, if that is given. What the heater draws the
-    pack loses to the air: ``heat_loss_w_per_k`` times the kelvins that it is heated by, or what
-    ``insulation`` lets through.
+    The pack is ``ambient_offset_k`` warmer than the air. With ``held_c`` a heater keeps it at least
+    at that temperature, limited by ``heater_power_w`` if given. The heater balances the loss to the
+    air: ``heat_loss_w_per_k`` times the heater's rise of temperature, or the loss through
+    ``insulation``.
     """
 
     ambient_offset_k: _Offset = 0.0
@@ -83,7 +83,7 @@ class BatteryTemperature(Record):
     heat_loss_w_per_k: PositiveReal | None = None
     insulation: Insulation | None = None
     heater_power_w: PositiveReal | None = None
-    # Guaranteed at 6.7 C by the specification; taken for slow discharge too, which is pessimistic.
+    # Guaranteed at a discharge of 6.7 C by the specification; pessimistic for slow discharge.
     table_c: tuple[Celsius, ...] = Field(default=(-20.0, -10.0, 0.0, 25.0, 60.0), min_length=2)
     table_capacity_fraction: tuple[Fraction, ...] = Field(
         default=(0.60, 0.75, 0.80, 1.0, 1.0), min_length=2
@@ -102,16 +102,15 @@ class BatteryTemperature(Record):
         return self
 
     def _heated_k(self, air_c: Value) -> Value:
-        """How much a heater without a limit warms the pack [K]."""
+        """Return the rise of temperature by a heater without a limit of power [K]."""
         if self.held_c is None:
             return 0.0 * air_c
         return np.maximum(self.held_c - (air_c + self.ambient_offset_k), 0.0)
 
     def heater_w(self, air_c: Value) -> Value:
-        """Power of the heater of a pack of known heat loss in air of a temperature [W].
+        """Return the power of the heater of a pack of known heat loss, at an air temperature [W].
 
-        ``k (T_held - T_air - offset)`` where that is positive, at most ``heater_power_w``: the
-        steady heat that a pack of that temperature loses.
+        ``k (T_held - T_air - offset)``, the steady heat loss, from 0 to ``heater_power_w``.
         """
         if self.heat_loss_w_per_k is None:
             return 0.0 * air_c
@@ -119,13 +118,13 @@ class BatteryTemperature(Record):
         return power_w if self.heater_power_w is None else np.minimum(power_w, self.heater_power_w)
 
     def insulated_heater_w_at_1_kg(self, air_c: Value) -> Value:
-        """Power of the heater of an insulated pack of 1 kg [W]; grows with ``mass^(2/3)``."""
+        """Return the heater power of an insulated pack of 1 kg [W]; scales with ``mass^(2/3)``."""
         if self.insulation is None:
             return 0.0 * air_c
         return self.insulation.heat_loss_w_per_k(1.0) * self._heated_k(air_c)
 
     def pack_c(self, air_c: Value) -> Value:
-        """Temperature of the pack in air of a temperature [C]."""
+        """Return the temperature of the pack at an air temperature [C]."""
         passive_c = air_c + self.ambient_offset_k
         if self.insulation is not None:
             return passive_c + self._heated_k(air_c)
@@ -134,20 +133,19 @@ class BatteryTemperature(Record):
         return passive_c + self.heater_w(air_c) / self.heat_loss_w_per_k
 
     def capacity_fraction(self, air_c: Value) -> FloatArray:
-        """Capacity in air of a temperature over that of the table's 1 [-]; held beyond its ends."""
+        """Return the capacity at an air temperature over that at 1 in the table [-]."""
         return np.asarray(np.interp(self.pack_c(air_c), self.table_c, self.table_capacity_fraction))
 
 
-# What a battery in thin air has where its file says nothing: insulation, and a heater that keeps it
-# at the temperature for which its energy is stated, so that all of that is left.
+# Default in thin air: insulation, and a heater to the temperature at which the energy is stated.
 HEATED_PACK = BatteryTemperature(held_c=REFERENCE_C, insulation=Insulation())
 
 
 class Ageing(Record):
     """Calendar and cycle fade of a lithium-ion cell.
 
-    A cycle is a night and a day at ``depth_of_discharge``. Seasons flown count
-    ``cycles_per_season`` cycles and 12 months each, on top of ``cycles`` and ``months``.
+    A cycle is a night and a day at ``depth_of_discharge``. ``seasons_flown`` add
+    ``cycles_per_season`` cycles and 12 months each to ``cycles`` and ``months``.
     """
 
     cycles: NonNegativeReal = 0.0
@@ -155,7 +153,7 @@ class Ageing(Record):
     seasons_flown: NonNegativeReal = 0.0
     # A flight a day in the six months around midsummer; assumption.
     cycles_per_season: NonNegativeReal = 180.0
-    # AtlantikSolar's 81 h flight of 2015 went down to 39 % state of charge.
+    # The least state of charge was 39 % in AtlantikSolar's 81 h flight of 2015.
     depth_of_discharge: UnitInterval = 0.6
     mean_voltage_v: _Voltage = 3.7
     temperature_c: _Held = REFERENCE_C
@@ -171,7 +169,7 @@ class Ageing(Record):
 
     @property
     def total_cycles(self) -> Value:
-        """Cycles, those of the seasons among them."""
+        """Number of cycles, seasons included."""
         return self.cycles + self.seasons_flown * self.cycles_per_season
 
     @property
@@ -189,13 +187,13 @@ class Ageing(Record):
         return self.total_cycles * 2.0 * self.depth_of_discharge * _CELL_AH
 
     def calendar_fade(self) -> Value:
-        """Capacity lost by age: ``(7.543 V - 23.75) 1e6 exp(-6976/T) t^0.75``, t in days [-]."""
+        """Return the loss by age: ``(7.543 V - 23.75) 1e6 exp(-6976/T) t^0.75``, t in days [-]."""
         kelvin = self.temperature_c + ZERO_CELSIUS_K
         rate = (7.543 * self.mean_voltage_v - 23.75) * 1e6 * np.exp(-6976.0 / kelvin)
         return rate * self._days_075
 
     def cycle_fade(self) -> Value:
-        """Capacity lost by cycling [-].
+        """Return the loss of capacity by cycling [-].
 
         ``(7.348e-3 (V - 3.667)^2 + 7.6e-4 + 4.081e-3 DOD) Q^0.5``, Q the throughput in Ah of a
         cell of 2.05 Ah.
@@ -208,11 +206,11 @@ class Ageing(Record):
         return rate * self._throughput_ah**0.5
 
     def capacity_fraction(self) -> Value:
-        """Capacity left [-]."""
+        """Return the remaining capacity [-]."""
         return np.maximum(1.0 - self.calendar_fade() - self.cycle_fade(), _LEAST)
 
     def resistance_factor(self) -> Value:
-        """Internal resistance over that of the new cell [-].
+        """Return the internal resistance relative to the new cell [-].
 
         ``1 + (5.270 V - 16.32) 1e5 exp(-5986/T) t^0.75 + b Q`` with ``b = 2.153e-4 (V - 3.725)^2 -
         1.521e-5 + 2.798e-4 DOD``, at least 1.5e-5.
@@ -229,10 +227,10 @@ class Ageing(Record):
 
 
 class InternalResistance(Record):
-    """Efficiencies from the voltage that the internal resistance takes, at the mean rates.
+    """Efficiencies by the voltage drop at the internal resistance.
 
-    ``loss_at_1c`` is ``R I / V`` at 1 C and 25 C. The efficiencies are those of the mean rates of
-    a flight, which the file gives; they do not follow the current of the moment.
+    ``loss_at_1c`` is ``R I / V`` at 1 C and 25 C. The efficiencies are those at the mean rates of
+    the file, constant over a flight.
     """
 
     loss_at_1c: Fraction
@@ -254,39 +252,27 @@ class InternalResistance(Record):
         return self
 
     def loss_per_rate_h(self, ageing_factor: Value) -> Value:
-        """Share of the voltage lost for each 1/h of rate [h], of a resistance that has grown."""
+        """Return the share of the voltage lost per rate, with aged resistance [h]."""
         kelvin = self.temperature_c + ZERO_CELSIUS_K
         colder = 1.0 / kelvin - 1.0 / (REFERENCE_C + ZERO_CELSIUS_K)
         return self.loss_at_1c * np.exp(self.activation_k * colder) * ageing_factor
 
     def discharge_efficiency(self, ageing_factor: Value) -> Value:
-        """Delivered over drawn energy: ``1 - R I / V`` [-]."""
+        """Return delivered over drawn energy: ``1 - R I / V`` [-]."""
         lost = self.loss_per_rate_h(ageing_factor) * self.discharge_rate_per_h
         return np.maximum(1.0 - lost, _LEAST)
 
     def charge_efficiency(self, ageing_factor: Value) -> Value:
-        """Stored over taken energy: ``1 / (1 + R I / V)`` [-]."""
+        """Return stored over taken energy: ``1 / (1 + R I / V)`` [-]."""
         return 1.0 / (1.0 + self.loss_per_rate_h(ageing_factor) * self.charge_rate_per_h)
 
 
 def cycles_to_end_of_life(
     ageing: Ageing, *, end: float = END_OF_LIFE, cycles_per_month: float = 365.0 / 12.0
 ) -> float:
-    """Cycles after which a battery has so much of its capacity left.
+    """Return the number of cycles, to 0.1 %, after which a share ``end`` of the capacity is left.
 
-    Parameters
-    ----------
-    ageing : Ageing
-        Depth of discharge, voltage and temperature; cycles and age so far play no part.
-    end : float
-        Capacity left at the end of life, below 1 [-].
-    cycles_per_month : float
-        How fast it is cycled, above 0 [1/month]; the calendar goes on meanwhile.
-
-    Returns
-    -------
-    float
-        Cycles of the depth of discharge, by bisection to 0.1 %.
+    Cycles and age of ``ageing`` are not used; the battery ages by ``cycles_per_month`` [1/month].
     """
 
     def left(cycles: float) -> float:

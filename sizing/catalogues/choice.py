@@ -1,4 +1,4 @@
-"""The shipped catalogues and users' own entries; records that name an entry take values from it."""
+"""Shipped catalogues and user-defined entries, and records that take values from an entry."""
 
 from __future__ import annotations
 
@@ -38,20 +38,20 @@ KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(
     }
 )
 _SUFFIXES = (".yaml", ".yml")
-# Names that a message lists: spelled alike, or having what was asked for in their name or label.
+# Number of names in a message: of similar spelling, or with the requested text in name or label.
 _ALIKE, _HAVING = 3, 10
 
 E = TypeVar("E", bound=Entry)
 
 
 def is_entry_path(name: str) -> bool:
-    """Whether a name is the path of a user's own entry and not a name of the catalogue."""
+    """Return whether a name is the path of a user-defined entry rather than a catalogue's name."""
     return name.lower().endswith(_SUFFIXES)
 
 
 @cache
 def _documents(kind: Kind) -> Mapping[str, Document]:
-    """Data of every shipped entry by its name."""
+    """Return the data of every shipped entry by its name."""
     file = resources.files("sizing").joinpath("data", "catalogues", f"{kind}.yaml")
     whole = parse_yaml(file.read_text(encoding="utf-8"), f"{kind}.yaml")
     return {name: Document(f"{kind}.yaml {name}", data) for name, data in whole.data.items()}
@@ -63,26 +63,24 @@ def _shipped(kind: Kind, name: str) -> Entry:
 
 
 def entries(kind: Kind) -> dict[str, Entry]:
-    """All entries of a shipped catalogue by their names, in the order of its file."""
+    """Return the entries of a shipped catalogue by their names, in the order of its file."""
     return {name: _shipped(kind, name) for name in _documents(kind)}
 
 
 def entry_names(kind: Kind) -> list[str]:
-    """Names of all entries of a shipped catalogue."""
+    """Return the names of all entries of a shipped catalogue."""
     return list(_documents(kind))
 
 
 def entry(kind: Kind, name: str) -> Entry:
-    """Entry of the shipped catalogue, or a user's own by the path of its file.
-
-    ``name``: name of an entry, or path of a YAML file.
-    """
+    """Return the entry of a name in the shipped catalogue, or of the path of a YAML file."""
     if is_entry_path(name):
         return validate(parse_yaml(read_text(name), printable(name)), KINDS[kind])
     names = list(_documents(kind))
     if name in names:
         return _shipped(kind, name)
-    meant = f"; did you mean {', '.join(_near(kind, name))}?" if _near(kind, name) else ""
+    similar = _similar_names(kind, name)
+    meant = f"; did you mean {', '.join(similar)}?" if similar else ""
     elsewhere = [other for other in KINDS if name in _documents(other)]
     meant = f"; it is one of the {elsewhere[0]}" if elsewhere else meant
     shown = printable(shortened(name))
@@ -91,8 +89,8 @@ def entry(kind: Kind, name: str) -> Entry:
     )
 
 
-def _near(kind: Kind, name: str) -> list[str]:
-    """Names that have this one in their name or label, such as a format; else those alike."""
+def _similar_names(kind: Kind, name: str) -> list[str]:
+    """Return the names with this text in name or label, else names of similar spelling."""
     part = _letters(name)
     having = [
         entry
@@ -108,12 +106,12 @@ def _letters(text: str) -> str:
 
 
 @dataclass(frozen=True)
-class Taken:
-    """A value that a catalogue gave.
+class CatalogueValue:
+    """Value taken from a catalogue.
 
-    ``key``: in the aircraft's file. ``value``: in the key's unit; the kind and the numbers of a
-    charge limit. ``entry``, ``label``: name of the entry, or path of its file, and the product in
-    words. ``source``: data sheet, paper or report.
+    ``key``: key in the aircraft's file. ``value``: in the key's unit; kind and numbers of a charge
+    limit. ``entry``, ``label``: name of the entry or path of its file, and name of the product.
+    ``source``: data sheet, paper or report.
     """
 
     key: str
@@ -124,9 +122,9 @@ class Taken:
 
     @property
     def text(self) -> str:
-        """Value as people read it, and as it may stand in the file."""
+        """Value in words, as it may stand in the file."""
         if isinstance(self.value, Mapping):
-            inside = (f"{key}: {_spelled(one)}" for key, one in self.value.items())
+            inside = (f"{key}: {_spelled(number)}" for key, number in self.value.items())
             return f"{{{', '.join(inside)}}}"
         return _spelled(self.value)
 
@@ -135,8 +133,7 @@ def _spelled(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# Numbers of an entry that a parameter follows from, the first that it has, where it is none of them
-# itself.
+# Numbers of an entry from which a parameter follows; the first available has its source.
 _FOLLOWS_FROM = {
     "specific_energy_wh_per_kg": ("mass_kg", "typical_mass_kg"),
     "charge_limit": ("maximum_charge_current_a",),
@@ -146,7 +143,7 @@ _FOLLOWS_FROM = {
 }
 
 
-class OfCatalogue(Record):
+class CatalogueRecord(Record):
     """Record with keys that name entries of catalogues."""
 
     _entries: ClassVar[Mapping[str, Kind]]
@@ -154,17 +151,21 @@ class OfCatalogue(Record):
     @model_validator(mode="wrap")
     @classmethod
     def _from_catalogue(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Validate the data of a record, with what the entry gives that it names.
+        """Validate a record's data with the values of its entry.
 
-        What the data have wins. What the entry gave does not count as given: a copy of the record
-        with another entry takes the values of that one.
+        The data have precedence. The entry's values do not count as given, so that a copy of the
+        record with another entry takes the other's values.
         """
         new: dict[str, Any] = {}
         for key, kind in cls._entries.items():
             name = data.get(key) if isinstance(data, Mapping) else None
             if isinstance(name, str | int) and not isinstance(name, bool):
-                parameters = found_entry(key, kind, str(name)).parameters(data)
-                new |= {one: value for one, value in parameters.items() if one not in data}
+                parameters = entry_of_key(key, kind, str(name)).parameters(data)
+                new |= {
+                    name_of_value: value
+                    for name_of_value, value in parameters.items()
+                    if name_of_value not in data
+                }
         if not new:
             return handler(data)
         record = handler({**data, **new})
@@ -172,14 +173,14 @@ class OfCatalogue(Record):
         return record
 
 
-def found_entry(key: str, kind: Kind, name: str) -> Entry:
-    """Entry that a key of a record names; what is wrong with it becomes an error of validation."""
+def entry_of_key(key: str, kind: Kind, name: str) -> Entry:
+    """Return the entry named by a key of a record; its mistakes become errors of validation."""
     try:
         return entry(kind, name)
     except InputError as error:
         if not is_entry_path(name):
             raise wrong_value(key, error.problems[0].message) from error
-        # Places in that file; the validation of the aircraft's puts them in.
+        # Their places in the entry's file are added when the aircraft is validated.
         count = len(error.problems)
         why = f"that file has {'a mistake' if count == 1 else f'{count} mistakes'}"
         raise wrong_value(key, why, problems=error.problems) from error
@@ -188,7 +189,7 @@ def found_entry(key: str, kind: Kind, name: str) -> Entry:
 
 
 def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
-    """Entry that data name; None without a name, or with one that the validation refuses."""
+    """Return the entry named in data; None without a name, or with an invalid one."""
     name = data.get(key)
     try:
         return entry(kind, name) if isinstance(name, str) else None
@@ -196,48 +197,50 @@ def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
         return None
 
 
-def taken(record: OfCatalogue, prefix: str) -> list[Taken]:
-    """Values of a record that are those of the entries it names.
+def catalogue_values(record: CatalogueRecord, prefix: str) -> list[CatalogueValue]:
+    """Return the values of a record taken from its entries, unless replaced since.
 
-    ``prefix``: what stands before the record's keys in the aircraft's file, with the dot. Returns
-    without those that something else has replaced since.
+    ``prefix`` is that of the record's keys in the aircraft's file, with the dot.
     """
-    given = {field: getattr(record, field) for field in record.model_fields_set}
-    found = []
+    fields = {field: getattr(record, field) for field in record.model_fields_set}
+    values = []
     for key, kind in record._entries.items():
         name = getattr(record, key)
         if name is None:
             continue
-        one = entry(kind, name)
-        for field, value in one.parameters(given).items():
+        product = entry(kind, name)
+        for field, value in product.parameters(fields).items():
             now = getattr(record, field)
             now = now.model_dump(exclude_unset=True) if isinstance(now, Record) else now
-            if now == value and field not in given:
+            if now == value and field not in fields:
                 candidates = (field, *_FOLLOWS_FROM.get(field, ()))
-                number = next((key_of for key_of in candidates if key_of in one.numbers()), field)
-                found.append(Taken(prefix + field, value, name, one.label, one.source_of(number)))
-    return found
+                number = next(
+                    (key_of for key_of in candidates if key_of in product.numbers()), field
+                )
+                values.append(
+                    CatalogueValue(
+                        prefix + field, value, name, product.label, product.source_of(number)
+                    )
+                )
+    return values
 
 
 def named_twice(data: Any, key: str, kind: Kind) -> dict[str, str]:
-    """Keys of a record's data that the entry it names gives as well, with the mistake of each."""
+    """Return a message for each key of a record that its catalogue entry gives as well."""
     data = data if isinstance(data, Mapping) else {}
     known = known_entry(kind, data, key)
     # A motor at its operating point needs no voltage of its own, which an efficiency would.
-    beside = any(one in data for one in ENTRY_KEYS[key])
-    given = known.parameters(data) if known is not None and beside else {}
+    overlaps = any(name in data for name in ENTRY_KEYS[key])
+    parameters = known.parameters(data) if known is not None and overlaps else {}
     return {
-        one: f"give one of {key} and {one}: {printable(shortened(data[key]))} of the catalogue has "
-        "a value of its own for it"
-        for one in given
-        if one in data
+        name: f"give one of {key} and {name}: {printable(shortened(data[key]))} of the catalogue "
+        "has a value of its own for it"
+        for name in parameters
+        if name in data
     }
 
 
-def own_entries(record: Record, key: str) -> dict[str, str]:
-    """Text of a user's own entry by its path, if the record names one.
-
-    Empty for an entry of the shipped catalogue.
-    """
+def user_entries(record: Record, key: str) -> dict[str, str]:
+    """Return the text of a user-defined entry by its path; empty for shipped entries."""
     name = getattr(record, key)
     return {name: read_text(name)} if name is not None and is_entry_path(name) else {}

@@ -1,4 +1,4 @@
-"""Entries of the catalogues: what data sheets and papers say, and the parameters that follow."""
+"""Entries of the catalogues: numbers of data sheets and papers, and parameters that follow."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from solar.schema import (
     wrong_value,
 )
 
-# Encapsulation and cables of AtlantikSolar's modules, of 0.59 kg/m2 in all (Oettershagen et al.).
+# Encapsulation and cables of AtlantikSolar's modules, which have 0.59 kg/m2 (Oettershagen et al.).
 ENCAPSULATION_KG_PER_M2 = 0.20
-# Voltage of a lithium-ion cell with a carbon anode at a fifth of its capacity an hour: 4.2 V where
-# charging ends, 3.0 V where its energy does, flat between (assumption; data sheets have curves).
+# Voltage of a lithium-ion cell with a carbon anode at C/5: 4.2 V at full and 3.0 V at empty, flat
+# between (assumption; data sheets have curves).
 _USUAL_CHARGE, _USUAL_VOLTAGE_V = (0.0, 0.1, 0.9, 1.0), (3.0, 3.4, 4.0, 4.2)
-# Two numbers of one data sheet agree within rounding, and its typical with its guaranteed values.
+# Relative tolerance of related numbers in a data sheet, of typical and guaranteed values too.
 _AGREEMENT = 0.06
 
 # Keys of an aircraft's file that a propeller's entry may give.
@@ -38,12 +38,12 @@ _Number = dict[str, float]
 
 
 class Entry(Record):
-    """What is known of a product.
+    """Product of a catalogue.
 
-    ``source`` is where its numbers come from; ``sources`` names another one for single numbers.
+    ``source`` is the source of all numbers but those in ``sources``, which have others.
     """
 
-    # What an entry of this kind may be asked for that it need not have.
+    # Name of this kind of product.
     kind_of_entry: ClassVar[str]
 
     label: Name
@@ -60,35 +60,35 @@ class Entry(Record):
         return self
 
     def numbers(self) -> _Number:
-        """Numbers that it has, by key."""
+        """Return the numbers of the entry by their keys."""
         values = ((name, getattr(self, name)) for name in type(self).model_fields)
         return {name: value for name, value in values if isinstance(value, float | int)}
 
     def source_of(self, key: str) -> str:
-        """Where a number comes from."""
+        """Return the source of a number."""
         return self.sources.get(key, self.source)
 
     @abstractmethod
-    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Keys of an aircraft's file, below the one that names the entry, and their values."""
+    def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return parameters of an aircraft's file from the entry, by their keys."""
 
 
-def _disagree(key: str, text: str, one: float, other: float) -> None:
-    """Refuse two values of one quantity that differ by more than data sheets round."""
-    if abs(one / other - 1.0) > _AGREEMENT:
+def _check_agreement(key: str, text: str, first: float, second: float) -> None:
+    """Refuse two values of a quantity that differ by more than the rounding of data sheets."""
+    if abs(first / second - 1.0) > _AGREEMENT:
         raise wrong_value(
             key,
-            f"{text}: {one:.4g} and {other:.4g} do not agree within {100.0 * _AGREEMENT:.0f} %",
+            f"{text}: {first:.4g} and {second:.4g} do not agree within {100.0 * _AGREEMENT:.0f} %",
         )
 
 
 def _first_known(*values: float | None) -> float | None:
-    """First of values that is known."""
-    return next((one for one in values if one is not None), None)
+    """Return the first known value."""
+    return next((value for value in values if value is not None), None)
 
 
 class CellEntry(Entry):
-    """A solar cell; currents, voltages and area are those of one cell.
+    """Solar cell; currents, voltages and area are of a single cell.
 
     ``efficiency_stc`` holds at 1000 W/m2 of the spectrum AM1.5 and 25 C. Cells made for space are
     measured outside the atmosphere: ``efficiency_am0`` at ``am0_irradiance_w_per_m2``, 28 C.
@@ -109,7 +109,7 @@ class CellEntry(Entry):
 
     @property
     def mpp_power_w(self) -> float | None:
-        """Power of one cell at its maximum power point [W]."""
+        """Power of a cell at its maximum power point [W]."""
         if self.mpp_voltage_v is None or self.mpp_current_a is None:
             return None
         return self.mpp_voltage_v * self.mpp_current_a
@@ -131,12 +131,12 @@ class CellEntry(Entry):
             if efficiency is None or irradiance is None or power is None or area is None:
                 continue
             text = "efficiency, and power over light on the area"
-            _disagree(key, text, efficiency, power / (area * irradiance))
+            _check_agreement(key, text, efficiency, power / (area * irradiance))
         return self
 
-    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Efficiency, temperature coefficient, and mass with AtlantikSolar's encapsulation."""
-        if self.efficiency_stc is None and given.get("efficiency_stc") is None:
+    def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return efficiency, temperature coefficient, and mass with encapsulation."""
+        if self.efficiency_stc is None and data.get("efficiency_stc") is None:
             am0 = self.efficiency_am0
             only = "none" if am0 is None else f"{am0:g} outside the atmosphere"
             text = f"the catalogue has no efficiency under AM1.5 of {self.label} (only {only}): "
@@ -151,14 +151,13 @@ class CellEntry(Entry):
 
 
 class BatteryEntry(Entry):
-    """A battery cell, or a whole pack.
+    """Battery cell, or a whole pack.
 
-    What counts is what a data sheet guarantees: ``capacity_ah`` and ``energy_wh`` are its least
-    ones, ``mass_kg`` is its largest. The keys with ``typical_`` are its typical ones, and count
-    where it has no others. The energy is voltage times capacity where it is not given.
-    ``specific_energy_wh_per_kg`` is what the source states, and counts where there is no mass.
+    Guaranteed values have precedence: least ``capacity_ah`` and ``energy_wh``, largest ``mass_kg``.
+    Keys with ``typical_`` are used where these are unknown. The energy is voltage times capacity
+    by default. ``specific_energy_wh_per_kg`` is the source's own value, used without a mass.
     ``cell_voltage_v`` over ``state_of_charge`` is the voltage at the currents of the flight, by
-    default that of a usual lithium-ion cell; a pack has none.
+    default of a usual lithium-ion cell; a pack has none.
     """
 
     kind_of_entry: ClassVar[str] = "battery"
@@ -196,13 +195,13 @@ class BatteryEntry(Entry):
             product = self._times_voltage(getattr(self, f"{prefix}capacity_ah"))
             if energy is not None and product is not None:
                 key = f"{prefix}energy_wh"
-                _disagree(key, "energy, and voltage times capacity", energy, product)
-        # Makers state the typical value, or the guaranteed one.
+                _check_agreement(key, "energy, and voltage times capacity", energy, product)
+        # Makers state the typical or the guaranteed value.
         key, stated = "specific_energy_wh_per_kg", self.specific_energy_wh_per_kg
         ratios = self._energies_over_mass
         if ratios and stated is not None:
             nearest = min(ratios, key=lambda ratio: abs(ratio - stated))
-            _disagree(key, "specific energy, and energy over mass", stated, nearest)
+            _check_agreement(key, "specific energy, and energy over mass", stated, nearest)
         if not ratios and stated is None:
             text = "or mass_kg with energy_wh (or with nominal_voltage_v and capacity_ah) is needed"
             raise wrong_value(key, text)
@@ -223,41 +222,41 @@ class BatteryEntry(Entry):
 
     @property
     def _energies_over_mass(self) -> list[float]:
-        """Wh/kg of the energies that are known, the one that counts first."""
+        """Known specific energies, guaranteed before typical [Wh/kg]."""
         mass = self.mass
         energies = (self._least_energy, self._typical_energy)
-        return [] if mass is None else [one / mass for one in energies if one is not None]
+        return [] if mass is None else [energy / mass for energy in energies if energy is not None]
 
     @property
     def capacity(self) -> float | None:
-        """Capacity that counts [Ah]: the least, else the typical one."""
+        """Least capacity, else the typical one [Ah]."""
         return _first_known(self.capacity_ah, self.typical_capacity_ah)
 
     @property
     def energy(self) -> float | None:
-        """Energy that counts [Wh], None where it is not known."""
+        """Least energy, else the typical one; None if unknown [Wh]."""
         return _first_known(self._least_energy, self._typical_energy)
 
     @property
     def mass(self) -> float | None:
-        """Mass that counts [kg]: the largest, else the typical one."""
+        """Largest mass, else the typical one [kg]."""
         return _first_known(self.mass_kg, self.typical_mass_kg)
 
     @property
     def specific_energy(self) -> float:
-        """Energy over mass, else what the source gives [Wh/kg]."""
+        """Energy over mass, else the source's value [Wh/kg]."""
         known = _first_known(*self._energies_over_mass, self.specific_energy_wh_per_kg)
         assert known is not None  # refused at validation
         return known
 
     def voltage_keys(self) -> dict[str, Any]:
-        """Table of voltages of ``battery.voltage``; empty for a pack."""
+        """Return the table for ``battery.voltage``; empty for a pack."""
         keys = ("state_of_charge", "cell_voltage_v")
         return {key: getattr(self, key) for key in keys} if self.kind == "cell" else {}
 
     @property
     def basis(self) -> Literal["min/max", "typical", "stated", "pack"]:
-        """What the specific energy is: least energy over largest mass, or what else there is."""
+        """Basis of the specific energy: guaranteed, typical or stated values, or a pack's."""
         if self.kind == "pack":
             return "pack"
         if not self._energies_over_mass:
@@ -275,7 +274,7 @@ class BatteryEntry(Entry):
 
     @property
     def loss_at_1c(self) -> float | None:
-        """Share of the voltage that the resistance takes at 1 C, ``R C / U`` [-]."""
+        """Share of the voltage lost at the resistance at 1 C, ``R C / U`` [-]."""
         resistance, voltage, capacity = (
             self.dc_resistance_ohm,
             self.nominal_voltage_v,
@@ -285,10 +284,10 @@ class BatteryEntry(Entry):
             return None
         return resistance * capacity / voltage
 
-    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Specific energy of the pack, and the charge limit where its current is known."""
-        share = given.get("cell_mass_fraction", 1.0)
-        if self.kind == "pack" and "cell_mass_fraction" in given:
+    def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the specific energy of the pack, and the charge limit if its current is known."""
+        share = data.get("cell_mass_fraction", 1.0)
+        if self.kind == "pack" and "cell_mass_fraction" in data:
             text = f"is of no use here: {self.label} is a whole pack, not a cell"
             raise wrong_value("cell_mass_fraction", text)
         number = isinstance(share, float | int) and not isinstance(share, bool)
@@ -301,7 +300,7 @@ class BatteryEntry(Entry):
 
 
 class MotorEntry(Entry):
-    """An electric motor, by the constants of the first-order model."""
+    """Electric motor, by the constants of the first-order model."""
 
     kind_of_entry: ClassVar[str] = "motor"
 
@@ -313,11 +312,11 @@ class MotorEntry(Entry):
     mass_kg: PositiveReal | None = None
 
     def best_efficiency(self, voltage_v: float) -> float:
-        """Efficiency at the current where it is greatest [-].
+        """Return the greatest efficiency over current at a voltage [-].
 
         ``(1 - sqrt(I_0 R / U))^2``, at the current ``sqrt(U I_0 / R)``: Drela, M. (2007),
         First-Order DC Electric Motor Model, MIT Aero & Astro, from its equations for the torque and
-        the speed. At any other current it is less, in level flight as well.
+        the speed. At any other current it is less.
         """
         least = self.no_load_current_a * self.resistance_ohm
         if voltage_v <= least:
@@ -328,13 +327,13 @@ class MotorEntry(Entry):
             )
         return (1.0 - sqrt(least / voltage_v)) ** 2
 
-    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Motor efficiency at the voltage of the file, else at the motor's nominal one."""
-        voltage = given.get("motor_voltage_v")
+    def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the motor efficiency at the file's voltage, else at the nominal voltage."""
+        voltage = data.get("motor_voltage_v")
         voltage = self.nominal_voltage_v if voltage is None else voltage
         if voltage is None:
-            if given.get("motor_efficiency") is not None:
-                return {"motor_efficiency": given["motor_efficiency"]}
+            if data.get("motor_efficiency") is not None:
+                return {"motor_efficiency": data["motor_efficiency"]}
             text = f"required key is missing: {self.label} has no nominal voltage"
             raise wrong_value("motor_voltage_v", text)
         if not isinstance(voltage, float | int) or isinstance(voltage, bool):
@@ -343,10 +342,10 @@ class MotorEntry(Entry):
 
 
 class MpptEntry(Entry):
-    """A maximum power point tracker as a board; voltages and current are those at its input.
+    """Board of a maximum power point tracker; voltages and current are those at its input.
 
-    ``rated_power_w`` is the power of modules that a board takes. ``efficiency`` is the least that
-    the source states and counts, ``peak_efficiency`` the greatest.
+    ``rated_power_w`` is the largest power of the modules. ``efficiency`` is the least in the
+    source, ``peak_efficiency`` the greatest.
     """
 
     kind_of_entry: ClassVar[str] = "MPPT"
@@ -373,11 +372,11 @@ class MpptEntry(Entry):
 
     @property
     def mass_kg_per_w(self) -> float:
-        """Mass over the power that it takes [kg/W]."""
+        """Mass over rated power [kg/W]."""
         return self.mass_kg / self.rated_power_w
 
-    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Efficiency where it is known, and mass per watt."""
+    def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the efficiency if known, and the mass per watt."""
         values = {
             "mppt_efficiency": self.efficiency,
             "mppt_mass_kg_per_w": float(f"{self.mass_kg_per_w:.6g}"),
@@ -385,7 +384,7 @@ class MpptEntry(Entry):
         return {key: value for key, value in values.items() if value is not None}
 
     def window(self) -> dict[str, Any]:
-        """Keys of the MPPT of strings of whole cells, as far as they are known."""
+        """Return the known keys of the MPPT of strings of whole cells."""
         keys = (
             "conversion",
             "minimum_voltage_v",
@@ -398,10 +397,10 @@ class MpptEntry(Entry):
 
 
 class PropellerEntry(Entry):
-    """A propeller: its size, and the greatest efficiency that is known of it.
+    """Propeller: its size, and its greatest known efficiency.
 
-    ``computed_efficiency_3000_rpm`` is the greatest of the maker's table at that speed;
-    ``measured_efficiency`` the greatest of a run in a wind tunnel at ``measured_rpm``.
+    ``computed_efficiency_3000_rpm`` is the greatest in the maker's table at that speed;
+    ``measured_efficiency`` the greatest in a wind tunnel run at ``measured_rpm``.
     """
 
     kind_of_entry: ClassVar[str] = "propeller"
@@ -422,12 +421,12 @@ class PropellerEntry(Entry):
             raise wrong_value("measured_rpm", message)
         return self
 
-    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Diameter, pitch, blades and what else is known; blade elements give the efficiency.
+    def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return diameter, pitch, blades, chords and mass, as far as known.
 
-        With a table only diameter and mass: the table has the coefficients.
+        With a table, which has the coefficients, only diameter and mass.
         """
-        with_table = given.get("table") is not None
+        with_table = data.get("table") is not None
         names = ("diameter_m", "mass_kg") if with_table else PARTS_OF_PROPELLER
         values = {name: getattr(self, name) for name in names}
         return {name: value for name, value in values.items() if value is not None}

@@ -1,1 +1,1 @@
-"""Whole cells: solar cells laid on wing and tail, and their strings."""
+"""Whole solar cells on wing and tail, and their strings."""

@@ -1,7 +1,7 @@
-"""Whole solar cells laid on a wing: how many fit, and where each lies.
+"""Layout of whole solar cells on a wing: number and place of the cells.
 
 Places along the span are fractions of the half-span, places along the chord fractions of the local
-chord, so that a layout goes with a wing of any size. Both halves of the wing are alike.
+chord, so that a layout fits wings of any size. Both halves of the wing are equal.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from solar.schema import (
 )
 from solar.shading import TailGeometry
 
-# A cell that lacks less than this of its own size fits: rounding, far below any gap.
+# Tolerance of rounding, far below any gap: relative to a cell, or in metres.
 _ROUNDING = 1e-9
-# The mean of the chords may be off by what a file rounds.
+# Tolerance of the mean of relative chords, which files round.
 _MEAN_TOLERANCE = 0.01
 _Row = Annotated[NonNegativeInteger, Field(le=MOST_CELLS)]
 
 
 class LayoutError(ValueError):
-    """A layout that a wing does not hold; ``key`` is below ``modules.layout``."""
+    """Layout that does not fit on a wing; ``key`` is relative to ``modules.layout``."""
 
     def __init__(self, key: str, message: str) -> None:
         super().__init__(message)
@@ -51,7 +51,7 @@ class Wing(NamedTuple):
 
 
 class PlacedCell(NamedTuple):
-    """A cell in the plan view: right of the symmetry plane, behind the root's leading edge [m]."""
+    """Cell in the plan view: right of the symmetry plane, behind the root's leading edge [m]."""
 
     left_m: float
     right_m: float
@@ -59,12 +59,12 @@ class PlacedCell(NamedTuple):
     rear_m: float
 
     def mirrored(self) -> PlacedCell:
-        """Cell of the other half."""
+        """Return the cell of the other half."""
         return self._replace(left_m=-self.right_m, right_m=-self.left_m)
 
 
 class KeepOut(Record):
-    """Part of each half of the wing that bears no cells: a control surface, a joint."""
+    """Part of each half of the wing without cells: a control surface, a joint."""
 
     name: Text
     inboard: UnitInterval
@@ -83,8 +83,8 @@ class KeepOut(Record):
 class Bay(Record):
     """Part of each half of the wing with straight rows of cells.
 
-    ``cells`` has the number along the span of every row, the front one first; ``front`` and
-    ``rear`` are the part of the chord that may bear cells.
+    ``cells`` has the number of cells of every row, from front to rear; ``front`` and ``rear`` are
+    the usable part of the chord.
     """
 
     inboard: UnitInterval = 0.0
@@ -124,9 +124,9 @@ class CellLayout(Record):
     """Whole cells on wing and tail.
 
     ``cell_span_m`` and ``cell_chord_m`` are the outline of a cell along span and chord, ``gap_m``
-    lies between neighbours both ways. ``cell_area_m2`` is less than the outline where corners are
-    cut; without it that of the catalogue's entry, else of the outline. ``tail_cells`` are the
-    numbers in the rows on the horizontal tail, which lie in its middle.
+    lies between neighbours both ways. ``cell_area_m2`` is less than the outline if corners are cut;
+    by default it is that of the catalogue's entry, or of the outline. ``tail_cells`` are the
+    numbers in centred rows on the horizontal tail.
     """
 
     cell_span_m: PositiveReal
@@ -148,12 +148,12 @@ class CellLayout(Record):
                 f"must not exceed the outline of a cell, {outline:.4g} m² "
                 f"(got {self.area_of_a_cell_m2:g})",
             )
-        for i, (one, other) in enumerate(pairwise(self.bays), 1):
-            if other.inboard < one.outboard:
+        for i, (bay, following) in enumerate(pairwise(self.bays), 1):
+            if following.inboard < bay.outboard:
                 raise wrong_value(
                     f"bays.{i}.inboard",
-                    f"must be at least outboard of the bay before, {one.outboard:g} "
-                    f"(got {other.inboard:g})",
+                    f"must be at least outboard of the bay before, {bay.outboard:g} "
+                    f"(got {following.inboard:g})",
                 )
         if not 0 < self.count <= MOST_CELLS:
             raise wrong_value(
@@ -167,40 +167,40 @@ class CellLayout(Record):
 
     @property
     def tail_count(self) -> int:
-        """Cells on the tail."""
+        """Number of cells on the tail."""
         return sum(self.tail_cells)
 
     @property
     def count(self) -> int:
-        """Cells on wing and tail."""
+        """Number of cells on wing and tail."""
         return 2 * sum(sum(bay.cells) for bay in self.bays) + self.tail_count
 
     @property
     def area_of_a_cell_m2(self) -> float:
-        """Area of one cell."""
+        """Area of a cell [m2]."""
         known = self.cell_area_m2
         return self.cell_span_m * self.cell_chord_m if known is None else known
 
     @property
     def area_m2(self) -> float:
-        """Area of all cells, without gaps."""
+        """Area of all cells, without gaps [m2]."""
         return self.count * self.area_of_a_cell_m2
 
     # ---- Places
 
     def chord_m(self, wing: Wing, place: float) -> float:
-        """Chord at a fraction of the half-span [m]."""
+        """Return the chord at a fraction of the half-span [m]."""
         if self.planform is None:
             return wing.chord_m
         form = self.planform
         return wing.chord_m * float(np.interp(place, form.half_span, form.relative_chord))
 
     def leading_edge_m(self, wing: Wing, place: float) -> float:
-        """Leading edge behind that of the root [m]; the line of the quarter chords is straight."""
+        """Return the leading edge behind the root's, for a straight quarter-chord line [m]."""
         return (self.chord_m(wing, 0.0) - self.chord_m(wing, place)) / 4.0
 
     def outline(self, wing: Wing) -> list[tuple[float, float, float]]:
-        """Wing from left to right: place from the middle, leading and trailing edge [m]."""
+        """Return the wing from left to right: place, leading and trailing edge [m]."""
         ends = (1.0,) if self.planform is None else self.planform.half_span
         half = wing.wingspan_m / 2.0
         edges = [(at, self.leading_edge_m(wing, at), self.chord_m(wing, at)) for at in ends]
@@ -208,7 +208,7 @@ class CellLayout(Record):
         return [*((-y, front, rear) for y, front, rear in reversed(right) if y > 0.0), *right]
 
     def placed(self, wing: Wing, tail: TailGeometry | None) -> list[PlacedCell]:
-        """Every cell; :class:`LayoutError` where wing or tail does not hold them."""
+        """Return all cells; raise :class:`LayoutError` where they do not fit on wing or tail."""
         right = [cell for number in range(len(self.bays)) for cell in self._bay(number, wing)]
         return [*(cell.mirrored() for cell in right), *right, *self._on_tail(tail)]
 
@@ -225,30 +225,30 @@ class CellLayout(Record):
                 f"{rows} of cells of {self.cell_chord_m:g} m need {deep_m:.4g} m of chord, the bay "
                 f"has {max(room_m, 0.0):.4g} m: at most {self.rows_that_fit(bay, wing)}",
             )
-        for row, (wanted, front_m) in enumerate(
+        for row, (cells, front_m) in enumerate(
             zip(bay.cells, self._fronts(bay, wing, len(bay.cells)), strict=True)
         ):
             stretches = self._stretches(bay, wing, front_m)
-            if wanted > (most := sum(count for _, count in stretches)):
+            if cells > (most := sum(count for _, count in stretches)):
                 raise LayoutError(
                     f"bays.{number}.cells.{row}",
                     f"must be at most {most}, the cells of {self.cell_span_m:g} m with gaps of "
-                    f"{self.gap_m:g} m that the row holds (got {wanted})",
+                    f"{self.gap_m:g} m that the row holds (got {cells})",
                 )
-            yield from islice(self._laid(stretches, front_m), wanted)
+            yield from islice(self._laid(stretches, front_m), cells)
 
     def rows_that_fit(self, bay: Bay, wing: Wing) -> int:
-        """Rows of cells that the chord of a bay holds."""
+        """Return the number of rows that fit in the chord of a bay."""
         return _pieces(self._band(bay, wing)[0], self.cell_chord_m, self.gap_m)
 
     def _fronts(self, bay: Bay, wing: Wing, count: int) -> list[float]:
-        """Front edges of so many rows of a bay, in the middle of its part of the chord [m]."""
+        """Return the front edges of rows centred in a bay's part of the chord [m]."""
         room_m, front_m = self._band(bay, wing)
         first_m = front_m + (room_m - self._length(count, self.cell_chord_m)) / 2.0
         return [first_m + row * (self.cell_chord_m + self.gap_m) for row in range(count)]
 
     def _band(self, bay: Bay, wing: Wing) -> tuple[float, float]:
-        """Depth of the part of the chord that a whole bay has for straight rows, and its front."""
+        """Return depth and front of a bay's part of the chord for straight rows [m]."""
         breaks = () if self.planform is None else self.planform.half_span
         places = [bay.inboard, *(at for at in breaks if bay.inboard < at < bay.outboard)]
         ends = [
@@ -259,11 +259,11 @@ class CellLayout(Record):
         return min(edge + bay.rear * chord for edge, chord in ends) - front_m, front_m
 
     def _stretches(self, bay: Bay, wing: Wing, front_m: float) -> list[tuple[float, int]]:
-        """Stretches of a row between keep-outs: where each begins [m], and the cells it holds."""
+        """Return the stretches of a row between keep-outs: start [m] and number of cells."""
         rear_m, half_m = front_m + self.cell_chord_m, wing.wingspan_m / 2.0
-        # The halves are neighbours in the middle.
+        # Half a gap to the other half of the wing.
         start_m = max(bay.inboard * half_m, self.gap_m / 2.0)
-        end_m, found = bay.outboard * half_m, []
+        end_m, stretches = bay.outboard * half_m, []
         taken = sorted(
             (low, high)
             for low, high, ahead, behind in self._kept_out(wing)
@@ -271,9 +271,9 @@ class CellLayout(Record):
         )
         for low_m, high_m in [*taken, (end_m, math.inf)]:
             length_m = min(low_m, end_m) - start_m
-            found.append((start_m, _pieces(length_m, self.cell_span_m, self.gap_m)))
+            stretches.append((start_m, _pieces(length_m, self.cell_span_m, self.gap_m)))
             start_m = max(start_m, high_m)
-        return found
+        return stretches
 
     def _laid(self, stretches: Iterable[tuple[float, int]], front_m: float) -> Iterator[PlacedCell]:
         for start_m, count in stretches:
@@ -284,7 +284,7 @@ class CellLayout(Record):
                 )
 
     def kept_out_corners(self, wing: Wing) -> list[list[tuple[float, float]]]:
-        """Corners of the parts without cells: right of the middle, and aft [m]."""
+        """Return the corners of the keep-outs: right of the middle, and aft [m]."""
         half_m = wing.wingspan_m / 2.0
         return [
             [
@@ -300,7 +300,7 @@ class CellLayout(Record):
         ]
 
     def _kept_out(self, wing: Wing) -> Iterator[tuple[float, float, float, float]]:
-        """Rectangles around them: both ends along the span, front and rear [m]."""
+        """Yield rectangles around the keep-outs: both ends along the span, front and rear [m]."""
         for corners in self.kept_out_corners(wing):
             along, aft = zip(*corners, strict=True)
             yield min(along), max(along), min(aft), max(aft)
@@ -332,13 +332,13 @@ class CellLayout(Record):
                 )
 
     def _length(self, count: int, size_m: float) -> float:
-        """Length of some cells in line, with the gaps between them [m]."""
+        """Return the length of cells in line, with the gaps between them [m]."""
         return count * size_m + max(count - 1, 0) * self.gap_m
 
     # ---- As many as fit
 
     def capacity(self, wing: Wing) -> int:
-        """Cells that half of a wing holds."""
+        """Return the number of cells that fit on half of a wing."""
         return sum(
             count
             for bay in self.bays
@@ -347,7 +347,7 @@ class CellLayout(Record):
         )
 
     def with_cells(self, per_half: int, wing: Wing, strings: Strings | None) -> CellLayout:
-        """Layout with so many cells on each half, from the middle outwards."""
+        """Return the layout with a number of cells on each half, from the middle outwards."""
         most = self.capacity(wing)
         if per_half > most:
             raise LayoutError("bays", f"half of the wing holds {most} cells, not {per_half}")
@@ -368,12 +368,12 @@ class CellLayout(Record):
 
 
 def _pieces(length_m: float, size_m: float, gap_m: float) -> int:
-    """Pieces of a size that a length holds, with gaps between them."""
+    """Return the number of pieces of a size that fit into a length, with gaps between them."""
     return max(math.floor((length_m + gap_m) / (size_m + gap_m) + _ROUNDING), 0)
 
 
 def rows_text(cells: Sequence[int]) -> str:
-    """Rows of a bay in words: ``2 rows of 22``, ``rows of 13 and 12``."""
+    """Return the rows of a bay in words: ``2 rows of 22``, ``rows of 13 and 12``."""
     if not cells:
         return "none"
     if len(set(cells)) > 1:

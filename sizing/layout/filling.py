@@ -1,4 +1,4 @@
-"""What a layout of cells gives modules, and whether an aircraft holds it."""
+"""Values of modules from a layout of cells, and checks of the layout on an aircraft."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
 _HALF_A_CELL = 0.5
 
 
-def laid_out(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
-    """Data of modules with the area of their layout's cells, and the keys that are new.
+def with_layout_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
+    """Return the modules' data with the area of the layout's cells, and the added keys.
 
-    Data that are wrong are left to the validation of the records.
+    Wrong data are left to the validation of the records.
     """
     raw = data["layout"]
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, Record) else raw
@@ -30,26 +30,26 @@ def laid_out(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
     board = known_entry("mppts", data, "mppt_board")
     layout = _with_entry(raw, known_entry("cells", data, "cell"), board)
     try:
-        found = CellLayout.model_validate(layout)
+        cells = CellLayout.model_validate(layout)
     except ValidationError:
         return {"area_m2": 0.0, **data, "layout": layout}, set()
     area = data.get("area_m2")
     if "area_m2" in data and not (area == 0.0 or is_positive(area)):
         return {**data, "layout": layout}, set()
-    if area is not None and abs(area / found.area_of_a_cell_m2 - found.count) >= _HALF_A_CELL:
+    if area is not None and abs(area / cells.area_of_a_cell_m2 - cells.count) >= _HALF_A_CELL:
         raise wrong_value(
             "area_m2",
-            f"must be that of the {found.count} cells of modules.layout, {found.area_m2:.4g} m² "
+            f"must be that of the {cells.count} cells of modules.layout, {cells.area_m2:.4g} m² "
             f"(got {area:g}); it may be left out",
         )
-    values = {**data, "layout": layout, "area_m2": found.area_m2}
+    values = {**data, "layout": layout, "area_m2": cells.area_m2}
     return values, set(values) - set(data)
 
 
 def _with_entry(
     raw: Mapping[str, Any], entry: CellEntry | None, board: MpptEntry | None
 ) -> dict[str, Any]:
-    """Layout with area and voltages of the catalogue's cell and MPPT, where it has none itself."""
+    """Return the layout with missing area and voltages from the catalogue's cell and MPPT."""
     layout, strings = dict(raw), raw.get("strings")
     if board is not None and isinstance(strings, Mapping):
         mppt = strings.get("mppt", {})
@@ -69,18 +69,18 @@ def _with_entry(
 
 
 def _part_of(raw: Mapping[str, Any], area_m2: float | None) -> float:
-    """Part of the catalogue's cell that a cell of the layout is: 1, or less if it was cut [-].
+    """Return the area of the layout's cell over the catalogue's: 1 for a whole cell [-].
 
-    Current goes with the area, voltage does not. A whole cell has at least the area of the round
-    wafer in its outline; a half of one has less of the outline of the whole.
+    Current scales with the area, voltage does not. A whole cell has at least the area of the round
+    wafer in its outline.
     """
     span_m, chord_m = raw.get("cell_span_m"), raw.get("cell_chord_m")
     if area_m2 is None or not is_positive(span_m) or not is_positive(chord_m):
         return 1.0
-    outline, own = span_m * chord_m, raw.get("cell_area_m2")
+    outline, cell_area_m2 = span_m * chord_m, raw.get("cell_area_m2")
     if math.pi / 4.0 * outline <= area_m2 <= outline:
         return 1.0
-    return (own if is_positive(own) else outline) / area_m2
+    return (cell_area_m2 if is_positive(cell_area_m2) else outline) / area_m2
 
 
 def check_layout(
@@ -90,7 +90,7 @@ def check_layout(
     loss_per_k: float,
     battery_v: tuple[float, float] | None,
 ) -> None:
-    """Refuse an aircraft whose wing and tail do not hold the cells, or whose MPPT the strings."""
+    """Refuse cells that do not fit on wing and tail, and strings that do not fit the MPPT."""
     try:
         layout.placed(wing, tail)
     except LayoutError as error:
@@ -101,6 +101,6 @@ def check_layout(
     if battery_v is None and strings.mppt.conversion != "any":
         text = f"required key is missing: modules.layout.strings.mppt has {strings.mppt.conversion}"
         raise wrong_value("battery.voltage", text)
-    trouble = strings.trouble(layout.count, loss_per_k, battery_v)
-    if trouble is not None:
-        raise wrong_value(f"modules.layout.strings.{trouble[0]}", trouble[1])
+    problem = strings.problem(layout.count, loss_per_k, battery_v)
+    if problem is not None:
+        raise wrong_value(f"modules.layout.strings.{problem[0]}", problem[1])

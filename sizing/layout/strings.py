@@ -17,14 +17,14 @@ from solar.schema import (
     wrong_value,
 )
 
-# Cells in series whose voltage equals a limit stay within it.
+# Tolerance of rounding for voltages equal to a limit.
 _ROUNDING = 1e-9
 
 
 class Mppt(Record):
-    """A maximum power point tracker: voltages and current at its input, and its mass.
+    """Maximum power point tracker: voltages and current at its input, and its mass.
 
-    One that steps up must not see more than the battery's voltage, one that steps down not less.
+    Its input must stay below the battery's voltage if it steps up, and above if it steps down.
     """
 
     conversion: Literal["any", "step_up", "step_down"] = "any"
@@ -40,26 +40,26 @@ class Mppt(Record):
 
 
 class SeriesWindow(NamedTuple):
-    """Least and largest number of cells in series, and what sets them, in words."""
+    """Least and largest number of cells in series, and the reason in words."""
 
     least: int
     most: int
     why: str
 
 
-# Colder than any air up to 32 km, and as hot as modules are tested at most (IEC 61215: 85 C).
+# From below any air temperature up to 32 km to above the hottest test of modules (IEC 61215: 85 C).
 ModuleTemperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
 
 
 class Strings(Record):
     """Cells in series, strings at an MPPT, and temperatures of the modules [C].
 
-    ``cells_in_series`` is one number for all strings, or that of each string in a list; those at
-    one MPPT are neighbours in it and equally long.
+    ``cells_in_series`` is a number for all strings, or a list with the number of each string;
+    strings at the same MPPT are neighbours in the list and equally long.
 
-    Voltages and current are those of one cell at 1000 W/m2 and 25 C; without them those of the
-    catalogue's entry. ``voltage_coefficient_per_k`` is their relative loss per kelvin; without it
-    that of the power, which is larger: the current rises a little with the temperature.
+    Voltages and current of a cell hold at 1000 W/m2 and 25 C; their default is in the catalogue's
+    entry. ``voltage_coefficient_per_k`` is the relative loss of voltage per kelvin; its default is
+    the loss of power, which is larger and so conservative.
     """
 
     cells_in_series: CellCount | tuple[CellCount, ...]
@@ -84,12 +84,12 @@ class Strings(Record):
         return self
 
     def lengths(self, cells: int) -> tuple[int, ...]:
-        """Cells in series of each string of so many cells."""
-        one = self.cells_in_series
-        return one if isinstance(one, tuple) else cells // one * (one,)
+        """Return the number of cells in each string, for a total number of cells."""
+        length = self.cells_in_series
+        return length if isinstance(length, tuple) else cells // length * (length,)
 
     def voltage_v(self, at_stc_v: float, temperature_c: float, loss_per_k: float) -> float:
-        """Voltage of a cell at a temperature.
+        """Return the voltage of a cell at a temperature [V].
 
         ``V = V_STC (1 - beta (T - 25 C))``: King, D. L., Boyson, W. E. & Kratochvil, J. A. (2004),
         Photovoltaic Array Performance Model, Sandia National Laboratories SAND2004-3535, eq. 3 and
@@ -100,10 +100,10 @@ class Strings(Record):
         return max(at_stc_v * (1.0 - beta * (temperature_c - STC_TEMPERATURE_C)), 0.0)
 
     def window(self, loss_per_k: float, battery_v: tuple[float, float] | None) -> SeriesWindow:
-        """Numbers in series that the MPPT takes.
+        """Return the numbers of cells in series within the MPPT's voltages.
 
-        ``loss_per_k``: relative loss of the modules' power. ``battery_v``: voltage of the empty and
-        the full battery, for an MPPT that steps up or down.
+        ``loss_per_k`` is the relative loss of the modules' power [1/K]; ``battery_v`` the voltages
+        of the empty and the full battery [V], for an MPPT that steps up or down.
         """
         mppt, mpp, unloaded = self.mppt, self.mpp_voltage_v, self.open_circuit_voltage_v
         assert mpp is not None
@@ -129,21 +129,21 @@ class Strings(Record):
         )
 
     def mppts(self, cells: int) -> int:
-        """MPPTs that so many cells need."""
-        one = self.cells_in_series
-        strings = len(one) if isinstance(one, tuple) else cells / one
+        """Return the number of MPPTs for a total number of cells."""
+        length = self.cells_in_series
+        strings = len(length) if isinstance(length, tuple) else cells / length
         return math.ceil(strings / self.strings_per_mppt - _ROUNDING)
 
-    def trouble(
+    def problem(
         self, cells: int, loss_per_k: float, battery_v: tuple[float, float] | None
     ) -> tuple[str, str] | None:
-        """Key and sentence of what is wrong with the strings of so many cells; None if nothing."""
-        lengths, one = self.lengths(cells), self.cells_in_series
+        """Return key and text of the first problem of the strings; None if there is none."""
+        lengths, length = self.lengths(cells), self.cells_in_series
         if sum(lengths) != cells:
-            if isinstance(one, tuple):
+            if isinstance(length, tuple):
                 text = f"must be the {cells} cells in all (got {sum(lengths)})"
             else:
-                text = f"must divide the {cells} cells into whole strings (got {one})"
+                text = f"must divide the {cells} cells into whole strings (got {length})"
             return "cells_in_series", text
         at_one = self.strings_per_mppt
         if any(len(set(lengths[i : i + at_one])) > 1 for i in range(0, len(lengths), at_one)):
@@ -174,15 +174,15 @@ class Strings(Record):
     def for_cells(
         self, cells: int, loss_per_k: float, battery_v: tuple[float, float] | None
     ) -> Strings | None:
-        """The same with the fewest strings that divide so many cells; None where none do."""
+        """Return the strings with the fewest that divide a number of cells; None if none do."""
         for count in range(1, cells + 1):
             if cells % count == 0:
-                one = self.model_copy(update={"cells_in_series": cells // count})
-                if one.trouble(cells, loss_per_k, battery_v) is None:
-                    return one
+                strings = self.model_copy(update={"cells_in_series": cells // count})
+                if strings.problem(cells, loss_per_k, battery_v) is None:
+                    return strings
         return None
 
 
 def _most_within(limit_v: float, cell_v: float) -> float:
-    """Cells in series up to a voltage; none of cells that give no voltage when they are coldest."""
+    """Return the number of cells up to a voltage; 0 for cells without voltage at their coldest."""
     return limit_v / cell_v if cell_v > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""Shipped aircraft, and reading an aircraft by its name or path."""
+"""Shipped aircraft, and loading of an aircraft by its name or path."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
     Parameters
     ----------
     name_or_path : str or path
-        Name of a shipped aircraft, or path of a YAML file. Files that it names by a relative path
-        are looked for beside it.
+        Name of a shipped aircraft, or path of a YAML file. Relative paths in the file start from
+        its folder.
     overrides : mapping or sequence of str
         Values that replace or add keys of the file: ``{"power.avionics_w": 8}`` or
-        ``["power.avionics_w=8"]``. Relative paths among them start from the working folder.
+        ``["power.avionics_w=8"]``. Their relative paths start from the working folder.
 
     Returns
     -------
@@ -52,9 +52,9 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
 
 
 def refuse_named_twice(document: Document) -> None:
-    """Refuse an aircraft's file where an entry of a catalogue stands beside values of its own.
+    """Refuse an aircraft's file with an entry of a catalogue and values that the entry gives.
 
-    Values that an override put there are meant to replace the entry's.
+    Overrides may replace the values of an entry.
     """
     problems: list[Problem] = []
     for path, kind in _NAMES.items():
@@ -62,7 +62,7 @@ def refuse_named_twice(document: Document) -> None:
         for part in path[:-1]:
             holder = holder.get(part) if isinstance(holder, dict) else None
         for key, message in named_twice(holder, path[-1], kind).items():
-            places = [document.key_marks.get(one) for one in (path, (*path[:-1], key))]
+            places = [document.key_marks.get(place) for place in (path, (*path[:-1], key))]
             if all(places):
                 problems += located_error(document, (*path[:-1], key), message).problems
     if problems:

@@ -20,7 +20,7 @@ from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
 from sizing.program.size import Search
 from sizing.program.task import SizingTask
-from sizing.roots import bisected
+from sizing.roots import bisect
 
 LONGEST_H = 24.0 * 30  # what a flight may have
 _EXACT_H = 0.02  # the launch counts in minutes
@@ -84,7 +84,7 @@ def longest_flight_of_all(
 
     tried(repeated, day)
     if best is not None and longest_h < LONGEST_H:
-        bisected(longest_h, math.inf, too_long, lambda _: _EXACT_H, most=LONGEST_H)
+        bisect(longest_h, math.inf, too_long, lambda _: _EXACT_H, most=LONGEST_H)
     result = SizingResult(
         status=SizingStatus.infeasible,
         objective=Objective.max_endurance,

@@ -147,7 +147,7 @@ class _OwnDesignSpace(DesignSpace):
 
     __hash__ = DesignSpace.__hash__
 
-    def own_requirements(self, it: Any) -> list[Any]:
+    def user_requirements(self, it: Any) -> list[Any]:
         return [
             Requirement(one.name, one.term(it), f"{one.name} is missed by {{missed}}")
             for one in self.own_constraints

@@ -28,7 +28,7 @@ from sizing.program.size import Search, searched, size_aircraft
 from sizing.program.task import SizingTask
 from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables
 from sizing.relaxed_flight import Direction, Relaxation, rounded
-from sizing.roots import bisected
+from sizing.roots import bisect
 
 # A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
 _LEAST_RELATIVE = {
@@ -153,7 +153,7 @@ class _Relaxations:
         step = PERCENT * (value or present)
         less = value + (-step if freed.upwards else step)
         if (less > present) is freed.upwards and reached_h(less) is not None:
-            less = bisected(
+            less = bisect(
                 *(present, less, lambda value: reached_h(value) is not None),
                 lambda found: _BISECTED * max(found, PERCENT * present),
             )

@@ -22,7 +22,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import variable_keys
-from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
+from sizing.parameters import build_scales, catalogue, parameter_value, with_parameter
 from sizing.program.climbing import Profile, flight
 from sizing.program.corrections import Linearisation, Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
@@ -78,7 +78,7 @@ def sensitivities(
     rows = []
     for name, one in catalogue().items():
         value = parameter_value(aircraft, mission, name)
-        if not one.sensitive or value is None or name in chosen or is_doubled(aircraft, name):
+        if not one.sensitive or value is None or name in chosen or build_scales(aircraft, name):
             continue
         if result.objective.variable in (one.key, one.name):
             continue

@@ -245,7 +245,7 @@ class SizingTask:
         values: dict[str, float] = {OWN: 0.0, TOTAL_MASS: 1.0} | self.held
         if (parts := self.aircraft.propulsion_by_parts) is not None:
             own = parts.propeller.diameter_m, parts.propeller.pitch_m, parts.gear.ratio
-            known = (*own, parts.own_motor.speed_constant_rpm_per_v)
+            known = (*own, parts.motor_constants.speed_constant_rpm_per_v)
             values |= {n: v for n, v in zip(PROPULSION_VARIABLES, known, strict=True) if v}
         values |= {v.name: chosen[v.name] for v in self.variables if v.name in chosen}
         values |= {v.name: v.minimum for v in self.variables if v.name not in values}

@@ -276,7 +276,7 @@ def limits_of_parts(aircraft: Aircraft) -> tuple[str, ...]:
     """Names of the limits that the parts of a propulsion at its operating point have."""
     if (parts := aircraft.propulsion_by_parts) is None:
         return ()
-    motor = parts.own_motor
+    motor = parts.motor_constants
     own = {"motor_current": motor.maximum_current_a, "motor_power": motor.maximum_power_w}
     return ("bus_voltage", "tip_mach", *(name for name, most in own.items() if most is not None))
 

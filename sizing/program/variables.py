@@ -12,7 +12,7 @@ import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design_space import DesignSpace, LimitEnd, Range
-from sizing.parameters import catalogue, is_doubled, parameter_value, unit
+from sizing.parameters import build_scales, catalogue, parameter_value, unit
 from solar.types import FloatArray
 
 TOTAL_MASS = "total_mass_kg"
@@ -117,7 +117,7 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
         if row.kind == "technology"
         and row.relaxable
         and parameter_value(aircraft, None, key)
-        and not is_doubled(aircraft, key)
+        and not build_scales(aircraft, key)
     ]
     always += [Variable(name, "1", 1e-3, 1e3, Role.limit) for name in space.limit_rows()]
     always.append(Variable(WIND, unit(WIND), 0.0, math.inf, Role.wind, linear=True, least=10.0))

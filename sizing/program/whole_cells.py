@@ -28,7 +28,7 @@ from sizing.parameters import all_replaced
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
-from sizing.roots import bisected
+from sizing.roots import bisect
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.schema import MOST_CELLS
 
@@ -391,4 +391,4 @@ def _why(result: SizingResult) -> str:
 
 def _least_m(holds: Callable[[float], bool]) -> float:
     """Least length at which something holds, to a tenth of a millimetre; infinite if none [m]."""
-    return bisected(0.0, math.inf, holds, lambda _: _TENTH_OF_A_MM, most=_LONGEST_M)
+    return bisect(0.0, math.inf, holds, lambda _: _TENTH_OF_A_MM, most=_LONGEST_M)

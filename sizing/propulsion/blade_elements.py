@@ -178,8 +178,8 @@ class BladeElementPropeller:
         """Return the coefficients of thrust and power.
 
         ``dT = B rho W c (c_l W_t - c_d W_a) dr / 2`` and ``dQ = B rho W c (c_l W_a + c_d W_t) r dr
-        / 2``, with the velocities at the station that make the circulation of the lift,
-        ``W c c_l / 2``, that of the momentum.
+        / 2``, with the velocities at the station at which the circulation of the lift,
+        ``W c c_l / 2``, equals that by momentum.
 
         Parameters
         ----------

@@ -18,8 +18,13 @@ from pydantic import (
 )
 
 from missions.air import Air, plain_number
-from sizing.catalogues.choice import Kind, OfCatalogue, Taken, found_entry, taken
-from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
+from sizing.catalogues.choice import (
+    CatalogueRecord,
+    CatalogueValue,
+    Kind,
+    catalogue_values,
+    entry_of_key,
+)
 from sizing.parameters import all_replaced, replaced
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.propulsion.operating_point import (
@@ -38,6 +43,7 @@ from sizing.propulsion.part_masses import (
 )
 from sizing.propulsion.propeller_choice import PropellerChoice
 from sizing.smooth import Value
+from sizing.user_models import propulsion_efficiency_function, propulsion_mass_function
 from solar.schema import (
     Fraction,
     NonNegativeReal,
@@ -70,7 +76,7 @@ _EfficiencyModel = Annotated[
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 
 
-class Propulsion(OfCatalogue):
+class Propulsion(CatalogueRecord):
     """Propulsion chain from the battery bus to thrust power, and its mass.
 
     The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
@@ -198,7 +204,7 @@ class OperatingPointPropulsion(Record):
     def _check_parts(self) -> OperatingPointPropulsion:
         _check_one_rating(self)
         if isinstance(self.motor, str):
-            found_entry("motor", "motors", self.motor)
+            entry_of_key("motor", "motors", self.motor)
         return self
 
     def sized(
@@ -223,7 +229,7 @@ class OperatingPointPropulsion(Record):
             grown = larger ** propeller_mass_fit().exponent
             sizes["propeller.mass_kg"] = self.propeller.mass_kg * grown
         if speed_constant_rpm_per_v is not None:
-            wound = self.own_motor.rewound(speed_constant_rpm_per_v)
+            wound = self.motor_constants.rewound(speed_constant_rpm_per_v)
             sizes["motor"] = replaced(wound, ["mass_kg"], self.motor_mass_kg)
         chosen: dict[str, Any] = {k: value for k, value in sizes.items() if value is not None}
         if diameter_m is not None or pitch_m is not None:
@@ -231,7 +237,7 @@ class OperatingPointPropulsion(Record):
         return all_replaced(self, chosen) if chosen else self
 
     @cached_property
-    def own_motor(self) -> Motor:
+    def motor_constants(self) -> Motor:
         """Motor of the file, or of the catalogue entry that the file names."""
         return Motor.from_catalogue(self.motor) if isinstance(self.motor, str) else self.motor
 
@@ -240,7 +246,7 @@ class OperatingPointPropulsion(Record):
         """Propeller, gear, motor, controller and wiring; all propulsors are equal."""
         return Propulsor(
             propeller=self.propeller.propeller,
-            motor=self.own_motor,
+            motor=self.motor_constants,
             controller=self.controller,
             gear=self.gear,
             wiring_resistance_ohm=self.wiring_resistance_ohm,
@@ -248,14 +254,14 @@ class OperatingPointPropulsion(Record):
             limited=self.is_limited,
         )
 
-    def taken(self) -> list[Taken]:
+    def catalogue_values(self) -> list[CatalogueValue]:
         """Return the values of propeller and motor from catalogues, with their sources."""
-        of_propeller = taken(self.propeller, "airframe.propulsion.propeller.")
+        of_propeller = catalogue_values(self.propeller, "airframe.propulsion.propeller.")
         if not isinstance(self.motor, str):
             return of_propeller
-        motor = found_entry("motor", "motors", self.motor)
+        motor = entry_of_key("motor", "motors", self.motor)
         return of_propeller + [
-            Taken(
+            CatalogueValue(
                 f"airframe.propulsion.motor.{key}",
                 value,
                 self.motor,
@@ -353,7 +359,7 @@ class OperatingPointPropulsion(Record):
     @cached_property
     def motor_mass_kg(self) -> float | None:
         """Mass of a motor [kg], estimated from its continuous torque if not given; else None."""
-        motor = self.own_motor
+        motor = self.motor_constants
         if motor.mass_kg is not None:
             return motor.mass_kg
         torque = continuous_torque_nm(motor)
@@ -362,7 +368,7 @@ class OperatingPointPropulsion(Record):
     @property
     def motor_kg(self) -> Value:
         """Mass of a motor in the mass budget, before its factor [kg]."""
-        mass_kg = self.motor_mass_kg if self.estimates_masses else self.own_motor.mass_kg
+        mass_kg = self.motor_mass_kg if self.estimates_masses else self.motor_constants.mass_kg
         return 0.0 if mass_kg is None else mass_kg
 
     @property

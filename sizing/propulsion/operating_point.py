@@ -217,8 +217,8 @@ def operating_point(
         if not np.all(holds & np.isfinite(values)):
             raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
     points = [
-        _at(part, thrust, v, Air(*state), bus)
-        for part, (thrust, v, bus, *state) in _in_parts(propulsor, arrays)
+        _points_in_row(part, thrust, v, Air(*state), bus)
+        for part, (thrust, v, bus, *state) in _chunks(propulsor, arrays)
     ]
     return OperatingPoint(
         *(
@@ -230,7 +230,7 @@ def operating_point(
     )
 
 
-def _in_parts(
+def _chunks(
     propulsor: Propulsor, arrays: Sequence[FloatArray]
 ) -> Iterator[tuple[Propulsor, list[FloatArray]]]:
     """Yield propulsor and flattened arrays in chunks whose blade elements fit into the cache."""
@@ -274,8 +274,8 @@ def _shafts_of(
         *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, *air))
     )
     shafts = [
-        _shaft(part, thrust, v, Air(*state))
-        for part, (thrust, v, *state) in _in_parts(propulsor, arrays)
+        _shafts(part, thrust, v, Air(*state))
+        for part, (thrust, v, *state) in _chunks(propulsor, arrays)
     ]
     return arrays[0].shape, shafts
 
@@ -292,7 +292,7 @@ class _Shaft(NamedTuple):
     reason: NDArray[np.object_]
 
 
-def _shaft(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> _Shaft:
+def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> _Shaft:
     """Return shafts and motor at thrusts, in one dimension."""
     propeller, gear = propulsor.propeller, propulsor.gear
     n, reason = _rotation(propeller, thrust, v, air)
@@ -304,12 +304,12 @@ def _shaft(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) ->
     return _Shaft(n, shaft_w, torque, motor_rpm, motor_torque, motor, reason)
 
 
-def _at(
+def _points_in_row(
     propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air, bus: FloatArray
 ) -> OperatingPoint:
     """Return operating points, in one dimension."""
     gear, controller, d = propulsor.gear, propulsor.controller, propulsor.propeller.diameter_m
-    n, shaft_w, torque, motor_rpm, motor_torque, motor, reason = _shaft(propulsor, thrust, v, air)
+    n, shaft_w, torque, motor_rpm, motor_torque, motor, reason = _shafts(propulsor, thrust, v, air)
     motor_w = motor.current_a * motor.voltage_v
     inlet_v, needed_v = _inlet(propulsor, motor, bus)
     inlet_w = controller.input_power_w(motor, inlet_v)
@@ -327,8 +327,8 @@ def _at(
             "bus voltage {:.4g} V is below {:.2f} V, which {:.4g} rpm of the motor need",
             (bus, np.ceil(100.0 * needed_v) / 100.0, motor_rpm),
         ),
-        _over(propulsor.motor.maximum_current_a, motor.current_a, "motor current", "A"),
-        _over(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
+        _exceeded_limit(propulsor.motor.maximum_current_a, motor.current_a, "motor current", "A"),
+        _exceeded_limit(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
     ):
         for place in np.flatnonzero(wrong & (reason == "") & propulsor.limited):
             reason[place] = text.format(*(column[place] for column in values))
@@ -357,7 +357,7 @@ def _at(
     )
 
 
-def _over(
+def _exceeded_limit(
     limit: Value | None, values: FloatArray, name: str, unit: str
 ) -> tuple[BoolArray, str, tuple[FloatArray, ...]]:
     """Return where a limit of the motor is exceeded, the message's format, and its values."""

@@ -18,9 +18,9 @@ from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
 # Numbers of points for a narrow and a wide range of loads, and the ratio of loads that is wide.
-_FEW, _MANY, _MUCH = 5, 9, 1.5
-# Prohibitive power over that of level flight, for loads outside the propeller's data.
-_BEYOND = 1e6
+_FEW_POINTS, _MANY_POINTS, _WIDE_RANGE = 5, 9, 1.5
+# Prohibitive power relative to level flight, for loads outside the propeller's data.
+_PROHIBITIVE = 1e6
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,12 @@ class PartLoad:
     ) -> PartLoad:
         """Return the table of a chain between least and greatest loads [-]."""
         centre, half = (loads[0] + loads[1]) / 2.0, (loads[1] - loads[0]) / 2.0
-        much = np.any(loads[1] > _MUCH * loads[0])
-        points = _points((_MANY if much else _FEW) if np.any(half > 0.0) else 1)
+        much = np.any(loads[1] > _WIDE_RANGE * loads[0])
+        points = _points((_MANY_POINTS if much else _FEW_POINTS) if np.any(half > 0.0) else 1)
         power = power_w(centre + half * points.reshape(-1, *(1,) * np.ndim(level_w)))
         known = np.isfinite(level_w) & np.all(np.isfinite(power), axis=0)
         ratio = np.where(known, power, 1.0) / np.where(known, level_w, 1.0)
-        ratio = np.where(known, ratio, np.where(np.isfinite(level_w), _BEYOND, 1.0))
+        ratio = np.where(known, ratio, np.where(np.isfinite(level_w), _PROHIBITIVE, 1.0))
         shape = (len(points), *np.shape(level_w))
         inverse = np.linalg.inv(np.vander(points, increasing=True))
         # Summed in order, so that a design's last bit does not depend on its batch.
@@ -63,8 +63,8 @@ class PartLoad:
 
     @property
     def beyond(self) -> BoolArray:
-        """Return where the chain has no power at some load of the table, of the designs' shape."""
-        return np.asarray(self.coefficients[0] >= _BEYOND)
+        """True where the chain has no power at some load of the table, of the designs' shape."""
+        return np.asarray(self.coefficients[0] >= _PROHIBITIVE)
 
     def between(self) -> FloatArray:
         """Return the loads half-way between the nodes of the table of a single design [-]."""
@@ -83,7 +83,14 @@ class PartLoad:
 
     def at(self, load: ArrayLike) -> FloatArray:
         """Return electric power over its reference [-] at thrust powers over level flight [-]."""
-        return _horner(list(self.coefficients), _from_centre(load, *self.loads))
+        centre, half = self.loads
+        width = np.where(half > 0.0, half, 1.0)
+        # Clipped, as loads lie outside by rounding only.
+        place = np.clip((np.asarray(load, float) - centre) / width, -1.0, 1.0)
+        result = self.coefficients[-1] + 0.0 * place
+        for coefficient in self.coefficients[-2::-1]:
+            result = coefficient + result * place
+        return np.asarray(result)
 
 
 class Proportional:
@@ -112,24 +119,6 @@ def load_range(all_day: ArrayLike, thermal: ArrayLike) -> tuple[FloatArray, Floa
 
 def _points(count: int) -> FloatArray:
     """Return Chebyshev points from -1 to 1, both ends included; 0 for a single point."""
-    return (
-        np.asarray(-np.cos(np.pi * np.arange(count) / max(count - 1, 1)))
-        if count > 1
-        else (np.zeros(1))
-    )
-
-
-def _from_centre(
-    value: ArrayLike, centre: FloatArray | float, half: FloatArray | float
-) -> FloatArray:
-    """Return the load scaled to -1 to 1, clipped against rounding."""
-    width = np.where(np.asarray(half) > 0.0, half, 1.0)
-    return np.clip((np.asarray(value, float) - centre) / width, -1.0, 1.0)
-
-
-def _horner(coefficients: list[FloatArray], place: FloatArray) -> FloatArray:
-    """Evaluate a polynomial of rising powers."""
-    result = coefficients[-1] + 0.0 * place
-    for coefficient in reversed(coefficients[:-1]):
-        result = coefficient + result * place
-    return np.asarray(result)
+    if count == 1:
+        return np.zeros(1)
+    return np.asarray(-np.cos(np.pi * np.arange(count) / (count - 1)))

@@ -59,24 +59,7 @@ class Propeller(Protocol):
 def tip_mach(
     airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, diameter_m: float, air: Air
 ) -> FloatArray:
-    """Return the Mach number of the blade tips.
-
-    ``sqrt(V^2 + (pi n D)^2) / sqrt(1.4 R T)``.
-
-    Parameters
-    ----------
-    airspeed_m_per_s, rotation_per_s : array_like
-        True airspeed [m/s] and speed of rotation [1/s].
-    diameter_m : float
-        Diameter [m].
-    air : Air
-        Its temperature counts.
-
-    Returns
-    -------
-    ndarray
-        Mach number [-].
-    """
+    """Return the Mach number of the blade tips, ``sqrt(V^2 + (pi n D)^2) / sqrt(1.4 R T)`` [-]."""
     tip = np.pi * np.asarray(rotation_per_s, float) * diameter_m
     speed = np.hypot(np.asarray(airspeed_m_per_s, float), tip)
     return np.asarray(speed / air.speed_of_sound_m_per_s)
@@ -163,13 +146,13 @@ class PropellerTable:
             weight = weight if self.any_speed else np.where(beyond, np.nan, weight)
         upper = np.minimum(place + 1, len(speeds) - 1)
         columns = (
-            np.array([_on(advance, curve.advance_ratio, values) for curve, values in named])
+            np.array([_curve_at(advance, curve.advance_ratio, values) for curve, values in named])
             for named in (
                 [(curve, curve.thrust) for curve in self.curves],
                 [(curve, curve.power) for curve in self.curves],
             )
         )
-        return Coefficients(*(_weighted(column, place, upper, weight) for column in columns))
+        return Coefficients(*(_weighted_mean(column, place, upper, weight) for column in columns))
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the data."""
@@ -186,14 +169,14 @@ class PropellerTable:
         return self
 
 
-def _on(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
+def _curve_at(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
     """Interpolate values along a curve; NaN beyond its ends."""
     near = np.where(np.abs(advance - known[0]) < _EDGE, known[0], advance)
     near = np.where(np.abs(near - known[-1]) < _EDGE, known[-1], near)
     return np.asarray(np.interp(near, known, values, left=np.nan, right=np.nan))
 
 
-def _weighted(
+def _weighted_mean(
     curves: FloatArray, lower: np.ndarray, upper: np.ndarray, weight: FloatArray
 ) -> FloatArray:
     """Return the weighted mean of two curves; a curve of weight 0 may end earlier."""

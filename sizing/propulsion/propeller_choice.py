@@ -11,14 +11,14 @@ from pydantic import Field, PrivateAttr, Strict, model_validator
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
 from missions.files.validation import wrong_file
-from sizing.catalogues.choice import Kind, OfCatalogue
+from sizing.catalogues.choice import CatalogueRecord, Kind
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.propeller import Propeller
 from sizing.propulsion.propeller_files import read_propeller
 from solar.schema import Flag, NonNegativeReal, PositiveReal, Text, wrong_value
 
 
-class PropellerChoice(OfCatalogue):
+class PropellerChoice(CatalogueRecord):
     """Propeller by its diameter and pitch, or by the files of its table.
 
     ``product`` names a catalogue entry, which gives the keys that the file omits. ``table`` and

@@ -82,7 +82,7 @@ def read_propeller(
     files : path or sequence of paths
         All of one propeller.
     diameter_m : float, optional
-        Diameter [m], where the files or their names do not tell it; else it wins.
+        Diameter [m], in place of the one in the files or their names.
     any_speed : bool
         Use the slowest and fastest curve beyond their speeds as well, or a table that names no
         speed at all. Without it such a table is refused.
@@ -104,9 +104,9 @@ def read_propeller(
         name = os.fspath(path)
         _read_file(read, read_text(name), printable(name))
     names = ", ".join(printable(os.fspath(path)) for path in paths)
-    read.problems += [problem for point in read.points for problem in _wrong(point)]
+    read.problems += [problem for point in read.points for problem in _impossible(point)]
     if not read.problems:
-        read.problems += _missing(read, names, any_speed)
+        read.problems += _problems_as_a_whole(read, names, any_speed)
     if read.problems:
         raise InputError(read.problems[:20])
     assert read.diameter_m is not None
@@ -114,7 +114,7 @@ def read_propeller(
     return PropellerTable(read.diameter_m, curves, names, any_speed, left_out_note(read.left_out))
 
 
-def _missing(read: _Read, names: str, any_speed: bool) -> list[Problem]:
+def _problems_as_a_whole(read: _Read, names: str, any_speed: bool) -> list[Problem]:
     """Return the problems of the files as a whole."""
     if not read.points:
         return [file_error(names, "holds no row of J, CT and CP").problems[0]]
@@ -145,7 +145,7 @@ def _read_file(read: _Read, text: str, file: str) -> None:
     elif head and head[0][:3] == ["j", "ct", "cp"] and "," not in lines[0]:
         _read_uiuc(read, lines, file)
     elif head and head[0] == ["rpm", "ct", "cp"] and "," not in lines[0]:
-        rows = _numbered(read, lines[1:], file, 3)
+        rows = _numbers(read, lines[1:], file, 3)
         read.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
     elif any({"j", "ct", "cp"} <= set(words) for words in head):
         _read_csv(read, lines, file)
@@ -154,7 +154,7 @@ def _read_file(read: _Read, text: str, file: str) -> None:
         read.problems.append(file_error(file, message).problems[0])
 
 
-def _size(read: _Read, text: str) -> None:
+def _take_diameter(read: _Read, text: str) -> None:
     """Take the diameter from a name such as 11x5.5E, unless it is given."""
     size = _SIZE.search(text)
     if read.diameter_m is None and size and float(size[1]) <= _LARGEST_INCHES:
@@ -163,15 +163,15 @@ def _size(read: _Read, text: str) -> None:
 
 def _read_uiuc(read: _Read, lines: Sequence[str], file: str) -> None:
     name = file.replace("\\", "/").rpartition("/")[2]
-    _size(read, name)
+    _take_diameter(read, name)
     run = _RUN.search(name)
     speed = float(run[1]) if run else math.nan
-    for line, row in _numbered(read, lines[1:], file, len(lines[0].split())):
+    for line, row in _numbers(read, lines[1:], file, len(lines[0].split())):
         read.points.append(_Point(file, line, speed, *row[:3]))
 
 
 def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
-    _size(read, next(line for line in lines if line.strip()))
+    _take_diameter(read, next(line for line in lines if line.strip()))
     speed = math.nan
     order: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -211,7 +211,7 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
     if read.diameter_m is not None and speed > 0.0:
         per_speed = 60.0 * _MPH_M_PER_S / (speed * read.diameter_m)
         by_speed = values["v"] * per_speed
-        step_j, step_v = _step(row["j"]), _step(row["v"]) * per_speed
+        step_j, step_v = _last_digit(row["j"]), _last_digit(row["v"]) * per_speed
         if abs(by_speed - advance) > step_j + step_v + 0.02 * advance:
             message = (
                 f"J {row['j']} is not V/(nD) of {row['v']} mph, {speed:g} rpm and a diameter of "
@@ -222,7 +222,7 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
     read.points.append(_Point(*place, speed, advance, values["ct"], values["cp"]))
 
 
-def _step(text: str) -> float:
+def _last_digit(text: str) -> float:
     """Return the last digit's place value of a printed number."""
     return 10.0 ** -len(text.partition(".")[2])
 
@@ -244,7 +244,7 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
                 read.problems.append(Problem(file, number, None, "", shortened(message)))
                 return
         else:
-            for place, row in _numbered(read, [line.replace(",", " ")], file, len(names), number):
+            for place, row in _numbers(read, [line.replace(",", " ")], file, len(names), number):
                 by = dict(zip(names, row, strict=True))
                 read.points.append(
                     _Point(file, place, by.get("rpm", math.nan), by["j"], by["ct"], by["cp"])
@@ -256,7 +256,7 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
                     read.problems.append(Problem(file, place, None, "", message))
 
 
-def _numbered(
+def _numbers(
     read: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
 ) -> Iterator[tuple[int, list[float]]]:
     """Yield rows of numbers with their lines, and add other rows to the problems."""
@@ -281,7 +281,7 @@ def _number(text: str) -> float:
     return value if math.isfinite(value) else math.nan
 
 
-def _wrong(point: _Point) -> Iterator[Problem]:
+def _impossible(point: _Point) -> Iterator[Problem]:
     """Yield the physically impossible coefficients of a point."""
     if not 0.0 <= point.advance <= _LARGEST_ADVANCE:
         yield point.problem(f"J must be from 0 to {_LARGEST_ADVANCE:g} (got {point.advance:g})")

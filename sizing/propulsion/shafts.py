@@ -23,7 +23,7 @@ def motor_state(
     """Return current and voltage of the motor behind the gear."""
     gear = parts.gear
     torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
-    return parts.own_motor.state_of(60.0 * rotation_per_s * gear.ratio, torque)
+    return parts.motor_constants.state_of(60.0 * rotation_per_s * gear.ratio, torque)
 
 
 def inlet(parts: OperatingPointPropulsion, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
@@ -59,7 +59,7 @@ def shares_of_limits(
     if diameter_m is None:  # the files of the table have it
         diameter_m = parts.propeller.propeller.diameter_m
     tip = ((np.pi * rotation_per_s * diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
-    motor = parts.own_motor
+    motor = parts.motor_constants
     used = {
         "bus_voltage": (least_v + wires_v) / bus_v,
         "tip_mach": tip / (air.speed_of_sound_m_per_s * parts.maximum_tip_mach),

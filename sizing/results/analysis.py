@@ -13,7 +13,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import DragShares
-from sizing.climb import ClimbPerformance, climb_performance, excess_at_one_minute_h
+from sizing.climb import ClimbPerformance, climb_performance, fine_step_excess_time_h
 from sizing.day.launch import Endurance
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
@@ -214,7 +214,7 @@ class Analysis(DesignResult):
         program_h = self.performance.program_excess_h
         if program_h is None or np.isnan(program_h[self.worst]):
             return None
-        by_minute_h = excess_at_one_minute_h(self.aircraft, self.performance)
+        by_minute_h = fine_step_excess_time_h(self.aircraft, self.performance)
         return ClimbCheck(float(program_h[self.worst]), by_minute_h)
 
     @property

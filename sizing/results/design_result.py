@@ -11,14 +11,14 @@ from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
-from sizing.catalogues.choice import Taken
+from sizing.catalogues.choice import CatalogueValue
 from sizing.design import Design
 from sizing.results.conditions import BatteryCondition, Wind, battery_condition, wind_of
 from sizing.results.numbers import finite
 from sizing.results.parts import cells_record
 from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, power_budget
 from sizing.results.result import Result
-from sizing.validity.checks import check_own_models
+from sizing.validity.checks import check_user_models
 from solar.schema import Record
 
 
@@ -86,7 +86,7 @@ class DesignResult(Result):
         return wind_of(self.mission)
 
     @property
-    def from_catalogues(self) -> tuple[Taken, ...]:
+    def from_catalogues(self) -> tuple[CatalogueValue, ...]:
         """Values of the aircraft that catalogues gave."""
         return tuple(self.aircraft.from_catalogues())
 
@@ -109,7 +109,7 @@ def check_subjects(aircraft: object, mission: object) -> None:
             )
         _check_copies(thing)
     if isinstance(aircraft, Aircraft) and isinstance(mission, Mission):
-        check_own_models(aircraft, mission)
+        check_user_models(aircraft, mission)
 
 
 def _check_copies(record: Record) -> None:

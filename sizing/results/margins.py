@@ -137,7 +137,7 @@ def _of_parts(aircraft: Aircraft, design: Design) -> Iterator[RequirementMargin]
     yield _at_most("duty", "duty of the controller, empty battery", float(point.duty), 1.0, "")
     mach = own.maximum_tip_mach
     yield _at_most("tip_mach", "Mach number of the tips", float(point.tip_mach), mach, "")
-    current = own.own_motor.maximum_current_a
+    current = own.motor_constants.maximum_current_a
     if current is not None:
         used = float(point.motor_current_a)
         yield _at_most("motor_current", "current of the motor", used, current, "A")

@@ -118,7 +118,7 @@ def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
     assert chain is not None
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     # Wound anew it has the mass that it had.
-    motor = None if propulsion.own_motor.mass_kg is not None else propulsion.motor_mass_kg
+    motor = None if propulsion.motor_constants.mass_kg is not None else propulsion.motor_mass_kg
     gears_kg = float(design.masses.propulsion) - float(chain.fixed_mass_kg or 0.0)
     has_gear = own.gear.mass_kg is None and own.gear.ratio != 1.0
     propeller = None if own.propeller.mass_kg is not None else float(own.propeller_kg)

@@ -15,7 +15,7 @@ from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.result import SizingResult
 from sizing.structures.build import build_qualities
-from sizing.structures.models import OwnStructure
+from sizing.structures.models import UserStructure
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def designs_by_build(
     AtlantikSolar. A structure of the user's own has no classes.
     """
     structure = aircraft.parametric.structure
-    if isinstance(structure, OwnStructure):
+    if isinstance(structure, UserStructure):
         return ()
     fitted: dict[str, Any] = {}
     if structure.build is None and structure.atlantiksolar_calibration is not None:

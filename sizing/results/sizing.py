@@ -27,7 +27,7 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results.design_result import check_subjects
 from sizing.results.qualities import designs_by_build
 from sizing.results.sizing_study import SizingStudy
-from sizing.validity.checks import check_own_models
+from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
 
 
@@ -179,7 +179,7 @@ def study_of(
     """Sizing with its optimum under the model's error, and without the mission's margins."""
     given = (aircraft, mission, result, solar)
     if result.design is not None:
-        check_own_models(aircraft, mission, result.design)
+        check_user_models(aircraft, mission, result.design)
     low, high = _under_model_error(*given)
     plain = _without_margins_of(*given)
     return SizingStudy(

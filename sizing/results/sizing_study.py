@@ -15,7 +15,7 @@ from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.chosen_parts import sized_data
-from sizing.climb import beside_constant
+from sizing.climb import compare_with_constant
 from sizing.day.light import SolarModel
 from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -249,7 +249,7 @@ class SizingStudy(DesignResult):
         flown = self.result.simulated
         if flown is None or flown.mission.climb is None:
             return None
-        climbs = beside_constant(self.aircraft, flown, flown.design, flown.day)
+        climbs = compare_with_constant(self.aircraft, flown, flown.design, flown.day)
         return ClimbOfDay.of(climbs, self.mission, climbs.performance.worst_scenario())
 
     @property

@@ -80,21 +80,7 @@ class FlightEnvelope:
 def flight_envelope(
     model: RibWingStructure, inputs: StructureInputs, maximum_lift_coefficient: float
 ) -> FlightEnvelope:
-    """Return the flight envelope of a rib wing.
-
-    Parameters
-    ----------
-    model : RibWingStructure
-        Wing with gusts and ratio of dive speed.
-    inputs : StructureInputs
-        Numbers.
-    maximum_lift_coefficient : float
-        Of the aircraft [-].
-
-    Returns
-    -------
-    FlightEnvelope
-    """
+    """Return the flight envelope of a rib wing, with inputs that are numbers."""
     wing = model.wing(inputs)
     area_m2, density = float(wing.wing_area_m2), float(inputs.density_kg_per_m3)
     mass_kg, cruise = float(inputs.total_mass_kg), float(wing.equivalent_airspeed_m_per_s)
@@ -270,8 +256,8 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         landed = station.braced_landed_moment if wires.landing_wires else landed
     level = GRAVITY_M_PER_S2 * (wing.total_mass_kg * lift - wing.relief_kg * mass)
     landing = GRAVITY_M_PER_S2 * wing.relief_kg * landed
-    bent_1g, turned_1g = _bent(model, wing, station, integral, load=level, needs=needs)
-    bent_landing, _ = _bent(model, wing, station, integral, load=landing, needs=needs)
+    bent_1g, turned_1g = _tip_bending(model, wing, station, integral, load=level, needs=needs)
+    bent_landing, _ = _tip_bending(model, wing, station, integral, load=landing, needs=needs)
     return StructureAssessment(
         limit_load_factor=up,
         load_case="gust" if gust_up else "manoeuvre",
@@ -281,7 +267,7 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         spar_caps=caps,
         spar_caps_case=_case(next(iter(caps)), needs, station, cases),
         spar_web=_shares((model.web_needs_m(wing, model.shear_n(wing, station)),), station),
-        nose=_nose(model, wing),
+        nose=_nose_criterion(model, wing),
         tip_deflection_1g=bent_1g,
         tip_deflection_limit=up * bent_1g,
         tip_deflection_landing=model.landing_load_factor * bent_landing,
@@ -327,7 +313,7 @@ def _case(
     return max(sized, key=lambda name: sized[name])
 
 
-def _bent(
+def _tip_bending(
     model: RibWingStructure,
     wing: Wing,
     station: Station,
@@ -348,7 +334,7 @@ def _bent(
     return float(deflection), degrees(float(integral(curvature) * half_span))
 
 
-def _nose(model: RibWingStructure, wing: Wing) -> str:
+def _nose_criterion(model: RibWingStructure, wing: Wing) -> str:
     """Return the criterion that sizes the nose's sheet."""
     if model.torsion is None:
         return "gauge"

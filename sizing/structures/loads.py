@@ -74,20 +74,7 @@ def gust_alleviation_factor(mass_ratio: Value) -> Value:
 def gust_mass_ratio(
     *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density_kg_per_m3: Value
 ) -> Value:
-    """Return the aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)`` with c = b/AR [-].
-
-    Parameters
-    ----------
-    total_mass_kg, wing_area_m2, aspect_ratio
-        Mass [kg], wing area [m2] and aspect ratio [-].
-    density_kg_per_m3
-        Of the air [kg/m3].
-
-    Returns
-    -------
-    Value
-        Ratio mu, for :func:`gust_alleviation_factor` [-].
-    """
+    """Return the aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)`` with c = b/AR [-]."""
     chord_m = (wing_area_m2 / aspect_ratio) ** 0.5
     slope = lift_curve_slope(aspect_ratio)
     return 2.0 * total_mass_kg / (density_kg_per_m3 * wing_area_m2 * chord_m * slope)
@@ -101,23 +88,10 @@ def gust_load_increment(
     aspect_ratio: Value,
     density_kg_per_m3: Value,
 ) -> Value:
-    """Return the load factor increment of a sharp-edged gust, CS 23.341 [-].
+    """Return the magnitude of a sharp-edged gust's load factor increment, CS 23.341 [-].
 
-    ``dn = K_g rho_0 a U V / (2 W/S)``.
-
-    Parameters
-    ----------
-    gust_times_airspeed
-        Gust velocity U times airspeed V, both equivalent [m2/s2].
-    total_mass_kg, wing_area_m2, aspect_ratio
-        Mass [kg], wing area [m2] and aspect ratio [-].
-    density_kg_per_m3
-        Of the air, for the mass ratio [kg/m3].
-
-    Returns
-    -------
-    Value
-        Magnitude; the gust load factors are ``1 + dn`` and ``1 - dn`` [-].
+    ``dn = K_g rho_0 a U V / (2 W/S)`` with gust times airspeed ``U V``, both equivalent [m2/s2].
+    The air density enters the mass ratio only.
     """
     ratio = gust_mass_ratio(
         total_mass_kg=total_mass_kg,
@@ -135,23 +109,10 @@ def root_bending_moment_nm(
 ) -> Value:
     """Return the root bending moment at limit load [N m], relieved by the mass along the span.
 
-    An elliptic lift of one half-wing acts at 4/(3 pi) of the half-span, an even mass at 1/2 of it.
-    The moment is the smooth maximum of the relieved moment and the floor, which exceeds both by at
-    most 2 % of the unrelieved moment.
-
-    Parameters
-    ----------
-    wingspan_m
-        Span [m].
-    total_mass_kg, span_load_kg
-        Take-off mass, and mass spread evenly along the span [kg].
-    minimum_fraction : float
-        Floor, as a fraction of the unrelieved moment [-].
-
-    Returns
-    -------
-    Value
-        ``n g b (m/(3 pi) - m_span/8)`` with the limit load factor n, or the floor [N m].
+    ``n g b (m/(3 pi) - m_span/8)`` with the limit load factor n: an elliptic lift of one half-wing
+    acts at 4/(3 pi) of the half-span, an even mass at 1/2 of it. The floor is ``minimum_fraction``
+    of the unrelieved moment. The smooth maximum of both exceeds them by at most 2 % of the
+    unrelieved moment.
     """
     newton = limit_load_factor(total_mass_kg) * GRAVITY_M_PER_S2
     unrelieved = newton * total_mass_kg * wingspan_m / (3.0 * pi)

@@ -10,13 +10,13 @@ from typing import Annotated, ClassVar, Literal, Protocol
 
 from pydantic import AfterValidator, Field
 
-from sizing.own_models import structure_function
 from sizing.smooth import Value
 from sizing.structures.build import BuiltStructure
 from sizing.structures.loads import StructureInputs, root_bending_moment_nm
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION, WebCore
 from sizing.structures.torsion import WingTorsion
+from sizing.user_models import structure_function
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Text
 
 # Fitted to the structure of AtlantikSolar.
@@ -139,7 +139,7 @@ class AllPowerLawStructure(_PowerLaw):
     aspect_ratio_exponent: Real = -0.88
 
 
-class OwnStructure(BuiltStructure):
+class UserStructure(BuiltStructure):
     """User-defined model, by its name: see :func:`sizing.register_structure`.
 
     ``build`` multiplies its mass, where the file has it.
@@ -154,7 +154,7 @@ class OwnStructure(BuiltStructure):
 
 
 Structure = Annotated[
-    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure | OwnStructure,
+    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure | UserStructure,
     Field(discriminator="model"),
 ]
 

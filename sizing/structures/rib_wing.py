@@ -188,26 +188,11 @@ class RibWingStructure(RibWingKeys):
         density_kg_per_m3: Value,
         gust_fraction: Value = 1.0,
     ) -> LoadFactors:
-        """Return limit load factors: the larger of manoeuvre and gust, upwards and downwards.
+        """Return limit load factors: the larger of manoeuvre and gust, upwards and downwards [-].
 
-        Whether gust times airspeed is larger at cruise or at dive speed depends on the keys alone.
-
-        Parameters
-        ----------
-        total_mass_kg, wing_area_m2, aspect_ratio
-            Mass [kg], wing area [m2] and aspect ratio [-].
-        equivalent_airspeed_m_per_s
-            Equivalent airspeed of level flight, taken as cruise [m/s].
-        density_kg_per_m3
-            Of the air [kg/m3].
-        gust_fraction
-            Gust speed over that of the keys [-].
-
-        Returns
-        -------
-        LoadFactors
-            ``max(n, 1 + dn)`` up and ``max(r n, dn - 1)`` down, with the manoeuvre factor n, the
-            gust's increment dn and the ``negative_load_ratio`` r; smooth maxima [-].
+        ``max(n, 1 + dn)`` up and ``max(r n, dn - 1)`` down as smooth maxima, with the manoeuvre
+        factor n, the gust's increment dn and the ``negative_load_ratio`` r. The keys alone decide
+        whether gust times airspeed is larger at cruise or in a dive.
         """
         gust = max(self.cruise_gust_m_per_s, self.dive_gust_m_per_s * self.dive_speed_ratio)
         increment = gust_load_increment(

@@ -106,22 +106,8 @@ class WebCore(Record):
         The plate's bending stiffness is that of its facings, ``D = E t d^2/(4 (1 - nu^2))`` with
         both of them t and the core d thick. With the shear of the core the plate buckles at
         ``1/(1/N_b + 1/(G d))``, ``N_b = 5.35 pi^2 D/h^2`` (Allen, Analysis and Design of Structural
-        Sandwich Panels, chapters 2 and 5: the two stiffnesses in series); solved for d.
-
-        Parameters
-        ----------
-        shear_n_per_m
-            Ultimate shear flow of one web, as its force over its depth [N/m].
-        facings_m
-            Thickness of both facings together [m].
-        depth_m
-            Of the web [m].
-        modulus_pa
-            Of the laminate [Pa].
-
-        Returns
-        -------
-        Value
+        Sandwich Panels, chapters 2 and 5: the two stiffnesses in series); solved for d, at the
+        ultimate shear flow of one web [N/m].
         """
         per_thickness = SHEAR_PLATE * pi**2 * modulus_pa * facings_m / (4.0 * (1.0 - 0.3**2))
         bending_m2 = shear_n_per_m * depth_m * depth_m / per_thickness

@@ -76,16 +76,6 @@ class WingTorsion(Record):
 
         ``twist_in_dive`` and ``twist_at_limit_load``: an even torque per length m twists the tip by
         ``m l^2/(2 GJ)``; m is ``C_m q c^2``, or the lift times its distance from the elastic axis.
-
-        Parameters
-        ----------
-        wing : Twisting
-            Geometry and loads.
-
-        Returns
-        -------
-        dict
-            Stiffness by criterion.
         """
         square = (wing.chord_m * wing.half_span_m) ** 2
         pressure = wing.dive_pressure_pa
@@ -104,16 +94,7 @@ class WingTorsion(Record):
 def closed_cell_nm2(area_m2: Value, flexibility: Value) -> Value:
     """Return Bredt's torsional stiffness GJ of a thin-walled cell, ``4 A^2/sum(s/(G t))`` [N m2].
 
-    Parameters
-    ----------
-    area_m2
-        Enclosed area A [m2].
-    flexibility
-        Sum over the walls of length over shear modulus times thickness [m/N].
-
-    Returns
-    -------
-    Value
+    ``flexibility`` is the sum over the walls, ``s/(G t)`` [m/N].
     """
     return 4.0 * area_m2 * area_m2 / flexibility
 
@@ -128,21 +109,7 @@ class NoseCell(NamedTuple):
     def of(
         cls, chord_m: Value, *, thickness_ratio: Value, chord_fraction: Value, skin_m: Value
     ) -> NoseCell:
-        """Return the cell ahead of a fraction of the chord.
-
-        Parameters
-        ----------
-        chord_m, thickness_ratio
-            Of the section [m, -].
-        chord_fraction
-            End of the cell [-].
-        skin_m
-            Length of its skin [m].
-
-        Returns
-        -------
-        NoseCell
-        """
+        """Return the cell ahead of a fraction of the chord, with a skin of length ``skin_m``."""
         area = _NOSE_AREA * chord_fraction * thickness_ratio * chord_m * chord_m
         return cls(area, skin_m + thickness_ratio * chord_m)
 

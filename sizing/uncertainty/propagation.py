@@ -291,7 +291,7 @@ class Propagation:
     ) -> FloatArray:
         """Return excess time [h], least state of charge [-] and highest altitude [m], (3, sample).
 
-        They are those of the best flight of every draw along its height profiles, or level.
+        They belong to the best flight of every draw along its height profiles, or level.
         """
         levels = self._levels(case, scenario)
         light_over_load = np.mean(solar_w, axis=-1) / levels.nominal_load_w
@@ -399,7 +399,7 @@ class Propagation:
         aircraft, mission = self.aircraft, self.mission
         for key, value in values.items():
             if key.removeprefix(_PROPULSION) in _DRAWN and self._parts is not None:
-                key, value = self._of_constants(aircraft, key.removeprefix(_PROPULSION), value)
+                key, value = self._scaled_constant(aircraft, key.removeprefix(_PROPULSION), value)
             if key != SOLAR_MODEL:
                 aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
@@ -430,7 +430,7 @@ class Propagation:
             count=count,
         )
 
-    def _of_constants(
+    def _scaled_constant(
         self, aircraft: Aircraft, name: str, factor: FloatArray
     ) -> tuple[str, FloatArray]:
         """Return key and values that apply a factor to a constant efficiency or mass."""

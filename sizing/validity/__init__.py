@@ -1,7 +1,7 @@
 """Ranges of the models, and the extrapolated quantities of a result.
 
 Every model of structure, aerodynamics, propulsion, battery, sky and solar power holds within a
-range: that of its data, its fit, its publication, or an explicit assumption. ``validity.csv`` in
+range: of its data, its fit, its publication, or by an explicit assumption. ``validity.csv`` in
 ``sizing/data`` has the ranges with their sources; an airfoil's table, an aircraft or a mission give
 some themselves. Results outside a range are not refused, but noted.
 

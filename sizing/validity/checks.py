@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from missions.air import standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
-from sizing.aerodynamics.parabolic import OwnDragPolar
+from sizing.aerodynamics.parabolic import UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.battery.battery import Battery, RuleChargeLimit, TableChargeLimit
@@ -21,8 +21,8 @@ from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import closed_design, parametric_design
 from sizing.parameters import catalogue, value_at
 from sizing.performance import Performance
-from sizing.sized_structure import structure_by_both, structure_parts
-from sizing.structures.models import OwnStructure
+from sizing.sized_structure import structure_masses_by_model, structure_parts
+from sizing.structures.models import UserStructure
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.validity.ranges import Check, experience, ranges
 from solar.clearsky import THIN_AIR_FROM_M
@@ -30,7 +30,7 @@ from solar.sun import declination
 from solar.types import FloatArray
 
 # Quantities checked at the highest altitude of a flight with climbs.
-_OF_HEIGHT = ("altitude_m", "air_temperature_c")
+_AT_HIGHEST_ALTITUDE = ("altitude_m", "air_temperature_c")
 # Model name of rib wings with the keys of large wings, in the catalogue.
 _LARGE = "rib_wing_large"
 # In the flight of the report, 7 % less airspeed changes the solar power of FM by 0.4 %.
@@ -133,8 +133,8 @@ def at_highest(
         *module_check(aircraft, mission, highest_m),
         *battery_checks(aircraft.battery, air.temperature_c, highest_m),
     ]
-    below = [check for check in checks if check.range.quantity not in _OF_HEIGHT]
-    return below + [check for check in up_there if check.range.quantity in _OF_HEIGHT]
+    below = [check for check in checks if check.range.quantity not in _AT_HIGHEST_ALTITUDE]
+    return below + [check for check in up_there if check.range.quantity in _AT_HIGHEST_ALTITUDE]
 
 
 def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
@@ -192,7 +192,7 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
 def _agreement_check(it: DesignInFlight) -> Iterator[Check]:
     """Yield the check of structural mass by the file's model over mass by the other model."""
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-        both = structure_by_both(it.aircraft, it.design)
+        both = structure_masses_by_model(it.aircraft, it.design)
         if both is not None:
             model, other = both
             masses = {name: np.asarray(mass, float) for name, mass in both.items()}
@@ -348,7 +348,7 @@ def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
 _USUAL_MASS = 3.0
 
 
-def check_own_models(aircraft: Aircraft, mission: Mission, design: Design | None = None) -> None:
+def check_user_models(aircraft: Aircraft, mission: Mission, design: Design | None = None) -> None:
     """Refuse user-defined models with an impossible value, by a ValueError that names the model.
 
     They are evaluated at ``design``, by default that of the aircraft's file.
@@ -358,8 +358,8 @@ def check_own_models(aircraft: Aircraft, mission: Mission, design: Design | None
     structure, polar = aircraft.airframe.structure, aircraft.airframe.aerodynamics
     propulsion = aircraft.airframe.propulsion
     names = {
-        "register_structure": structure.name if isinstance(structure, OwnStructure) else None,
-        "register_drag": polar.name if isinstance(polar, OwnDragPolar) else None,
+        "register_structure": structure.name if isinstance(structure, UserStructure) else None,
+        "register_drag": polar.name if isinstance(polar, UserDragPolar) else None,
         "register_propulsion_mass": getattr(propulsion, "mass_model", None),
         "register_propulsion_efficiency": getattr(propulsion, "efficiency_model", None),
     }

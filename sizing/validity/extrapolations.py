@@ -46,7 +46,7 @@ def extrapolations(aircraft: Aircraft, perf: Performance) -> tuple[Extrapolation
 def replay_extrapolations(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, run: CalendarRun
 ) -> tuple[Extrapolation, ...]:
-    """Return what a flight by the clock takes from outside the range of a model."""
+    """Return the extrapolated quantities of a flight by the clock."""
     days = (np.unique(np.floor(run.day_of_year).astype(int)) - 1) % DAYS_PER_YEAR + 1
     scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), days)
     checks = [
@@ -65,7 +65,7 @@ def collect_extrapolations(
     ``checks`` are scalars or have the shape of scenarios or cells. ``scenarios`` name those
     concerned, unless all are; ``of`` and ``what`` are number and name of the cells.
     """
-    extrapolations = []
+    collected = []
     for check in checks:
         outside, distance = check.outside, check.distance
         if not np.any(outside):
@@ -78,8 +78,8 @@ def collect_extrapolations(
         elif scenarios is not None and outside.shape and not np.all(outside):
             names = tuple(scenarios.label(int(place)) for place in np.flatnonzero(outside))
             worst = replace(worst, scenarios=names)
-        extrapolations.append(worst)
-    return _in_order(extrapolations)
+        collected.append(worst)
+    return _in_order(collected)
 
 
 def keep_worst(
@@ -194,7 +194,8 @@ def add_effects(
         perf = level_flight_at(aircraft, perf, highest_m)
     if perf is None:
         return notes
-    once = _worst_scenario(aircraft, perf)
+    critical = perf.day.at([perf.worst_scenario()])
+    once = performance(aircraft, perf.mission, perf.solar, day=critical, design=perf.design)
     return tuple(
         note if without is None else _add_effect(note, once, without(aircraft, once), of_what)
         for note in notes
@@ -216,12 +217,6 @@ def level_flight_at(aircraft: Aircraft, perf: Performance, altitude_m: float) ->
         return performance(aircraft, there, perf.solar, day=day, design=design)
     except ImpossibleDesignError:
         return None
-
-
-def _worst_scenario(aircraft: Aircraft, perf: Performance) -> Performance:
-    """Return the flight in the scenario of least excess time alone."""
-    day = perf.day.at([perf.worst_scenario()])
-    return performance(aircraft, perf.mission, perf.solar, day=day, design=perf.design)
 
 
 def _with_cold_modules(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:

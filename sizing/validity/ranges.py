@@ -132,7 +132,7 @@ def ranges() -> Mapping[tuple[str, str], Range]:
     return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
 
 
-def where_error_is_known(altitude_m: float) -> str:
+def model_error_note(altitude_m: float) -> str:
     """Return a note on where model errors were measured, for far higher flights; else empty."""
     known = ranges()["altitude_m", "model_error"].maximum
     return " as measured at 0.5 km" if known is not None and altitude_m > known else ""

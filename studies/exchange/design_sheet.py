@@ -192,7 +192,7 @@ def _balance(analysis: Analysis) -> list[Entry]:
     place = "behind the leading edge of the wing root"
     values = (
         ("centre_of_gravity_m", f"centre of gravity {place}", "x_g", "m", found.gravity_m),
-        ("neutral_point_m", f"neutral point {place}", "x_n", "m", float(found.found.x_m)),
+        ("neutral_point_m", f"neutral point {place}", "x_n", "m", float(found.neutral_point.x_m)),
         ("static_margin", "static margin", r"\sigma_s", "1", found.static_margin),
     )
     return [Entry("balance", *one) for one in values]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sizing.aerodynamics.parabolic import OwnDragPolar
+from sizing.aerodynamics.parabolic import UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import BuiltUpPolar
@@ -182,7 +182,7 @@ def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
     is taken at zero lift, at its least drag and at the stall, at the design's Reynolds number.
     """
     polar = getattr(aircraft.airframe, "aerodynamics", None)
-    if polar is None or isinstance(polar, OwnDragPolar):
+    if polar is None or isinstance(polar, UserDragPolar):
         return None
     if not isinstance(polar, WingPolar):
         drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
@@ -200,7 +200,7 @@ def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
 def _other_drag(aircraft: Aircraft) -> float:
     """Drag coefficient of everything but the wing, on the wing area [-]; 0 where unknown."""
     polar = getattr(aircraft.airframe, "aerodynamics", None)
-    if polar is None or isinstance(polar, OwnDragPolar):
+    if polar is None or isinstance(polar, UserDragPolar):
         return 0.0
     airframe = aircraft.airframe
     if isinstance(airframe, ParametricAirframe) and airframe.drag is not None:

@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
 from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.validity.checks import charge_rate_is_open, check_own_models
+from sizing.validity.checks import charge_rate_is_open, check_user_models
 from sizing.validity.extrapolations import add_effects
 from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
@@ -189,7 +189,7 @@ def prepare(
     goal = None if objective is None else resize_objective(objective)
     if goal is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
-    check_own_models(aircraft, mission)
+    check_user_models(aircraft, mission)
     climbs = mission.climb is not None
     slow = goal is not None or solar.needs_path or endurance or climbs
     north_deg, days = _grid(latitudes, days, slow=slow)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from sizing.validity.ranges import where_error_is_known
+from sizing.validity.ranges import model_error_note
 from studies.output.figures.drawing import (
     CHARGE,
     CHARGE_LINE,
@@ -126,7 +126,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
     error = "RMS error of the model"
     if perf.solar.correction != "none":
         error = "RMS error after correction"
-    error += where_error_is_known(perf.mission.altitude_m)
+    error += model_error_note(perf.mission.altitude_m)
     axes.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
     label = f"{error}, {100 * rms:.0f} %"
     _error_band(axes, time_h, solar * (1 - rms), solar * (1 + rms), SUN, label)
@@ -253,7 +253,7 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         for one in (less, greater)
     )
     power.plot(clock_h, flown.solar_power_w, SUN_LINE, color=SUN, label="solar power")
-    where = where_error_is_known(perf.mission.altitude_m)
+    where = model_error_note(perf.mission.altitude_m)
     error = f"RMS error of the model{where}, {100 * perf.solar.rms_relative:.0f} %"
     _error_band(power, clock_h, least_w, most_w, SUN, error)
     power.plot(clock_h, flown.load_w, LOAD_LINE, color=LOAD, label="load")

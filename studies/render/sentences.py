@@ -22,7 +22,7 @@ from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.relaxed_flight import Relaxation
 from sizing.results.conditions import BatteryCondition, Spread, wind_of
 from sizing.results.propulsion import Instant, PartMasses, PowerBudget, VaryingEfficiency
-from sizing.validity.ranges import where_error_is_known
+from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
 from studies.render.numbers import amount, change_text, hours, percent, with_unit
@@ -325,7 +325,7 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     beyond = ", on top of the mission's uncertainty margins," if given else ""
     plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"
-    if where := where_error_is_known(mission.altitude_m):
+    if where := model_error_note(mission.altitude_m):
         return (
             f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
             f"{percent(solar.rms_relative, '.0f')} of the mean power,{where},{beyond[1:]} "
@@ -502,7 +502,7 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
     lines = [
         f"Static margin {percent(balance.static_margin)} of the mean aerodynamic chord "
         f"({stable}): centre of gravity at {percent(balance.in_chord(balance.gravity_m))}, "
-        f"neutral point at {percent(balance.in_chord(balance.found.x_m))} of "
+        f"neutral point at {percent(balance.in_chord(balance.neutral_point.x_m))} of "
         f"{amount(balance.wing.aerodynamic_chord_m, 'm')}.",
         f"Tail planes of {tail.horizontal_m2:.3f} and {tail.vertical_m2:.3f} m², "
         f"{tail.arm_m:.2f} m behind the wing; trimmed C_L {level.wing_lift:.3f} of the wing and "
@@ -515,8 +515,8 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
         "crosswind"
         + ("." if out is None else f"; one motor out needs {percent(out, '.0f')} of it."),
     ]
-    if (margin := balance.asked_margin) is not None:
-        volume = balance.holding_volume
+    if (margin := balance.required_margin) is not None:
+        volume = balance.volume_for_margin
         would = "no horizontal tail" if volume is None else f"a horizontal volume of {volume:.3f}"
         lines[0] += f" The {percent(margin, 'g')} asked for would take {would}."
     off = balance.mass_kg / balance.design_mass_kg - 1.0

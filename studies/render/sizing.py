@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sizing.validity.ranges import where_error_is_known
+from sizing.validity.ranges import model_error_note
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
@@ -208,7 +208,7 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
             what = (
                 "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
             )
-            measured = where_error_is_known(study.mission.altitude_m)
+            measured = model_error_note(study.mission.altitude_m)
             text = f"on the edge: one RMS error{measured} less solar power {what}; {_TO_GUARD}"
             shown.append(Line(text, "warning"))
     if study.without_margins is not None:

@@ -53,7 +53,7 @@ def aircraft_section(subject: Subject) -> Section:
     drawing = aircraft_drawing(aircraft)
     points = {}
     if balance is not None:
-        points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.found.x_m)}
+        points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.neutral_point.x_m)}
     views = page_figure(
         plot_three_view(drawing, **points, figure=page_options(_WIDTH_IN)),
         f"Three views to scale. {' '.join(drawing.notes)}",

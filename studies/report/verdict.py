@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sizing.validity.ranges import where_error_is_known
+from sizing.validity.ranges import model_error_note
 from studies import quantities as q
 from studies.render.numbers import hours
 from studies.render.sentences import landing
@@ -48,7 +48,7 @@ def verdict(subject: Subject) -> Verdict:
     where = analysis.performance.day.scenarios.label(analysis.worst)
     weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
     who = f"{subject.aircraft.name} on {mission.name}"
-    measured = where_error_is_known(mission.altitude_m)
+    measured = model_error_note(mission.altitude_m)
     percent = f"{100.0 * subject.solar.rms_relative:.0f} %{measured}"
     error = f"one RMS error of the solar model ({percent})"
     if mission.flight is not None:

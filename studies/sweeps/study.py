@@ -26,7 +26,7 @@ from sizing.day.light import SolarModel
 from sizing.day.metrics import ENDS, Status
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.validity.checks import check_own_models
+from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
 from studies.engine.run import ChunkFunction
@@ -169,7 +169,7 @@ def prepare(
     """
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
-    check_own_models(aircraft, mission)
+    check_user_models(aircraft, mission)
     objective = None if resize is None else resize_objective(resize)
     files = _Files(aircraft, mission, {axis.key: axis.names for axis in axes if axis.names})
     _check_request(files, axes, objective, cover, combined=sample != "one-at-a-time")

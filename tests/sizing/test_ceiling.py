@@ -53,7 +53,7 @@ def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitud
     air = ambiance.Atmosphere(altitude_m)
     density = float(air.density[0])
     polar = aerodynamics(DESIGN)
-    found = flight_at_altitude(DESIGN, there, UNCORRECTED_CAM, altitude_m)
+    flight = flight_at_altitude(DESIGN, there, UNCORRECTED_CAM, altitude_m)
     mass = performance(DESIGN, there).design.total_mass_kg
     span, aspect = 5.65, 18.5
     area = span**2 / aspect
@@ -63,8 +63,8 @@ def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitud
     drag = 0.5 * density * speed**2 * area * polar.drag_coefficient(aspect, reynolds)
     electric = drag * speed / (0.97 * 0.82 * 0.96 * 0.82)
     # The two atmospheres agree to 1e-5, and the drag varies more slowly than either.
-    assert found.airspeed_m_per_s == pytest.approx(speed, rel=1e-5)
-    assert found.propulsion_power_w == pytest.approx(electric, rel=3e-5)
+    assert flight.airspeed_m_per_s == pytest.approx(speed, rel=1e-5)
+    assert flight.propulsion_power_w == pytest.approx(electric, rel=3e-5)
 
 
 def test_measured_power_grows_with_thinner_air_alone() -> None:
@@ -126,9 +126,9 @@ def test_ceiling_lies_where_analyse_finds_the_required_excess_time(
     aircraft: Aircraft, required_h: float
 ) -> None:
     where = mission(required_excess_time_h=required_h)
-    found = highest_perpetual_altitude(aircraft, where, step_m=1000.0)
-    assert found.highest is not None
-    height = found.highest.altitude_m
+    ceiling = highest_perpetual_altitude(aircraft, where, step_m=1000.0)
+    assert ceiling.highest is not None
+    height = ceiling.highest.altitude_m
 
     def excess(altitude_m: float) -> float:
         cycle = performance(aircraft, mission(altitude_m=altitude_m)).cycle
@@ -136,13 +136,13 @@ def test_ceiling_lies_where_analyse_finds_the_required_excess_time(
 
     # The ceiling is found to 0.1 m; 1 m above it the aircraft must fail.
     assert excess(height) > required_h > excess(height + 1.0)
-    assert not found.at_search_limit
+    assert not ceiling.at_search_limit
 
 
 def test_better_aircraft_fly_higher_and_stronger_sun_helps() -> None:
     def height(aircraft: Aircraft, solar: SolarModel = UNCORRECTED_CAM) -> float:
-        found = highest_perpetual_altitude(aircraft, mission(), solar, step_m=1000.0)
-        return -1.0 if found.highest is None else found.highest.altitude_m
+        ceiling = highest_perpetual_altitude(aircraft, mission(), solar, step_m=1000.0)
+        return -1.0 if ceiling.highest is None else ceiling.highest.altitude_m
 
     base = height(AS2)
     hungry = builders.aircraft("atlantiksolar-as2", "power.avionics_w=12")
@@ -165,10 +165,10 @@ def test_worst_scenario_sets_the_ceiling() -> None:
 
 
 def test_search_that_ends_too_low_says_so() -> None:
-    found = highest_perpetual_altitude(AS2, mission(), highest_m=3000.0)
-    assert found.at_search_limit
-    assert found.highest is found.flights[-1]
-    assert found.highest.altitude_m == 3000.0
+    ceiling = highest_perpetual_altitude(AS2, mission(), highest_m=3000.0)
+    assert ceiling.at_search_limit
+    assert ceiling.highest is ceiling.flights[-1]
+    assert ceiling.highest.altitude_m == 3000.0
 
 
 def test_search_from_high_up_goes_on_to_the_end_of_the_air() -> None:
@@ -179,20 +179,20 @@ def test_search_from_high_up_goes_on_to_the_end_of_the_air() -> None:
 
 
 def test_no_ceiling_where_no_altitude_is_feasible() -> None:
-    found = highest_perpetual_altitude(AS2, mission(dates={"on": "12-21"}), step_m=2000.0)
-    assert found.highest is None
-    assert found.best.excess_time_h < 0.0
+    ceiling = highest_perpetual_altitude(AS2, mission(dates={"on": "12-21"}), step_m=2000.0)
+    assert ceiling.highest is None
+    assert ceiling.best.excess_time_h < 0.0
 
 
 def synthetic(excess: dict[float, float]) -> Any:
     """Stands for the simulator: excess time interpolated over altitude."""
     heights, values = list(excess), list(excess.values())
 
-    def flown(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
+    def simulate(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
         value = float(np.interp(altitude_m, heights, values))
         return AltitudeFlight(altitude_m, value, 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0)
 
-    return flown
+    return simulate
 
 
 def test_feasible_band_aloft_counts_though_lower_flight_fails(
@@ -202,36 +202,36 @@ def test_feasible_band_aloft_counts_though_lower_flight_fails(
     excess = {0.0: -2.0, 4000.0: 0.0, 7300.0: 3.0, 12000.0: 0.0, 13000.0: -1.0, 14000.0: 0.0}
     excess |= {15000.0: 1.0, 16000.0: 0.0, 20000.0: -5.0}
     monkeypatch.setattr(module, "flight_at_altitude", synthetic(excess))
-    found = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
-    assert found.highest is not None
-    assert found.highest.altitude_m == pytest.approx(16000.0, abs=0.2)
-    assert found.highest.excess_time_h > 0.0
+    ceiling = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
+    assert ceiling.highest is not None
+    assert ceiling.highest.altitude_m == pytest.approx(16000.0, abs=0.2)
+    assert ceiling.highest.excess_time_h > 0.0
     # The search for the peak ends within 1 m, where the excess time is 1 mm per hour short.
-    assert found.best.altitude_m == pytest.approx(7300.0, abs=2.0)
+    assert ceiling.best.altitude_m == pytest.approx(7300.0, abs=2.0)
 
 
 def test_jump_of_the_excess_time_is_found_on_its_feasible_side(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # Where a day's gain turns into a loss, excess time falls from hours to minus hours at once.
-    def flown(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
+    def simulate(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
         value = 5.0 if altitude_m <= 8123.4 else -3.0
         return AltitudeFlight(altitude_m, value, 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0)
 
-    monkeypatch.setattr(module, "flight_at_altitude", flown)
-    found = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
-    assert found.highest is not None
-    assert found.highest.altitude_m <= 8123.4
+    monkeypatch.setattr(module, "flight_at_altitude", simulate)
+    ceiling = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
+    assert ceiling.highest is not None
+    assert ceiling.highest.altitude_m <= 8123.4
     # The search ends within a decimetre and steps back by another.
-    assert found.highest.altitude_m == pytest.approx(8123.4, abs=0.5)
+    assert ceiling.highest.altitude_m == pytest.approx(8123.4, abs=0.5)
 
 
 def test_endless_sunlight_has_a_ceiling_too() -> None:
     # Polar summer: the modules carry the aircraft round the clock, so that excess time is infinite.
     where = mission(latitude_deg=85.0, dates={"on": "06-21"}, altitude_m=0.0)
-    found = highest_perpetual_altitude(AS2, where, step_m=1000.0, highest_m=32000.0)
-    assert np.isinf(found.best.excess_time_h)
-    assert found.highest is not None
+    ceiling = highest_perpetual_altitude(AS2, where, step_m=1000.0, highest_m=32000.0)
+    assert np.isinf(ceiling.best.excess_time_h)
+    assert ceiling.highest is not None
 
 
 def test_scan_has_both_ends_and_round_altitudes() -> None:

@@ -27,15 +27,15 @@ def ranged(motor=PARTS["motor"], **ranges):
     return aircraft(space, motor=motor)
 
 
-def held(own, **values):
+def held(subject, **values):
     """Aircraft with other parts, and nothing of them chosen."""
     propeller = PARTS["propeller"] | {k: v for k, v in values.items() if k != "ratio"}
     gear = PARTS["gear"] | {k: v for k, v in values.items() if k == "ratio"}
     return aircraft(propeller=propeller, gear=gear)
 
 
-def parts_of(own):
-    parts = getattr(own.airframe, "propulsion", None)
+def parts_of(subject):
+    parts = getattr(subject.airframe, "propulsion", None)
     assert isinstance(parts, OperatingPointPropulsion)
     return parts
 
@@ -87,15 +87,15 @@ def test_a_chosen_propeller_keeps_the_limits_of_the_motor():
         "gear_ratio": (2.0, 12.0),
     }
     study = sizing.size(ranged(motor=weak, **space), MISSION)
-    own = study.sized_aircraft()
-    point = level_point(own, MISSION, sizing.design_of(own, MISSION))
+    subject = study.sized_aircraft()
+    point = level_point(subject, MISSION, sizing.design_of(subject, MISSION))
     assert point.reason == ""
     # Kept by half a per cent, for what the formulas miss.
     assert float(point.motor_current_a) == pytest.approx(1.4, rel=0.01)
     assert "motor_current" in study.result.active_constraints
-    told = str(study.summary())
-    assert "propeller diameter" in told
-    assert "current of the motor" in told
+    printed = str(study.summary())
+    assert "propeller diameter" in printed
+    assert "current of the motor" in printed
 
 
 def test_the_design_with_a_margin_has_its_own_operating_point():
@@ -107,19 +107,19 @@ def test_the_design_with_a_margin_has_its_own_operating_point():
 
 
 def test_cells_of_a_map_have_their_own_operating_points():
-    own = aircraft()
-    found = studies.resized_map(own, MISSION, "min_mass", latitudes=[35.0], days=[172])
+    subject = aircraft()
+    cells = studies.resized_map(subject, MISSION, "min_mass", latitudes=[35.0], days=[172])
     there = load_mission("rafz-july", {"latitude_deg": 35.0, "dates": {"on": "06-21"}})
-    alone = sizing.size(own, there).design.total_mass_kg
+    alone = sizing.size(subject, there).design.total_mass_kg
     # The efficiency of parts is known to the second order: rounds end a little apart.
-    assert float(found["total_mass"].item()) == pytest.approx(alone, rel=5e-3)
+    assert float(cells["total_mass"].item()) == pytest.approx(alone, rel=5e-3)
 
 
 def test_draws_have_their_own_operating_points():
     inputs = {FACTOR: {"relative_sigma": 0.03}}
     built = {"airframe.structure.build": 1.0}  # a class would scatter as well
-    own = aircraft({"uncertainty.inputs": inputs, **built})
-    drawn = sizing.analyse_uncertainty(own, MISSION, samples=64)
+    subject = aircraft({"uncertainty.inputs": inputs, **built})
+    drawn = sizing.analyse_uncertainty(subject, MISSION, samples=64)
     least = int(np.argmin(drawn.values[FACTOR]))
     worst = aircraft({FACTOR: float(drawn.values[FACTOR][least]), **built})
     power_w = sizing.design_of(worst, MISSION).propulsion_power_w
@@ -131,18 +131,18 @@ def test_a_reliable_design_may_have_an_uncertain_chain():
     mission = load_mission("rafz-july", {"required_excess_time_h": 3.0})
     # Of one voltage a day is marched once, and the search marches thousands.
     flat = VOLTAGE | {"cell_voltage_v": [3.7] * 4}
-    own = aircraft({"uncertainty.inputs": {FACTOR: {"relative_sigma": 0.03}}}, voltage=flat)
-    study = sizing.size(own, mission, reliability=0.9)
+    subject = aircraft({"uncertainty.inputs": {FACTOR: {"relative_sigma": 0.03}}}, voltage=flat)
+    study = sizing.size(subject, mission, reliability=0.9)
     assert study.reliability.achieved.value == pytest.approx(0.9, abs=0.01)
-    flown = sizing.design_of(study.sized_aircraft(), mission)
-    assert study.design.total_mass_kg == pytest.approx(float(flown.total_mass_kg), rel=1e-4)
+    design = sizing.design_of(study.sized_aircraft(), mission)
+    assert study.design.total_mass_kg == pytest.approx(float(design.total_mass_kg), rel=1e-4)
 
 
 def test_other_parts_do_not_scatter():
     inputs = {"airframe.propulsion.gear.efficiency": {"sigma": 0.01}}
-    own = aircraft({"uncertainty.inputs": inputs})
+    subject = aircraft({"uncertainty.inputs": inputs})
     with pytest.raises(ValueError, match="efficiency_factor scatter"):
-        sizing.analyse_uncertainty(own, MISSION, samples=64)
+        sizing.analyse_uncertainty(subject, MISSION, samples=64)
 
 
 def test_a_propeller_by_tables_is_not_chosen(tmp_path):
@@ -162,19 +162,19 @@ def test_a_propeller_by_tables_is_not_chosen(tmp_path):
 
 
 def test_an_altitude_that_cannot_be_flown_has_its_reason():
-    own = aircraft()
-    flight = flight_at_altitude(own, MISSION, SolarModel("CAM"), 6000.0)
-    found = re.search(r"bus voltage 18 V is below (\d+\.\d+) V", flight.reason)
-    assert found
+    subject = aircraft()
+    flight = flight_at_altitude(subject, MISSION, SolarModel("CAM"), 6000.0)
+    reason_match = re.search(r"bus voltage 18 V is below (\d+\.\d+) V", flight.reason)
+    assert reason_match
     # The voltage that it names does, one per cent less does not.
     for factor, flies in ((1.0, True), (0.99, False)):
-        least_v = factor * float(found[1]) / 6.0
+        least_v = factor * float(reason_match[1]) / 6.0
         volts = VOLTAGE | {"cell_voltage_v": [least_v, least_v, 5.0, 5.1]}
         other = flight_at_altitude(
             aircraft({"battery.voltage": volts}), MISSION, SolarModel("CAM"), 6000.0
         )
         assert (other.reason == "") is flies
-    ceiling = studies.perpetual_ceiling(own, MISSION, highest_m=7000.0, step_m=1000.0)
+    ceiling = studies.perpetual_ceiling(subject, MISSION, highest_m=7000.0, step_m=1000.0)
     assert "reason" in str(ceiling.summary())
     reasons = [row["reason"] for row in ceiling.to_dict()["altitudes"]]
     assert reasons[0] == ""
@@ -192,12 +192,12 @@ def test_a_propeller_efficiency_that_scatters_is_the_factor():
 
 
 def test_a_sized_propeller_is_no_product():
-    own = aircraft(
+    subject = aircraft(
         {"design_space.propeller_diameter_m": {"minimum": 0.4, "maximum": 0.6}},
         propeller={"product": "apc-22x12e"},
         gear={"ratio": 2.5, "efficiency": 0.96},
     )
-    study = sizing.size(own, MISSION)
+    study = sizing.size(subject, MISSION)
     propeller = parts_of(study.sized_aircraft()).propeller
     assert propeller.product is None
     assert propeller.pitch_m == pytest.approx(0.3048)

@@ -39,7 +39,7 @@ def mission(ceiling_m: float, **changes: Any) -> Mission:
 
 
 @cache
-def flown(
+def climbs_of(
     aircraft: Aircraft, ceiling_m: float, dates: str | tuple[str, str] = "06-21"
 ) -> ClimbPerformance:
     first, last = (dates, None) if isinstance(dates, str) else dates
@@ -56,7 +56,7 @@ def flown(
 def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
     aircraft: Aircraft, dates: tuple[str, str]
 ) -> None:
-    result = flown(aircraft, FLOOR_M, dates)
+    result = climbs_of(aircraft, FLOOR_M, dates)
     ours, theirs = result.performance.cycle, result.constant.cycle
     np.testing.assert_array_equal(ours.status, theirs.status)
     assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=1e-9)
@@ -100,7 +100,8 @@ def test_no_rule_has_more_excess_time(aircraft: Aircraft, ceiling_m: float, date
     where = mission(ceiling_m, air=as_cold, dates={"on": date})
     ours_h = float(climb_performance(aircraft, where).performance.cycle.excess_time_h[0])
     rules = [
-        by_rule_h(aircraft, ceiling_m, day_of_year(date), surplus=one) for one in (False, True)
+        by_rule_h(aircraft, ceiling_m, day_of_year(date), surplus=surplus)
+        for surplus in (False, True)
     ]
     assert ours_h >= max(rules) - STEPS_H
     # By constant efficiencies and with a slow charger little is left to win.
@@ -111,7 +112,7 @@ def test_no_rule_has_more_excess_time(aircraft: Aircraft, ceiling_m: float, date
 
 
 def test_load_is_that_of_level_flight_and_of_what_is_lifted() -> None:
-    result = flown(AS2, 6536.0)
+    result = climbs_of(AS2, 6536.0)
     perf, height_m = result.performance, result.altitude_m[0]
     seconds = 3600.0 * np.diff(perf.day.time_h)
     rate = np.diff(height_m) / seconds
@@ -127,7 +128,7 @@ def test_load_is_that_of_level_flight_and_of_what_is_lifted() -> None:
 
 
 def test_what_goes_in_comes_out() -> None:
-    result = flown(AS2, 3536.0)
+    result = climbs_of(AS2, 3536.0)
     budget = result.performance.cycle.energy_budget
     uses = budget.load_wh + budget.stored_wh + budget.charge_loss_wh
     uses = uses + budget.discharge_loss_wh + budget.curtailed_wh
@@ -137,13 +138,13 @@ def test_what_goes_in_comes_out() -> None:
 
 def test_potential_energy_of_a_kilometre_is_m_g_h() -> None:
     # 6.92 kg x 9.81 m/s2 x 1000 m = 68 kJ = 18.9 Wh.
-    stored = flown(AS2, FLOOR_M + 1000.0).stored_height_wh[0]
+    stored = climbs_of(AS2, FLOOR_M + 1000.0).stored_height_wh[0]
     assert stored == pytest.approx(6.92 * 9.80665 * 1000.0 / 3600.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("rise_m", [1000.0, 3000.0])
 def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
-    result = flown(AS2, FLOOR_M + rise_m)
+    result = climbs_of(AS2, FLOOR_M + rise_m)
     height_wh = float(result.stored_height_wh[0])
     nominal_w = float(result.constant.nominal_load_w[0])
     # Height replaces motor power, W / eta of the electric kind, but sinks faster where it is high:
@@ -160,7 +161,7 @@ def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
 
 @pytest.mark.parametrize(("aircraft", "dates"), [(AS2, SOLSTICES), (DESIGN, SOLSTICES)])
 def test_a_higher_ceiling_never_harms(aircraft: Aircraft, dates: tuple[str, str]) -> None:
-    gains = [flown(aircraft, h, dates).gain_h for h in (FLOOR_M, 1536.0, 4000.0)]
+    gains = [climbs_of(aircraft, h, dates).gain_h for h in (FLOOR_M, 1536.0, 4000.0)]
     assert gains[0] == pytest.approx(0.0, abs=1e-9)
     assert np.all(gains[1] >= 0.0)
     assert np.all(gains[2] >= gains[1] - STEPS_H)
@@ -168,7 +169,7 @@ def test_a_higher_ceiling_never_harms(aircraft: Aircraft, dates: tuple[str, str]
 
 def test_climbing_carries_a_small_battery_through_the_night() -> None:
     small = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=130")
-    result = flown(small, 5000.0)
+    result = climbs_of(small, 5000.0)
     ours, theirs = result.performance.cycle, result.constant.cycle
     assert theirs.status[0] == Status.limited
     assert ours.status[0] == Status.perpetual
@@ -178,14 +179,14 @@ def test_climbing_carries_a_small_battery_through_the_night() -> None:
 
 def test_what_lacks_is_not_climbed_with() -> None:
     # A battery that is empty lifts nothing: hours without power are no fewer for a steep climb.
-    cycle = flown(AS2, 4000.0, "12-21").performance.cycle
+    cycle = climbs_of(AS2, 4000.0, "12-21").performance.cycle
     assert cycle.status[0] == Status.limited
-    nominal_w = flown(AS2, 4000.0, "12-21").constant.nominal_load_w[0]
+    nominal_w = climbs_of(AS2, 4000.0, "12-21").constant.nominal_load_w[0]
     assert -cycle.excess_time_h[0] >= cycle.energy_budget.unserved_wh[0] / nominal_w - 1e-9
 
 
 def test_climb_keeps_to_the_rated_power() -> None:
-    result = flown(AS2, 6536.0)
+    result = climbs_of(AS2, 6536.0)
     # The mean of an interval does; thin air at its end takes a little more than at its begin.
     assert result.performance.load_w.max() <= 1.03 * (180.0 + 6.0)
     assert result.altitude_m.max() == pytest.approx(6536.0, abs=1.0)
@@ -202,7 +203,7 @@ def test_scenarios_do_not_disturb_each_other() -> None:
     days = {"from": "05-01", "to": "09-01", "count": 3}
     together = climb_performance(AS2, mission(3536.0, dates=days)).performance
     for place, day in enumerate(together.day.scenarios.day_of_year):
-        alone = flown(AS2, 3536.0, date_code(int(day))).performance
+        alone = climbs_of(AS2, 3536.0, date_code(int(day))).performance
         assert together.cycle.excess_time_h[place] == alone.cycle.excess_time_h[0]
 
 
@@ -222,11 +223,11 @@ def test_every_solar_model_can_be_climbed_with(model: Any) -> None:
 
 
 def test_a_strategy_is_read_and_ignored() -> None:
-    given = mission(1536.0, climb={"ceiling_m": 1536.0, "strategy": "surplus"})
-    ours = analyse(AS2, given)
+    floor_mission = mission(1536.0, climb={"ceiling_m": 1536.0, "strategy": "surplus"})
+    ours = analyse(AS2, floor_mission)
     assert "climb.strategy is ignored" in str(ours)
     assert any("climb.strategy" in note for note in ours.to_dict()["reading_notes"])
-    assert ours.excess_time_h == flown(AS2, 1536.0).performance.cycle.excess_time_h[0]
+    assert ours.excess_time_h == climbs_of(AS2, 1536.0).performance.cycle.excess_time_h[0]
 
 
 @pytest.mark.parametrize(
@@ -236,17 +237,17 @@ def test_a_strategy_is_read_and_ignored() -> None:
 def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(
     aircraft: Aircraft, ceiling_m: float, date: str
 ) -> None:
-    found = analyse(aircraft, mission(ceiling_m, dates={"on": date}))
-    assert found.climb_check_h is not None
-    program_h, by_minute_h = found.climb_check_h
+    analysis = analyse(aircraft, mission(ceiling_m, dates={"on": date}))
+    assert analysis.climb_check_h is not None
+    program_h, by_minute_h = analysis.climb_check_h
     # Corners that 5 min round off.
-    assert program_h == pytest.approx(found.excess_time_h, abs=STEPS_H)
-    assert by_minute_h == pytest.approx(found.excess_time_h, abs=0.01)
-    record = found.to_dict()["climb"]
+    assert program_h == pytest.approx(analysis.excess_time_h, abs=STEPS_H)
+    assert by_minute_h == pytest.approx(analysis.excess_time_h, abs=0.01)
+    record = analysis.to_dict()["climb"]
     assert record["program_excess_time_h"] == program_h
     assert record["one_minute_excess_time_h"] == by_minute_h
-    more = f"({round(by_minute_h - found.excess_time_h, 2) + 0.0:+.2f})"
-    assert f"{by_minute_h:.2f} h {more}" in str(found.at_level(2))
+    more = f"({round(by_minute_h - analysis.excess_time_h, 2) + 0.0:+.2f})"
+    assert f"{by_minute_h:.2f} h {more}" in str(analysis.at_level(2))
 
 
 # ---- Conservation
@@ -263,20 +264,20 @@ def test_random_days_along_random_heights_conserve_energy() -> None:
         corners = rng.uniform(0.0, 3000.0, (500, 9)) * rng.integers(0, 2, (500, 1))
         corners[:, -1] = corners[:, 0]
         at_h = np.linspace(0.0, 24.0, 9)
-        height_m = np.stack([np.interp(day.time_h, at_h, one) for one in corners])
+        height_m = np.stack([np.interp(day.time_h, at_h, heights) for heights in corners])
         energy_wh = 10.0 ** rng.uniform(1.0, 3.5, 500)
         store = Store.of(aircraft.battery, energy_wh)
-        found = flown_along(day.time_h, many, store, height_m)
-        spent = found.cycle.energy_budget
+        flights = flown_along(day.time_h, many, store, height_m)
+        spent = flights.cycle.energy_budget
         income = spent.solar_wh + spent.unserved_wh
         losses = spent.charge_loss_wh + spent.discharge_loss_wh + spent.curtailed_wh
-        turnover = spent.solar_wh + np.abs(found.load_w).max(axis=-1) * 24.0 + energy_wh
+        turnover = spent.solar_wh + np.abs(flights.load_w).max(axis=-1) * 24.0 + energy_wh
         # Rounding of sums over 288 steps.
         wrong = np.abs(income - spent.load_wh - spent.stored_wh - losses)
         assert np.max(wrong / turnover) < 1e-12
         # What heights take on their way up they give back on their way down, as flown backwards.
         backwards_w = many.powers_along(day.time_h, height_m[:, ::-1])[1][:, ::-1]
-        lift_wh = np.trapezoid(found.load_w - backwards_w, day.time_h, axis=-1)
+        lift_wh = np.trapezoid(flights.load_w - backwards_w, day.time_h, axis=-1)
         assert np.max(np.abs(lift_wh) / turnover) < 1e-12
 
 
@@ -317,4 +318,4 @@ def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight() -> 
 def test_performance_of_a_constant_altitude_ignores_nothing() -> None:
     # The constant flight beside the climbing one is what analyse says without climb.
     alone = performance(AS2, mission(1536.0).at_altitude(FLOOR_M)).cycle.excess_time_h
-    assert flown(AS2, 1536.0).constant.cycle.excess_time_h == pytest.approx(alone)
+    assert climbs_of(AS2, 1536.0).constant.cycle.excess_time_h == pytest.approx(alone)

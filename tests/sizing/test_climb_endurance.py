@@ -29,8 +29,8 @@ def mission(ceiling_m: float, **changes: Any) -> Mission:
     return builders.mission(**{"dates": {"on": "12-21"}, "climb": climb} | changes)
 
 
-def longest(flown: Performance) -> Endurance:
-    (flight,) = flown.endurances()
+def longest(perf: Performance) -> Endurance:
+    (flight,) = perf.endurances()
     assert flight is not None
     return flight
 
@@ -50,21 +50,21 @@ AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  
     ],
 )
 def test_no_launch_by_a_rule_flies_longer(aircraft: Aircraft, date: str, ceiling_m: float) -> None:
-    found = longest(performance(aircraft, mission(ceiling_m, dates={"on": date}, air=AS_COLD)))
+    flight = longest(performance(aircraft, mission(ceiling_m, dates={"on": date}, air=AS_COLD)))
     limit = aircraft.battery.charge_limit
     limited = limit if isinstance(limit, RuleChargeLimit) else None
     best = 0.0
     for surplus in (False, True):
         options: dict[str, Any] = {"surplus": surplus, "limit": limited, "step_s": 20.0}
         plain = PlainClimb(day_of_year(date), ceiling_m, **options)
-        flown = plain.flight_h(np.arange(0.0, 24.0, 1.0 / 6.0))
-        assert not np.isnan(flown).any()
-        best = max(best, float(flown.max()))
+        hours = plain.flight_h(np.arange(0.0, 24.0, 1.0 / 6.0))
+        assert not np.isnan(hours).any()
+        best = max(best, float(hours.max()))
     # Launches 10 min apart, and intervals of half an hour: 0.2 h a day.
-    assert found.endurance_h > best - 0.2 * found.endurance_h / 24.0
+    assert flight.endurance_h > best - 0.2 * flight.endurance_h / 24.0
     # It is the climb that gives it: level flight is far off.
     level = longest(performance(aircraft, builders.mission(dates={"on": date})))
-    assert found.endurance_h > level.endurance_h + 0.1
+    assert flight.endurance_h > level.endurance_h + 0.1
 
 
 # ---- Limits
@@ -73,8 +73,8 @@ def test_no_launch_by_a_rule_flies_longer(aircraft: Aircraft, date: str, ceiling
 @pytest.mark.parametrize("aircraft", [AS2, UNLIMITED_AS2, DESIGN])
 def test_ceiling_at_the_floor_is_level_flight(aircraft: Aircraft) -> None:
     dates = {"from": "10-15", "to": "12-21", "count": 3}
-    flown = climb_performance(aircraft, mission(FLOOR_M, dates=dates))
-    ours, theirs = flown.performance, flown.constant
+    climbs = climb_performance(aircraft, mission(FLOOR_M, dates=dates))
+    ours, theirs = climbs.performance, climbs.constant
     assert np.isfinite(ours.endurance_h).all()
     assert ours.endurance_h == pytest.approx(np.asarray(theirs.endurance_h), abs=1e-9)
     launches = np.array([2.0, 7.5, 17.3])
@@ -98,18 +98,18 @@ def test_propulsion_that_cannot_climb_gives_level_flight() -> None:
 
 def test_without_any_sun_it_is_the_battery_over_the_load() -> None:
     night = {"latitude_deg": 80.0, "dates": {"on": "12-21"}}
-    flown = performance(AS2, mission(3536.0, **night))
-    by_hand = FULL_WH * DISCHARGE / float(flown.nominal_load_w[0])
-    assert longest(flown).endurance_h == pytest.approx(by_hand, rel=1e-3)
+    perf = performance(AS2, mission(3536.0, **night))
+    by_hand = FULL_WH * DISCHARGE / float(perf.nominal_load_w[0])
+    assert longest(perf).endurance_h == pytest.approx(by_hand, rel=1e-3)
 
 
 # ---- Wherever it is given
 
 
 def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
-    flown = performance(AS2, mission(3536.0))
-    flight = longest(flown)
-    course = flown.course(0, flight.launch_h, flight.endurance_h)
+    perf = performance(AS2, mission(3536.0))
+    flight = longest(perf)
+    course = perf.course(0, flight.launch_h, flight.endurance_h)
     clock_h, solar_w, load_w, charge, altitude_m = course
     assert clock_h[[0, -1]] == pytest.approx(
         [flight.launch_h, flight.launch_h + flight.endurance_h]
@@ -119,8 +119,8 @@ def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
     assert charge[-1] == pytest.approx(0.0, abs=2e-3)
     assert np.all(charge[:-2] > 0.0)
     # It climbs, and glides: the load is above that of level flight, and far below it.
-    assert load_w.max() > 1.3 * float(flown.nominal_load_w[0])
-    assert load_w.min() < 0.5 * float(flown.nominal_load_w[0])
+    assert load_w.max() > 1.3 * float(perf.nominal_load_w[0])
+    assert load_w.min() < 0.5 * float(perf.nominal_load_w[0])
     assert solar_w.min() == 0.0
     assert altitude_m[[0, -1]] == pytest.approx(FLOOR_M)
     assert FLOOR_M + 500.0 < altitude_m.max() <= 3536.0 + 1e-6
@@ -146,6 +146,6 @@ def test_map_and_draws_give_the_flight_with_climbs_too() -> None:
     assert float(data["endurance"].to_numpy()[0, 0]) == pytest.approx(expected, rel=1e-9)
     draws = Propagation(DESIGN, where, UNCORRECTED_CAM)
     mass = np.array([float(DESIGN.battery.mass_kg)])
-    found = draws.endurance_h({"battery.mass_kg": mass})
+    hours = draws.endurance_h({"battery.mass_kg": mass})
     # Of the same design in light by another sum: its last digits differ.
-    assert found == pytest.approx([expected], rel=1e-5)
+    assert hours == pytest.approx([expected], rel=1e-5)

@@ -33,19 +33,19 @@ def test_what_the_file_says_of_the_chain_plays_no_part():
     worse = DESIGN.airframe.propulsion.model_copy(update={"propeller_efficiency": 0.5})
     airframe = DESIGN.airframe.model_copy(update={"propulsion": worse})
     other = DESIGN.model_copy(update={"airframe": airframe})
-    one = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
+    point = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
     same = sizing.with_operating_point(other, MISSION, PROPULSOR, 22.2)[1]
-    assert same.bus_power_w == pytest.approx(float(one.bus_power_w), rel=1e-7)
+    assert same.bus_power_w == pytest.approx(float(point.bus_power_w), rel=1e-7)
 
 
 def test_two_propulsors_share_the_thrust():
-    one = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
-    aircraft, two = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2, propulsors=2)
-    assert two.thrust_power_w == pytest.approx(float(one.thrust_power_w) / 2, rel=0.03)
+    point = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
+    aircraft, of_two = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2, propulsors=2)
+    assert of_two.thrust_power_w == pytest.approx(float(point.thrust_power_w) / 2, rel=0.03)
     power_w = sizing.design_of(aircraft, MISSION).propulsion_power_w
-    assert power_w == pytest.approx(2.0 * float(two.bus_power_w), rel=1e-8)
+    assert power_w == pytest.approx(2.0 * float(of_two.bus_power_w), rel=1e-8)
     # Both motors have their no-load loss, at a quarter of their duty.
-    assert two.motor_efficiency < one.motor_efficiency
+    assert of_two.motor_efficiency < point.motor_efficiency
 
 
 def test_measured_aircraft_and_no_propulsor_are_refused():

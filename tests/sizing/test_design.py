@@ -126,12 +126,12 @@ def test_arrays_equal_scalars():
     assert np.shape(batch.total_mass_kg) == (3, 4)
     for i, j in np.ndindex(3, 4):
         chosen = DesignVariables(span[i, 0], aspect[i, j], battery[j], area[i, j])
-        one = closed_design(DESIGN, AT_1_10, chosen)
+        single = closed_design(DESIGN, AT_1_10, chosen)
         # The batch iterates until its slowest element is done: closure's own tolerance.
         for name in ("total_mass_kg", "propulsion_power_w", "airspeed_m_per_s"):
-            alone = float(getattr(one, name))
+            alone = float(getattr(single, name))
             assert float(getattr(batch, name)[i, j]) == pytest.approx(alone, rel=1e-10)
-        structure_kg = float(one.masses.structure)
+        structure_kg = float(single.masses.structure)
         assert float(batch.masses.structure[i, j]) == pytest.approx(structure_kg, rel=1e-10)
 
 
@@ -162,28 +162,28 @@ def test_aircraft_that_cannot_carry_itself_is_infinitely_heavy():
     chosen = DesignVariables(np.array([0.5, 5.65]), 40.0, np.array([25.0, 2.9]), 0.005)
     design = closed_design(DESIGN, loaded, chosen)
     assert np.isinf(design.total_mass_kg[0])
-    found = performance_of_designs(DESIGN, loaded, chosen)
+    flights = performance_of_designs(DESIGN, loaded, chosen)
     # 24 hours of the day: rounding of the sum over intervals.
-    assert found.cycle.excess_time_h[0, 0] == pytest.approx(-24.0, abs=1e-9)
-    assert found.cycle.status[0, 0] == Status.limited
-    assert not np.isnan(found.cycle.excess_time_h).any()
+    assert flights.cycle.excess_time_h[0, 0] == pytest.approx(-24.0, abs=1e-9)
+    assert flights.cycle.status[0, 0] == Status.limited
+    assert not np.isnan(flights.cycle.excess_time_h).any()
 
 
 def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite():
     payloads = np.linspace(0.0, 60.0, 121)
-    found = []
+    totals = []
     for payload in payloads:
         loaded = mission(payload={"mass_kg": float(payload)})
         design = closed_design(DESIGN, loaded, DesignVariables(3.0, 30.0, 2.0, 0.2))
         total = float(design.total_mass_kg)
-        found.append(total)
+        totals.append(total)
         if np.isfinite(total):
             # The closure's promise.
             assert float(design.masses.total_kg) == pytest.approx(total, rel=1e-10)
-    finite = np.isfinite(found)
+    finite = np.isfinite(totals)
     # Heavier payloads never carry themselves where a lighter one does not.
     assert np.all(np.diff(finite.astype(int)) <= 0)
-    assert np.all(np.diff(np.asarray(found)[finite]) > 0.0)
+    assert np.all(np.diff(np.asarray(totals)[finite]) > 0.0)
 
 
 # ---- measured aircraft
@@ -192,9 +192,9 @@ def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite():
 @settings(max_examples=40)
 @given(payload=st.floats(0.0, 5.0), altitude=st.floats(0.0, 15_000.0))
 def test_measured_power_scales_with_mass_and_density(payload, altitude):
-    flown = mission(altitude_m=altitude, payload={"mass_kg": payload})
-    design = measured_design(AS2, flown)
-    density = float(flown.air_state().density_kg_per_m3)
+    payload_mission = mission(altitude_m=altitude, payload={"mass_kg": payload})
+    design = measured_design(AS2, payload_mission)
+    density = float(payload_mission.air_state().density_kg_per_m3)
     mass = 6.92 + payload
     # The law itself: rounding.
     assert design.total_mass_kg == pytest.approx(mass, rel=1e-12)
@@ -226,7 +226,7 @@ def test_measured_aircraft_has_no_mass_budget_to_size():
 # ---- load
 
 
-@pytest.mark.parametrize("plane", [AS2, DESIGN, SKY_SAILOR], ids=lambda one: one.name)
+@pytest.mark.parametrize("plane", [AS2, DESIGN, SKY_SAILOR], ids=lambda plane: plane.name)
 def test_a_known_total_mass_is_met_and_the_rest_is_other_mass(plane):
     laden = mission(payload={"mass_kg": 0.3})
     heavier = 1.1 * float(design_of(plane, laden).total_mass_kg)
@@ -294,7 +294,7 @@ def test_the_lightest_of_two_masses_is_found_in_few_rounds():
 
 
 def test_air_and_age_reach_the_capacity_and_the_heater_the_load():
-    craft = aircraft(
+    aged = aircraft(
         "atlantiksolar-as2",
         "battery.temperature={held_c: 10, heat_loss_w_per_k: 0.4}",
         "battery.ageing={seasons_flown: 1}",
@@ -302,7 +302,7 @@ def test_air_and_age_reach_the_capacity_and_the_heater_the_load():
     cold = mission(
         air={"ambient_temperature_c": -5.0}, uncertainty_margins={"battery_capacity": 0.9}
     )
-    plain, flown = design_of(AS2, cold), design_of(craft, cold)
-    left = 0.88 * craft.battery.ageing.capacity_fraction()
-    assert flown.battery_energy_wh == pytest.approx(left * plain.battery_energy_wh, rel=1e-12)
-    assert flown.constant_power_w == pytest.approx(plain.constant_power_w + 0.4 * 15.0, rel=1e-12)
+    plain, changed = design_of(AS2, cold), design_of(aged, cold)
+    left = 0.88 * aged.battery.ageing.capacity_fraction()
+    assert changed.battery_energy_wh == pytest.approx(left * plain.battery_energy_wh, rel=1e-12)
+    assert changed.constant_power_w == pytest.approx(plain.constant_power_w + 0.4 * 15.0, rel=1e-12)

@@ -53,12 +53,12 @@ def held(folder: Path, winds: Mapping[int, float], *, hold: bool = True, **chang
     wind = {"percentile": 90.0, "file": winds_file(folder, winds), "hold_station": hold}
     climb = {"ceiling_m": 22000.0, "strategy": "surplus"}
     night = {"latitude_deg": 25.0, "dates": {"on": "08-15"}}
-    given = night | {"wind": wind, "climb": climb}
-    return shipped_mission("stratosphere-mission", **(given | changes))
+    keys = night | {"wind": wind, "climb": climb}
+    return shipped_mission("stratosphere-mission", **(keys | changes))
 
 
-def excess_h(craft: Aircraft, where: Mission) -> Any:
-    return performance(craft, where).cycle.excess_time_h
+def excess_h(subject: Aircraft, where: Mission) -> Any:
+    return performance(subject, where).cycle.excess_time_h
 
 
 # ---- Limits
@@ -68,11 +68,11 @@ def excess_h(craft: Aircraft, where: Mission) -> Any:
     "name", ["stratosphere-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
 )
 def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str) -> None:
-    craft, near_ground = aircraft(name), {0: 1.0, 4000: 2.0}
+    subject, near_ground = aircraft(name), {0: 1.0, 4000: 2.0}
     for ceiling_m in (2536.0, 3000.0):
         pair = [
             held(tmp_path, CALM, hold=hold)
-            if craft == HIGH
+            if subject == HIGH
             else mission(
                 climb={"ceiling_m": ceiling_m},
                 wind={
@@ -83,9 +83,9 @@ def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str
             )
             for hold in (False, True)
         ]
-        free, own = (performance(craft, one) for one in pair)
-        assert own.cycle.excess_time_h == pytest.approx(free.cycle.excess_time_h, abs=1e-6)
-        assert own.maximum_altitude_m == pytest.approx(free.maximum_altitude_m, abs=0.1)
+        free, held_flight = (performance(subject, pair_mission) for pair_mission in pair)
+        assert held_flight.cycle.excess_time_h == pytest.approx(free.cycle.excess_time_h, abs=1e-6)
+        assert held_flight.maximum_altitude_m == pytest.approx(free.maximum_altitude_m, abs=0.1)
 
 
 def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path: Path) -> None:
@@ -97,10 +97,10 @@ def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path
 
 
 def test_a_floor_that_is_not_held_is_no_flight(tmp_path: Path) -> None:
-    found = performance(HIGH, held(tmp_path, {20000: 60.0, 22000: 10.0}))
-    assert np.all(found.cycle.excess_time_h <= 0.0)
-    assert found.levels is not None
-    assert not found.levels.flies.any()
+    flight = performance(HIGH, held(tmp_path, {20000: 60.0, 22000: 10.0}))
+    assert np.all(flight.cycle.excess_time_h <= 0.0)
+    assert flight.levels is not None
+    assert not flight.levels.flies.any()
 
 
 # ---- Power, energy and ceiling
@@ -138,8 +138,8 @@ def test_levels_have_the_power_of_the_wind(tmp_path: Path) -> None:
 
 def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> None:
     there = held(tmp_path, STRONG_ALOFT)
-    found = performance(HIGH, there)
-    levels, rated_w = found.levels, float(found.design.rated_power_w)
+    flight = performance(HIGH, there)
+    levels, rated_w = flight.levels, float(flight.design.rated_power_w)
     assert levels is not None
     assert levels.flies.all()
     level_w = levels.chain.level_w[:, levels.design]
@@ -150,24 +150,24 @@ def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> 
     for power_w, highest_m in zip(level_w.T, top_m, strict=True):
         assert np.interp(highest_m, levels.altitude_m, power_w) == pytest.approx(rated_w)
     assert np.all((top_m > 21000.0) & (top_m < 22000.0))
-    assert found.maximum_altitude_m is not None
-    assert np.all(found.maximum_altitude_m <= top_m + 1e-6)
+    assert flight.maximum_altitude_m is not None
+    assert np.all(flight.maximum_altitude_m <= top_m + 1e-6)
 
 
 @pytest.mark.xfail(reason="0.23 h: five heights over twice the way know the power less well")
 def test_a_ceiling_that_is_as_low_changes_nothing(tmp_path: Path) -> None:
-    found = performance(HIGH, held(tmp_path, STRONG_ALOFT))
+    flight = performance(HIGH, held(tmp_path, STRONG_ALOFT))
     low = held(tmp_path, STRONG_ALOFT, climb={"ceiling_m": 21000.0, "strategy": "surplus"})
     below = performance(HIGH, low)
-    assert np.all(found.cycle.excess_time_h >= below.cycle.excess_time_h - 0.05)
+    assert np.all(flight.cycle.excess_time_h >= below.cycle.excess_time_h - 0.05)
 
 
 def test_a_batch_of_designs_flies_as_each_of_them(tmp_path: Path) -> None:
-    there, own = held(tmp_path, STRONG_ALOFT), variables_of(HIGH)
-    spans = np.array([own.wingspan_m, 1.02 * own.wingspan_m])
-    together = performance_of_designs(HIGH, there, own._replace(wingspan_m=spans))
+    there, variables = held(tmp_path, STRONG_ALOFT), variables_of(HIGH)
+    spans = np.array([variables.wingspan_m, 1.02 * variables.wingspan_m])
+    together = performance_of_designs(HIGH, there, variables._replace(wingspan_m=spans))
     for number, span in enumerate(spans):
-        alone = performance_of_designs(HIGH, there, own._replace(wingspan_m=span))
+        alone = performance_of_designs(HIGH, there, variables._replace(wingspan_m=span))
         assert together.cycle.excess_time_h[number] == pytest.approx(alone.cycle.excess_time_h)
 
 
@@ -184,15 +184,15 @@ def test_stronger_winds_aloft_leave_less(tmp_path: Path) -> None:
     "name", ["atlantiksolar-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
 )
 def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) -> None:
-    craft = aircraft(name)
-    own = float(design_of(craft, mission()).airspeed_m_per_s)
-    file = winds_file(tmp_path, {0: own, 2000: 1.2 * own})
+    subject = aircraft(name)
+    speed_m_per_s = float(design_of(subject, mission()).airspeed_m_per_s)
+    file = winds_file(tmp_path, {0: speed_m_per_s, 2000: 1.2 * speed_m_per_s})
     wind = {"percentile": 90.0, "file": file, "hold_station": True}
     where = mission(climb={"ceiling_m": 1536.0}, wind=wind)
     key = "battery.specific_energy_wh_per_kg"
-    energies = parameter_value(craft, where, key) * np.array([1.0, 0.9])
-    draws = Propagation(craft, where, UNCORRECTED_CAM).flights({key: energies})
-    each = [excess_h(with_parameter(craft, where, key, e)[0], where) for e in energies.tolist()]
+    energies = parameter_value(subject, where, key) * np.array([1.0, 0.9])
+    draws = Propagation(subject, where, UNCORRECTED_CAM).flights({key: energies})
+    each = [excess_h(with_parameter(subject, where, key, e)[0], where) for e in energies.tolist()]
     # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
     # A draw flies a profile of the file's in about its light, to 0.02 h as programs agree; with
     # parts a program, whose efficiency is that of level flight, is itself 0.1 h short of the best.
@@ -224,9 +224,9 @@ def test_a_design_that_holds_its_place_is_the_lightest(
     result = size_aircraft(HIGH, there, Objective.min_mass)
     assert result.design is not None
     optimum = result.design.variables
-    flown = performance_of_designs(HIGH, there, optimum)
-    assert float(np.min(flown.cycle.excess_time_h)) >= 1.0
-    assert meets_requirements(HIGH, flown.design)
+    flight = performance_of_designs(HIGH, there, optimum)
+    assert float(np.min(flight.cycle.excess_time_h)) >= 1.0
+    assert meets_requirements(HIGH, flight.design)
     # Other designs around it, simulated: none that is lighter by more than a per cent is enough.
     for changed in ("wingspan_m", "battery_mass_kg", "module_area_m2"):
         steps = np.array([0.94, 0.97])
@@ -234,7 +234,9 @@ def test_a_design_that_holds_its_place_is_the_lightest(
         others = performance_of_designs(HIGH, there, optimum._replace(**less))
         good = others.cycle.excess_time_h.min(axis=-1) >= 1.0
         good &= np.asarray(meets_requirements(HIGH, others.design))
-        lighter = np.asarray(others.design.total_mass_kg) < 0.99 * float(flown.design.total_mass_kg)
+        lighter = np.asarray(others.design.total_mass_kg) < 0.99 * float(
+            flight.design.total_mass_kg
+        )
         assert not (good & lighter).any()
 
 
@@ -253,11 +255,11 @@ def test_optima_just_as_fast_as_the_wind_are_found(tmp_path: Path, wind: float) 
 
 @pytest.mark.slow
 def test_sized_in_slow_winds_it_is_the_design_without_them(tmp_path: Path) -> None:
-    free, own = (
+    free, held_result = (
         size_aircraft(HIGH, held(tmp_path, CALM, hold=hold), Objective.min_mass)
         for hold in (False, True)
     )
-    assert own.objective_value == pytest.approx(free.objective_value, rel=2e-3)
+    assert held_result.objective_value == pytest.approx(free.objective_value, rel=2e-3)
 
 
 @pytest.mark.slow
@@ -290,17 +292,17 @@ def test_a_scenario_whose_floor_is_not_held_does_not_spoil_the_others() -> None:
     there = shipped_mission(
         "stratosphere-mission", wind=wind, climb=climb, latitude_deg=50.0, dates=dates
     )
-    found = analyse(HIGH, there)
-    assert found.climb is not None
-    levels = found.climb.performance.levels
+    analysis = analyse(HIGH, there)
+    assert analysis.climb is not None
+    levels = analysis.climb.performance.levels
     assert levels is not None
     assert levels.flies.tolist() == [False, True]
-    hours, up_to_m = found.performance.cycle.excess_time_h, found.climb.held_up_to_m
+    hours, up_to_m = analysis.performance.cycle.excess_time_h, analysis.climb.held_up_to_m
     assert up_to_m is not None
     assert hours[0] == pytest.approx(-24.0)
     assert np.isfinite(hours).all()
     assert np.isnan(up_to_m[0])
     assert up_to_m[1] == 22000.0
-    assert found.climb.altitude_m[0].max() == 20000.0
-    assert "wind held up to" in str(found)
-    assert "nan" not in str(found)
+    assert analysis.climb.altitude_m[0].max() == 20000.0
+    assert "wind held up to" in str(analysis)
+    assert "nan" not in str(analysis)

@@ -43,8 +43,8 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path / "work")
     write_bird(tmp_path / "hangar" / "bird.yaml", "polars/own.csv")
     (tmp_path / "hangar" / "polars").mkdir()
-    own = tmp_path / "hangar" / "polars" / "own.csv"
-    own.write_text(SHIPPED, encoding="utf-8")
+    polar = tmp_path / "hangar" / "polars" / "own.csv"
+    polar.write_text(SHIPPED, encoding="utf-8")
     return tmp_path / "hangar"
 
 
@@ -94,21 +94,21 @@ def test_text_that_only_looks_like_a_file_stays(folder):
 def test_files_show_themselves_in_one_line():
     aircraft, mission = load_aircraft("sky-sailor"), load_mission("central-europe-summer")
     assert repr(aircraft) == str(aircraft)
-    for one, words in (
+    for record, words in (
         (aircraft, ("Aircraft name sky-sailor", "wingspan [m] 3.2", "battery [kg] 1.06")),
         (mission, ("Mission name central-europe-summer", "45° N to 50° N", "1 May to 15 Aug")),
         (performance(aircraft, mission), ("Performance of 1 design", "9 scenario(s)")),
     ):
-        assert len(repr(one).splitlines()) == 1
-        assert len(repr(one)) < 160
-        assert all(word in repr(one) for word in words), repr(one)
+        assert len(repr(record).splitlines()) == 1
+        assert len(repr(record)) < 160
+        assert all(word in repr(record) for word in words), repr(record)
     odd = aircraft.model_copy(update={"name": "<b>"})
     assert "<td>&lt;b&gt;</td>" in odd._repr_html_()
     assert repr(load_mission("rafz-july")).count("15 Jul") == 1
 
 
 def test_every_package_says_its_version():
-    versions = {one.__version__ for one in (solar, missions, sizing, studies)}
+    versions = {package.__version__ for package in (solar, missions, sizing, studies)}
     assert versions == {solar.__version__}
 
 
@@ -118,4 +118,6 @@ def test_equal_bounds_hold_a_variable(name):
     held = {f"design_space.{name}": {"minimum": value, "maximum": value}}
     result = size_aircraft(load_aircraft("atlantiksolar-design", held), load_mission("rafz-july"))
     assert getattr(result.design.variables, name) == pytest.approx(value, rel=1e-9)
-    assert not [one for one in result.active_constraints if one.startswith(name)]
+    assert not [
+        constraint for constraint in result.active_constraints if constraint.startswith(name)
+    ]

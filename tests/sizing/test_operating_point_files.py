@@ -35,11 +35,11 @@ def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery():
 def test_the_worse_end_of_the_battery_counts_in_either_order(bus_v):
     parts = aircraft().propulsion_by_parts
     air = MISSION.air_state()
-    found = parts.point(20.0, 9.0, air, bus_v)
+    point = parts.point(20.0, 9.0, air, bus_v)
     # The library by itself, with an empty and with a full battery.
     each = operating_point(PROPULSOR, 20.0 / 9.0, 9.0, air, list(bus_v))
-    assert found.bus_power_w == pytest.approx(max(each.bus_power_w), rel=1e-9)
-    assert found.reason == ""
+    assert point.bus_power_w == pytest.approx(max(each.bus_power_w), rel=1e-9)
+    assert point.reason == ""
     # An end at which the motor does not turn fast enough counts before one at which it does.
     for low in ((2.0, bus_v[1]), (bus_v[0], 2.0)):
         assert "bus voltage 2 V is below" in str(parts.point(20.0, 9.0, air, low).reason)
@@ -65,19 +65,19 @@ def test_masses_of_the_parts_count_for_every_propulsor():
 
 
 def test_a_batch_of_designs_is_that_of_single_ones():
-    own = aircraft()
+    subject = aircraft()
     spans = np.array([4.0, 5.65, 7.0])
     many = sizing.closed_design(
-        own, MISSION, sizing.DesignVariables(spans, 18.5, np.full(3, 2.918), np.full(3, 0.7))
+        subject, MISSION, sizing.DesignVariables(spans, 18.5, np.full(3, 2.918), np.full(3, 0.7))
     )
     for place, span in enumerate(spans):
-        one = own.model_copy(
+        single = subject.model_copy(
             update={
-                "airframe": own.airframe.model_copy(update={"wingspan_m": float(span)}),
-                "modules": own.modules.model_copy(update={"area_m2": 0.7}),
+                "airframe": subject.airframe.model_copy(update={"wingspan_m": float(span)}),
+                "modules": subject.modules.model_copy(update={"area_m2": 0.7}),
             }
         )
-        alone = sizing.design_of(one, MISSION)
+        alone = sizing.design_of(single, MISSION)
         assert many.total_mass_kg[place] == pytest.approx(alone.total_mass_kg, rel=1e-9)
         assert many.propulsion_power_w[place] == pytest.approx(alone.propulsion_power_w, rel=1e-8)
 
@@ -91,14 +91,14 @@ def test_what_cannot_fly_has_a_reason_and_no_number():
 
 
 def test_a_sized_design_has_its_own_operating_point():
-    own = aircraft()
-    study = sizing.size(own, MISSION, "min_mass")
+    subject = aircraft()
+    study = sizing.size(subject, MISSION, "min_mass")
     assert study.feasible
-    flown = sizing.design_of(study.sized_aircraft(), MISSION)
-    assert flown.propulsion_power_w == pytest.approx(study.design.propulsion_power_w, rel=1e-5)
-    assert flown.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-5)
+    design = sizing.design_of(study.sized_aircraft(), MISSION)
+    assert design.propulsion_power_w == pytest.approx(study.design.propulsion_power_w, rel=1e-5)
+    assert design.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-5)
     # Not that of the file's design, which is larger.
-    before = sizing.design_of(own, MISSION).chain
+    before = sizing.design_of(subject, MISSION).chain
     assert abs(study.design.chain.efficiency - before.efficiency) > 0.01
     # No other design within a per cent of it that closes its day is lighter in the simulator.
     least = sizing.analyse(study.sized_aircraft(), MISSION)
@@ -107,10 +107,10 @@ def test_a_sized_design_has_its_own_operating_point():
 
 @pytest.mark.parametrize("name", ["sky-sailor", "atlantiksolar-design", "solong", "parts"])
 def test_the_power_budget_adds_up(name):
-    own = aircraft() if name == "parts" else sizing.load_aircraft(name)
+    subject = aircraft() if name == "parts" else sizing.load_aircraft(name)
     mission = load_mission("rafz-july", {"turbulence.all_day": 0.1, "payload.power_w": 1.5})
-    design = sizing.design_of(own, mission)
-    budget = power_budget(own, mission, design)
+    design = sizing.design_of(subject, mission)
+    budget = power_budget(subject, mission, design)
     assert budget.bus_w == pytest.approx(design.nominal_load_w(mission), rel=1e-9)
     assert serialise(budget)["payload_w"] == 1.5
     assert (budget.point is not None) == (name == "parts")
@@ -171,17 +171,17 @@ def test_a_table_with_one_speed_is_refused_with_its_file(tmp_path):
 
 
 def test_constants_of_the_catalogue_have_their_source():
-    found = {one.key: one for one in aircraft().from_catalogues()}
-    resistance = found["airframe.propulsion.motor.resistance_ohm"]
+    values = {value.key: value for value in aircraft().from_catalogues()}
+    resistance = values["airframe.propulsion.motor.resistance_ohm"]
     assert resistance.value == 0.299
     assert "148867" in resistance.source
 
 
 def test_a_climb_has_the_operating_point_of_every_altitude():
-    own = aircraft()
+    subject = aircraft()
     mission = load_mission("rafz-july", {"climb": {"strategy": "surplus", "ceiling_m": 2500.0}})
-    assert sizing.analyse(own, mission).performance.cycle.perpetual.all()
+    assert sizing.analyse(subject, mission).performance.cycle.perpetual.all()
     high = load_mission("rafz-july", {"climb": {"strategy": "surplus", "ceiling_m": 6000.0}})
     # Faster in thinner air, so that the empty battery's voltage does not suffice.
     with pytest.raises(sizing.ImpossibleDesignError, match=r"bus voltage 18 V is below"):
-        sizing.analyse(own, high)
+        sizing.analyse(subject, high)

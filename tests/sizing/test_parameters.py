@@ -100,8 +100,8 @@ def test_keys_are_those_of_files_or_of_quantities(one):
     if one.key in OF_PARTS:
         # Its motor is one of the catalogue; constants of one's own are keys.
         motor = {"speed_constant_rpm_per_v": 300.0, "resistance_ohm": 0.1, "no_load_current_a": 0.2}
-        own = load_aircraft("twin-boom-design", {"airframe.propulsion.motor": motor})
-        assert parameter_value(own, None, one.key) is not None
+        with_motor = load_aircraft("twin-boom-design", {"airframe.propulsion.motor": motor})
+        assert parameter_value(with_motor, None, one.key) is not None
         return
     values = [parameter_value(a, m, one.key) for a in aircraft() for m in missions]
     # Parts of one polar or structure are not in the other.
@@ -130,11 +130,11 @@ def test_lookup_by_key_or_name():
 
 
 def test_sensible_ranges_hold_the_shipped_aircraft():
-    for one in catalogue().values():
-        for craft in aircraft():
-            value = parameter_value(craft, load_mission("rafz-july"), one.key)
-            if value is not None and one.kind != "quantity":
-                assert one.minimum <= value <= one.maximum, one.key
+    for row in catalogue().values():
+        for subject in aircraft():
+            value = parameter_value(subject, load_mission("rafz-july"), row.key)
+            if value is not None and row.kind != "quantity":
+                assert row.minimum <= value <= row.maximum, row.key
 
 
 def test_importing_it_is_cheap():

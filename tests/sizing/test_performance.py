@@ -26,22 +26,25 @@ SEASON = mission(
 
 
 def test_scenarios_are_independent_of_each_other() -> None:
-    found = performance(AS2, SEASON)
-    scenarios = found.day.scenarios
-    assert found.cycle.excess_time_h.shape == (12,)
+    season = performance(AS2, SEASON)
+    scenarios = season.day.scenarios
+    assert season.cycle.excess_time_h.shape == (12,)
     for i in range(len(scenarios)):
         day = int(scenarios.day_of_year[i])
         single = mission(
             latitude_deg=float(scenarios.latitude_deg[i]),
             dates={"on": date_code(day)},
         )
-        one = performance(AS2, single)
+        single_result = performance(AS2, single)
         # The same numbers in arrays of another length: rounding.
         np.testing.assert_allclose(
-            one.cycle.excess_time_h[0], found.cycle.excess_time_h[i], rtol=1e-9, atol=1e-9
+            single_result.cycle.excess_time_h[0],
+            season.cycle.excess_time_h[i],
+            rtol=1e-9,
+            atol=1e-9,
         )
-    worst = found.worst_scenario()
-    assert found.cycle.excess_time_h[worst] == found.cycle.excess_time_h.min()
+    worst = season.worst_scenario()
+    assert season.cycle.excess_time_h[worst] == season.cycle.excess_time_h.min()
     # In the polar night none of the hours has power: the northern one has less light.
     dark = mission(
         latitude_deg={"from_deg": 60.0, "to_deg": 66.0, "count": 2}, dates={"on": "12-21"}
@@ -57,14 +60,14 @@ def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:
         47.6, 196.5, time, cell=AS2.modules, module_temperature_c=11.516, altitude_m=536.0
     )
     where = mission(air={"module_temperature_c": 11.516})
-    found = performance(AS2, where)
-    np.testing.assert_allclose(found.solar_power_w[0], 1.35 * specific, rtol=1e-12)
+    exact = performance(AS2, where)
+    np.testing.assert_allclose(exact.solar_power_w[0], 1.35 * specific, rtol=1e-12)
     corrected = performance(AS2, where, SolarModel("CAM", "report"))
     # CAM overestimates by 5.31 %, published.
     np.testing.assert_allclose(
-        corrected.solar_power_w[0] * 1.0531, found.solar_power_w[0], rtol=1e-12
+        corrected.solar_power_w[0] * 1.0531, exact.solar_power_w[0], rtol=1e-12
     )
-    assert corrected.cycle.excess_time_h < found.cycle.excess_time_h
+    assert corrected.cycle.excess_time_h < exact.cycle.excess_time_h
     assert SolarModel("CDM").rms_relative == 0.2003
 
 
@@ -76,13 +79,13 @@ def test_designs_in_a_batch_equal_single_designs() -> None:
     )
     assert batch.cycle.excess_time_h.shape == (3, 3, 12)
     for i, j in np.ndindex(3, 3):
-        one = performance_of_designs(
+        single = performance_of_designs(
             DESIGN, SEASON, DesignVariables(float(span[i, 0]), 18.5, float(battery[j]), 0.7)
         )
         for name in ("excess_time_h", "minimum_state_of_charge", "charge_margin_h", "status"):
             # The masses are closed to 1e-13; the metrics follow in proportion.
             np.testing.assert_allclose(
-                getattr(batch.cycle, name)[i, j], getattr(one.cycle, name), rtol=1e-8, atol=1e-8
+                getattr(batch.cycle, name)[i, j], getattr(single.cycle, name), rtol=1e-8, atol=1e-8
             )
 
 
@@ -94,14 +97,14 @@ def test_file_design_is_the_same_by_both_entries() -> None:
 
 def test_load_is_built_from_level_flight_turbulence_and_consumers() -> None:
     rough = mission(turbulence={"all_day": 0.1, "thermal": 0.4}, payload={"power_w": 3.0})
-    found = performance(AS2, rough)
-    level = found.design.propulsion_power_w
-    time = found.day.time_h
-    night, noon = found.load_w[0, 0], found.load_w[0, np.argmin(np.abs(time - 12.0))]
+    flight = performance(AS2, rough)
+    level = flight.design.propulsion_power_w
+    time = flight.day.time_h
+    night, noon = flight.load_w[0, 0], flight.load_w[0, np.argmin(np.abs(time - 12.0))]
     # 6 W avionics and 3 W payload; noon lies on a node. Rounding.
     assert night == pytest.approx(1.1 * level + 9.0, rel=1e-9)
     assert noon == pytest.approx(1.5 * level + 9.0, rel=1e-9)
-    assert float(found.nominal_load_w.ravel()[0]) == pytest.approx(night, rel=1e-12)
+    assert float(flight.nominal_load_w.ravel()[0]) == pytest.approx(night, rel=1e-12)
 
 
 def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end() -> None:
@@ -116,15 +119,15 @@ def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end
 
 def test_perpetual_days_are_those_whose_cycle_is_perpetual() -> None:
     some_days = np.arange(1, 366, 24)
-    found = perpetual_days(AS2, mission(), 47.6, days=some_days).tolist()
+    days_found = perpetual_days(AS2, mission(), 47.6, days=some_days).tolist()
     expected = []
     for day in some_days.tolist():
         month_day = np.datetime64("2015-01-01") + (day - 1)
         date = str(month_day)[5:]
         if performance(AS2, mission(dates={"on": date})).cycle.perpetual[0]:
             expected.append(day)
-    assert found == expected
-    assert 0 < len(found) < len(some_days)
+    assert days_found == expected
+    assert 0 < len(days_found) < len(some_days)
 
 
 STEPS = [

@@ -21,7 +21,9 @@ def analysed(name: str, *overrides: str) -> sizing.Analysis:
 
 
 def relaxed(name: str, *overrides: str) -> dict[str, Relaxation]:
-    return {one.parameter: one for one in analysed(name, *overrides).relaxations}
+    return {
+        relaxation.parameter: relaxation for relaxation in analysed(name, *overrides).relaxations
+    }
 
 
 def enough(name: str, key: str, present: float, value: float, *others: str) -> sizing.Analysis:
@@ -36,47 +38,47 @@ def enough(name: str, key: str, present: float, value: float, *others: str) -> s
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "sky-sailor"])
 def test_a_battery_suffices_from_its_value_on(name: str) -> None:
     light_kg = 0.4 * sizing.load_aircraft(name).battery.mass_kg
-    found = relaxed(name, f"battery.mass_kg={light_kg:g}")["battery.mass_kg"]
-    assert found.direction == "at least"
-    flown = enough(name, "battery.mass_kg", 0.0, found.value)
+    relaxation = relaxed(name, f"battery.mass_kg={light_kg:g}")["battery.mass_kg"]
+    assert relaxation.direction == "at least"
+    analysis = enough(name, "battery.mass_kg", 0.0, relaxation.value)
     # Another mass flies at another airspeed, which cools the modules of a measured aircraft.
-    assert flown.excess_time_h == pytest.approx(found.excess_time_h, abs=2e-3)
+    assert analysis.excess_time_h == pytest.approx(relaxation.excess_time_h, abs=2e-3)
 
 
 def test_modules_weigh_what_they_weigh() -> None:
     heavy, area = "battery.mass_kg=4", "modules.area_m2"
-    found = relaxed("atlantiksolar-design", f"{area}=0.8", heavy)[area]
-    enough("atlantiksolar-design", area, 0.0, found.value, heavy)
+    relaxation = relaxed("atlantiksolar-design", f"{area}=0.8", heavy)[area]
+    enough("atlantiksolar-design", area, 0.0, relaxation.value, heavy)
 
 
 def test_modules_of_a_measured_aircraft_add_their_mass() -> None:
     few = "modules.area_m2=0.6"
-    found = relaxed("atlantiksolar-as2", few)["modules.area_m2"]
+    relaxation = relaxed("atlantiksolar-as2", few)["modules.area_m2"]
     aircraft = sizing.load_aircraft("atlantiksolar-as2")
-    more_kg = aircraft.modules.mass_kg_per_m2 * (found.value - 0.6)
+    more_kg = aircraft.modules.mass_kg_per_m2 * (relaxation.value - 0.6)
     rest_kg = aircraft.airframe.mass_without_battery_kg  # type: ignore[union-attr]
     changed = (
-        f"modules.area_m2={found.value}",
+        f"modules.area_m2={relaxation.value}",
         f"airframe.mass_without_battery_kg={rest_kg + more_kg}",
     )
     assert analysed("atlantiksolar-as2", *changed).excess_time_h == pytest.approx(
-        found.excess_time_h,
+        relaxation.excess_time_h,
         abs=2e-3,  # by the airspeed
     )
 
 
 def test_a_load_may_fall_by_what_avionics_save() -> None:
-    found = relaxed("atlantiksolar-as2", "power.avionics_w=40")["load_w"]
+    relaxation = relaxed("atlantiksolar-as2", "power.avionics_w=40")["load_w"]
     supply = sizing.load_aircraft("atlantiksolar-as2").power.supply_efficiency
-    saved_w = (found.present - found.value) * supply
+    saved_w = (relaxation.present - relaxation.value) * supply
     enough("atlantiksolar-as2", "power.avionics_w", 40.0, 40.0 - saved_w)
 
 
 def test_the_smallest_change_comes_first_and_two_are_shown() -> None:
     analysis = analysed("atlantiksolar-as2", "battery.mass_kg=1.2")
-    changes = [one.relative_change for one in analysis.relaxations]
+    changes = [relaxation.relative_change for relaxation in analysis.relaxations]
     assert len(changes) >= 2
-    assert all(one <= other for one, other in pairwise(changes))
+    assert all(change <= following for change, following in pairwise(changes))
     text = str(analysis)
     assert "perpetual with one change: " in text
     assert "battery mass at least" in text

@@ -31,22 +31,22 @@ def test_roots_of_kinked_lines_are_found(seed, count):
     root = rng.uniform(0.01, 0.99, count)
     slopes = rng.uniform(1e-3, 1.0, (2, count))
     zeros, ones, limit = np.zeros(count), np.ones(count), np.full(count, LIMIT)
-    found = falling_root(lambda i, x: kinked(i, x, root, slopes), zeros, ones, limit)
+    roots = falling_root(lambda i, x: kinked(i, x, root, slopes), zeros, ones, limit)
     # The value is settled to the limit; the argument to that over the least slope.
-    np.testing.assert_allclose(found, root, atol=LIMIT / 1e-3)
+    np.testing.assert_allclose(roots, root, atol=LIMIT / 1e-3)
 
 
 def test_smooth_function_takes_few_rounds():
-    asked = []
+    sizes = []
 
     def gain(place, x):
-        asked.append(len(place))
+        sizes.append(len(place))
         return 0.7 * np.exp(-x) - 0.35 - 0.3 * x
 
-    found = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
-    assert 0.7 * np.exp(-found[0]) - 0.35 - 0.3 * found[0] == pytest.approx(0.0, abs=LIMIT)
+    roots = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
+    assert 0.7 * np.exp(-roots[0]) - 0.35 - 0.3 * roots[0] == pytest.approx(0.0, abs=LIMIT)
     # Two ends, and secants that gain digits by half again each: bisection would take 36.
-    assert len(asked) <= 10
+    assert len(sizes) <= 10
 
 
 def test_plateau_beside_the_root_takes_few_rounds():
@@ -57,25 +57,25 @@ def test_plateau_beside_the_root_takes_few_rounds():
         rounds.append(len(place))
         return np.maximum(0.52 - x, -1e-4) - 0.2 * np.maximum(x - 0.75, 0.0)
 
-    found = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
-    assert found[0] == pytest.approx(0.52, abs=LIMIT)
+    roots = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
+    assert roots[0] == pytest.approx(0.52, abs=LIMIT)
     # The lower end's value leads to the root, as the day cannot lose more than it began with.
     assert len(rounds) <= 7
 
 
 def test_element_without_gain_at_the_lower_end_has_its_root_there():
-    found = falling_root(lambda i, x: -0.2 * x, np.zeros(3), np.ones(3), np.full(3, LIMIT))
-    assert found.tolist() == [0.0, 0.0, 0.0]
+    roots = falling_root(lambda i, x: -0.2 * x, np.zeros(3), np.ones(3), np.full(3, LIMIT))
+    assert roots.tolist() == [0.0, 0.0, 0.0]
 
 
 def test_elements_do_not_depend_on_each_other():
     rng = np.random.default_rng(3)
     root, slopes = rng.uniform(0.01, 0.99, 20), rng.uniform(1e-3, 1.0, (2, 20))
 
-    def found(some):
-        count = len(some)
+    def found(indices):
+        count = len(indices)
         return falling_root(
-            lambda i, x: kinked(some[i], x, root, slopes),
+            lambda i, x: kinked(indices[i], x, root, slopes),
             np.zeros(count),
             np.ones(count),
             np.full(count, LIMIT),
@@ -92,15 +92,15 @@ def test_bracketed_roots_are_those_of_scipy(seed, count):
     root, bend = rng.uniform(-1.0, 1.0, count), rng.uniform(0.1, 30.0, count)
     ends = np.full(count, -1.0), np.full(count, 1.0)
 
-    def value(x, *given):
-        root, bend = given
+    def value(x, *parameters):
+        root, bend = parameters
         return np.expm1(bend * (root - x))
 
     tolerances = {"xrtol": 1e-11}
-    found = elementwise.find_root(value, ends, args=(root, bend), tolerances=tolerances)
+    reference = elementwise.find_root(value, ends, args=(root, bend), tolerances=tolerances)
     # The same steps, so the same points.
     np.testing.assert_array_equal(
-        bracketed_root(lambda x: value(x, root, bend), *ends, 1e-11), found.x
+        bracketed_root(lambda x: value(x, root, bend), *ends, 1e-11), reference.x
     )
 
 

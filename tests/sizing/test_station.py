@@ -64,10 +64,11 @@ def test_speeds_of_another_reanalysis_are_nearly_rayleighs() -> None:
 
 @given(st.floats(0.0, 120.0), st.floats(0.0, 120.0), st.floats(-88.0, 88.0), st.integers(1, 12))
 def test_a_faster_aircraft_stays_at_least_as_long(
-    one: float, two: float, latitude: float, month: int
+    first: float, second: float, latitude: float, month: int
 ) -> None:
     low, high = (
-        float(shipped_winds().share_below(v, latitude, 20000.0, month)) for v in sorted((one, two))
+        float(shipped_winds().share_below(v, latitude, 20000.0, month))
+        for v in sorted((first, second))
     )
     assert 0.0 <= low <= high <= 1.0
 
@@ -110,38 +111,38 @@ def test_power_of_faster_flight_is_that_of_the_parabolic_polar() -> None:
 
 def test_the_simulator_confirms_the_fastest_airspeed(tmp_path: Path) -> None:
     where = in_winds(tmp_path, 6.0, 12.0)
-    found = station_keeping(DESIGN, where, scenarios=CELLS)
+    result = station_keeping(DESIGN, where, scenarios=CELLS)
     design = design_of(DESIGN, where)
     airspeeds, powers = faster_flight(DESIGN, where, design)
     day = solar_day(DESIGN, where, scenarios=CELLS)
-    assert np.all(found.airspeed_m_per_s > airspeeds[0])
-    assert not found.at_end.any()
+    assert np.all(result.airspeed_m_per_s > airspeeds[0])
+    assert not result.at_end.any()
     for factor, perpetual in ((1.0, True), (1.002, False)):
-        flown = design._replace(
-            propulsion_power_w=np.interp(found.airspeed_m_per_s * factor, airspeeds, powers),
-            airspeed_m_per_s=found.airspeed_m_per_s * factor,
+        faster = design._replace(
+            propulsion_power_w=np.interp(result.airspeed_m_per_s * factor, airspeeds, powers),
+            airspeed_m_per_s=result.airspeed_m_per_s * factor,
             battery_energy_wh=np.full(3, design.battery_energy_wh),
         )
-        perf = fly(DESIGN, where, UNCORRECTED_CAM, flown, day, paired=True)
+        perf = fly(DESIGN, where, UNCORRECTED_CAM, faster, day, paired=True)
         assert perf.cycle.perpetual.tolist() == [perpetual] * 3
 
 
 def test_without_wind_it_always_stays_where_it_flies_perpetually(tmp_path: Path) -> None:
     cells = Scenarios(np.array([47.6, 47.6]), np.array([166, 349]))  # 15 June, 15 December
-    found = station_keeping(DESIGN, in_winds(tmp_path, 0.0, 0.0), scenarios=cells)
-    assert found.share.tolist() == [1.0, 0.0]
-    assert np.isnan(found.airspeed_m_per_s).tolist() == [False, True]
+    result = station_keeping(DESIGN, in_winds(tmp_path, 0.0, 0.0), scenarios=cells)
+    assert result.share.tolist() == [1.0, 0.0]
+    assert np.isnan(result.airspeed_m_per_s).tolist() == [False, True]
 
 
 def test_more_wind_and_less_battery_shorten_the_stay(tmp_path: Path) -> None:
     calm, windy = (in_winds(tmp_path, *w) for w in ((6.0, 12.0), (9.0, 15.0)))
-    own = station_keeping(DESIGN, calm, scenarios=CELLS)
+    at_calm = station_keeping(DESIGN, calm, scenarios=CELLS)
     more = station_keeping(DESIGN, windy, scenarios=CELLS)
-    assert np.all(more.share < own.share)
-    assert np.array_equal(more.airspeed_m_per_s, own.airspeed_m_per_s)
+    assert np.all(more.share < at_calm.share)
+    assert np.array_equal(more.airspeed_m_per_s, at_calm.airspeed_m_per_s)
     weak = aircraft("atlantiksolar-design", "battery.specific_energy_wh_per_kg=200")
     less = station_keeping(weak, calm, scenarios=CELLS)
-    assert np.all(less.share <= own.share)
+    assert np.all(less.share <= at_calm.share)
 
 
 # ---- Flight as fast as the wind
@@ -153,57 +154,57 @@ def holding(where: Mission) -> Mission:
 
 
 def test_only_a_wind_above_the_own_airspeed_takes_more_power(tmp_path: Path) -> None:
-    own = float(design_of(DESIGN, mission()).airspeed_m_per_s)
-    calm, windy = (in_winds(tmp_path, 1.0, own * ratio) for ratio in (0.99, 1.15))
+    speed_m_per_s = float(design_of(DESIGN, mission()).airspeed_m_per_s)
+    calm, windy = (in_winds(tmp_path, 1.0, speed_m_per_s * ratio) for ratio in (0.99, 1.15))
     assert np.array_equal(
         performance(DESIGN, holding(calm)).load_w, performance(DESIGN, calm).load_w
     )
     airspeeds, powers = faster_flight(DESIGN, windy, design_of(DESIGN, windy))
-    held, free = (performance(DESIGN, one) for one in (holding(windy), windy))
-    extra = np.interp(1.15 * own, airspeeds, powers) - powers[0]
+    held, free = (performance(DESIGN, where) for where in (holding(windy), windy))
+    extra = np.interp(1.15 * speed_m_per_s, airspeeds, powers) - powers[0]
     # Linear between airspeeds 1 % apart, of a power that grows with the cube.
     assert held.nominal_load_w - free.nominal_load_w == pytest.approx(extra, rel=1e-3)
 
 
 def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -> None:
     """The exact chain at the airspeed of the wind, the thermals and the voltage of the hour."""
-    own, where = load_aircraft("twin-boom-design"), holding(in_winds(tmp_path, 4.0, 11.0))
+    twin, where = load_aircraft("twin-boom-design"), holding(in_winds(tmp_path, 4.0, 11.0))
     wind = float(where.scenario_winds_m_per_s()[0])
     turbulence = where.turbulence.model_copy(update={"all_day": 0.05, "thermal": 0.3})
     where = where.model_copy(update={"turbulence": turbulence})
-    flown = performance(own, where)
-    assert np.isfinite(flown.load_w).all()
-    design = flown.design
-    parts = getattr(own.airframe, "propulsion", None)
+    flight = performance(twin, where)
+    assert np.isfinite(flight.load_w).all()
+    design = flight.design
+    parts = getattr(twin.airframe, "propulsion", None)
     assert isinstance(parts, OperatingPointPropulsion)
     # At the same mass: the lift coefficient goes with the inverse square of the airspeed.
     speed = float(design.airspeed_m_per_s)
-    polar = own.airframe.aerodynamics  # type: ignore[union-attr]  # parametric
+    polar = twin.airframe.aerodynamics  # type: ignore[union-attr]  # parametric
     slow = polar.flight_lift_coefficient * (speed / wind) ** 2
-    variables = variables_of(own)._replace(lift_coefficient=slow)
-    faster = parametric_design(own, where, variables, design.total_mass_kg)
+    variables = variables_of(twin)._replace(lift_coefficient=slow)
+    faster = parametric_design(twin, where, variables, design.total_mass_kg)
     assert float(faster.airspeed_m_per_s) == pytest.approx(wind)
     thrust_w = float(faster.propulsion_power_w) * faster.chain.efficiency
-    day = flown.day
+    day = flight.day
     half = (day.sunset_h[0] - day.sunrise_h[0]) / 2.0
     load = 1.05 + 0.3 * np.maximum(1.0 - np.abs(day.time_h - 12.0) / half, 0.0)
-    air = FlightConditions.of(where, own).air
-    some = slice(0, None, 24)
+    air = FlightConditions.of(where, twin).air
+    hours = slice(0, None, 24)
     point = operating_point(
-        *(parts.propulsor, (thrust_w * load / wind / parts.propulsors)[some], wind, air),
-        own.battery.nominal_voltage_v,
+        *(parts.propulsor, (thrust_w * load / wind / parts.propulsors)[hours], wind, air),
+        twin.battery.nominal_voltage_v,
     )
-    power_w = flown.load_w[0, some] - float(design.constant_power_w)
+    power_w = flight.load_w[0, hours] - float(design.constant_power_w)
     assert power_w == pytest.approx(parts.propulsors * point.bus_power_w, rel=3e-5)
 
 
 def test_what_is_sized_to_hold_its_place_does_so(tmp_path: Path) -> None:
     """The fastest perpetual flight of the optimum, found without the program, is the wind."""
     where = holding(in_winds(tmp_path, 4.0, 12.0))
-    found = size(DESIGN, where, with_cross_check=True)
-    assert found.feasible
-    assert found.cross_check.cross_checked
-    sized = found.sized_aircraft()
+    result = size(DESIGN, where, with_cross_check=True)
+    assert result.feasible
+    assert result.cross_check.cross_checked
+    sized = result.sized_aircraft()
     kept = station_keeping(sized, where)
     # Excess time has a cushion of some minutes; half a per cent of airspeed is one and a half of
     # power.
@@ -219,7 +220,7 @@ def test_the_rated_power_ends_the_airspeed(tmp_path: Path) -> None:
     assert float(performance(DESIGN, where).cycle.excess_time_h.max()) <= 0.0
     study = size(DESIGN, where)
     assert not study.feasible
-    missed = {one.requirement for one in study.result.violations}
+    missed = {violation.requirement for violation in study.result.violations}
     assert missed & {"power_against_wind", "energy_balance", "battery_capacity"}
 
 
@@ -227,18 +228,20 @@ def test_the_rated_power_ends_the_airspeed(tmp_path: Path) -> None:
     "flown", [DESIGN, pytest.param("twin-boom-design", marks=pytest.mark.long)], ids=str
 )
 def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, flown: Aircraft | str) -> None:
-    craft = aircraft(flown) if isinstance(flown, str) else flown
-    own = float(design_of(craft, mission()).airspeed_m_per_s)
-    where = holding(in_winds(tmp_path, 4.0, 1.2 * own))
+    subject = aircraft(flown) if isinstance(flown, str) else flown
+    speed_m_per_s = float(design_of(subject, mission()).airspeed_m_per_s)
+    where = holding(in_winds(tmp_path, 4.0, 1.2 * speed_m_per_s))
     key = "battery.specific_energy_wh_per_kg"
-    energies = parameter_value(craft, where, key) * np.array([1.0, 0.9, 1.05])
-    draws = Propagation(craft, where, UNCORRECTED_CAM).flights({key: energies})
-    each = [performance(with_parameter(craft, where, key, e)[0], where) for e in energies.tolist()]
-    excess_h = [float(one.cycle.excess_time_h.min()) for one in each]
+    energies = parameter_value(subject, where, key) * np.array([1.0, 0.9, 1.05])
+    draws = Propagation(subject, where, UNCORRECTED_CAM).flights({key: energies})
+    each = [
+        performance(with_parameter(subject, where, key, e)[0], where) for e in energies.tolist()
+    ]
+    excess_h = [float(flight.cycle.excess_time_h.min()) for flight in each]
     # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
     chain = 2e-2 if isinstance(flown, str) else 1e-9
     assert draws.excess_time_h == pytest.approx(excess_h, abs=chain)
-    calm = performance(craft, in_winds(tmp_path, 4.0, 1.2 * own))
+    calm = performance(subject, in_winds(tmp_path, 4.0, 1.2 * speed_m_per_s))
     assert calm.cycle.excess_time_h.min() > excess_h[0] + 1.0
 
 
@@ -265,7 +268,11 @@ def test_latitudes_that_would_do_end_where_the_table_of_winds_does() -> None:
     )
     study = size(DESIGN, where)
     assert not study.feasible
-    assert all(abs(one.value) <= 88.0 for one in study.relaxations if "latitude" in one.parameter)
+    assert all(
+        abs(relaxation.value) <= 88.0
+        for relaxation in study.relaxations
+        if "latitude" in relaxation.parameter
+    )
 
 
 def test_what_cannot_be_answered_is_refused(tmp_path: Path) -> None:

@@ -44,9 +44,9 @@ def windy(tmp_path: Path) -> Mission:
 def test_a_design_is_faster_than_the_strongest_wind(windy: Mission) -> None:
     aircraft = load_aircraft("atlantiksolar-design")
     design = size(aircraft, windy).design
-    given = size(aircraft, windy.in_wind(10.5)).design
+    windless = size(aircraft, windy.in_wind(10.5)).design
     calm = size(aircraft, windy.in_wind(0.0)).design
-    assert design.airspeed_m_per_s == given.airspeed_m_per_s
+    assert design.airspeed_m_per_s == windless.airspeed_m_per_s
     assert float(design.airspeed_m_per_s) >= 10.5 * (1.0 - 1e-6)
     assert float(calm.airspeed_m_per_s) < 10.5
 
@@ -54,16 +54,16 @@ def test_a_design_is_faster_than_the_strongest_wind(windy: Mission) -> None:
 def test_cells_have_the_wind_of_their_own_latitude_and_month(windy: Mission) -> None:
     aircraft = load_aircraft("atlantiksolar-design")
     cells = Scenarios(np.array([40.0, 50.0, 50.0]), np.array([166, 166, 196]))
-    found = size_cells(aircraft, windy, cells)
+    cells_result = size_cells(aircraft, windy, cells)
     winds = np.array([2.0, 6.0, 10.5])
     assert windy.scenario_winds_m_per_s(cells) == pytest.approx(winds)
     for i, wind in enumerate(winds.tolist()):
-        one = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
-        alone = size_cells(aircraft, windy.in_wind(wind), one)
+        single = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
+        alone = size_cells(aircraft, windy.in_wind(wind), single)
         # Within the tolerance of the search: cells start from their neighbours.
         expected = pytest.approx(float(alone.variables.wingspan_m[0]), rel=5e-3)
-        assert float(found.variables.wingspan_m[i]) == expected
-    assert np.all(found.airspeed_m_per_s >= winds * (1.0 - 1e-6))
+        assert float(cells_result.variables.wingspan_m[i]) == expected
+    assert np.all(cells_result.airspeed_m_per_s >= winds * (1.0 - 1e-6))
 
 
 def test_a_path_is_flown_in_the_wind_of_each_scenario(windy: Mission) -> None:
@@ -72,8 +72,8 @@ def test_a_path_is_flown_in_the_wind_of_each_scenario(windy: Mission) -> None:
     around = own_surroundings(aircraft, windy)
     together = modelled_power(aircraft, windy, "FM", scenarios, noon, around)
     for i, wind in enumerate(windy.scenario_winds_m_per_s().tolist()):
-        one = Scenarios(scenarios.latitude_deg[i : i + 1], scenarios.day_of_year[i : i + 1])
-        alone = modelled_power(aircraft, windy.in_wind(wind), "FM", one, noon, around)
+        single = Scenarios(scenarios.latitude_deg[i : i + 1], scenarios.day_of_year[i : i + 1])
+        alone = modelled_power(aircraft, windy.in_wind(wind), "FM", single, noon, around)
         assert np.array_equal(together[i], alone[0])
 
 

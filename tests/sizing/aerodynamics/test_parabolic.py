@@ -39,9 +39,9 @@ def test_power_is_sink_rate_times_weight(span, aspect, mass):
     v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
     reynolds = 1.1 * v * span / aspect / 1.8e-5
     cd = 0.012 * (158000.0 / reynolds) ** 0.35 + 0.006 + 1.0 / (np.pi * 0.9 * aspect)
-    found = level_flight_power_w(POLAR, mass_kg=mass, wingspan_m=span, aspect_ratio=aspect, **AIR)
+    power_w = level_flight_power_w(POLAR, mass_kg=mass, wingspan_m=span, aspect_ratio=aspect, **AIR)
     # P = m g v / (L/D): another way to the same number, so rounding.
-    assert found == pytest.approx(mass * G * v * cd / 1.0, rel=1e-9)
+    assert power_w == pytest.approx(mass * G * v * cd / 1.0, rel=1e-9)
 
 
 def test_constant_polar_scales_as_measured_power_does():

@@ -73,11 +73,11 @@ def test_polars_of_a_section_make_a_table(program, commas):
 
 
 def test_what_stands_in_the_header_is_read():
-    (one,) = read_polars(section(123e3, mach=0.05, ncrit=7.0, kind=2), "polar.txt")
-    assert one.reynolds == pytest.approx(123e3)
-    assert (one.mach, one.ncrit, one.trip) == (0.05, 7.0, (1.0, 1.0))
-    assert (one.kind, one.reynolds_type, one.line) == ("section", 2, 4)
-    first = one.rows[0]
+    (polar,) = read_polars(section(123e3, mach=0.05, ncrit=7.0, kind=2), "polar.txt")
+    assert polar.reynolds == pytest.approx(123e3)
+    assert (polar.mach, polar.ncrit, polar.trip) == (0.05, 7.0, (1.0, 1.0))
+    assert (polar.kind, polar.reynolds_type, polar.line) == ("section", 2, 4)
+    first = polar.rows[0]
     assert (first.line, first.alpha_deg) == (13, -3.0)
     assert first.lift == pytest.approx(lift(-3.0), abs=1e-4)
 
@@ -89,14 +89,14 @@ def test_other_ways_to_write_a_header_and_a_row():
         ("Ncrit =   9.000", "Ncrit =   9.000  9.000"),
         ("\n", "\r\n"),
     ):
-        (one,) = read_polars(text.replace(old, new), "polar.txt")
-        assert one.reynolds == pytest.approx(200e3)
-        assert len(one.rows) == len(ANGLES)
+        (polar,) = read_polars(text.replace(old, new), "polar.txt")
+        assert polar.reynolds == pytest.approx(200e3)
+        assert len(polar.rows) == len(ANGLES)
     # A sign follows digits at once where a Fortran field is full; further columns are passed over.
     row = "   5.000   0.8875  0.010602 0.003534-10.0500   0.6000   0.9000"
     assert row.replace("-10.0500", "  -0.0500") != row
-    (one,) = read_polars(re.sub(r"\n {3}5\.000.*", f"\n{row}", text), "polar.txt")
-    assert [r.moment for r in one.rows if r.alpha_deg == 5.0] == [-10.05]
+    (polar,) = read_polars(re.sub(r"\n {3}5\.000.*", f"\n{row}", text), "polar.txt")
+    assert [r.moment for r in polar.rows if r.alpha_deg == 5.0] == [-10.05]
     wide = text.replace("Bot_Xtr\n", "Bot_Xtr  Top_Itr  Bot_Itr\n").replace(
         "   0.9000\n", "   0.9000  20.0000  90.0000\n"
     )
@@ -106,16 +106,16 @@ def test_other_ways_to_write_a_header_and_a_row():
 def test_points_that_did_not_converge_are_passed_over():
     text = section(200e3)
     for wrong in ("NaN", "*********", "inf"):
-        (one,) = read_polars(re.sub(r"(\n {3}3\.000 +)\S+", rf"\g<1>{wrong}", text), "p.txt")
-        assert len(one.rows) == len(ANGLES) - 1
-        assert 3.0 not in [row.alpha_deg for row in one.rows]
+        (polar,) = read_polars(re.sub(r"(\n {3}3\.000 +)\S+", rf"\g<1>{wrong}", text), "p.txt")
+        assert len(polar.rows) == len(ANGLES) - 1
+        assert 3.0 not in [row.alpha_deg for row in polar.rows]
 
 
 def test_the_same_point_twice_counts_once_and_two_of_an_angle_are_refused():
     text = section(200e3)
     last = text.rstrip("\n").splitlines()[-1]
-    (one,) = read_polars(text.rstrip("\n") + f"\n{last}\n", "p.txt")
-    assert len(one.rows) == len(ANGLES)
+    (polar,) = read_polars(text.rstrip("\n") + f"\n{last}\n", "p.txt")
+    assert len(polar.rows) == len(ANGLES)
     other = last.replace("0.9000", "0.9000").replace(f"{lift(12.0):9.4f}", "   1.0000")
     with pytest.raises(InputError, match=r"p\.txt:30: alpha 12 as in line 29, with other values"):
         read_polars(text.rstrip("\n") + f"\n{other}\n", "p.txt")
@@ -371,9 +371,9 @@ def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path):
         load_aircraft("atlantiksolar-design", {"airframe.aerodynamics": aerodynamics})
     lines = [p.line for p in caught.value.problems if p.source.endswith("polar.txt")]
     assert lines == [20, 50, 80, 110, 140]
-    (own,) = (p for p in caught.value.problems if not p.source.endswith("polar.txt"))
-    assert "airfoil" in own.key
-    assert "5 mistakes" in own.message
+    (problem,) = (p for p in caught.value.problems if not p.source.endswith("polar.txt"))
+    assert "airfoil" in problem.key
+    assert "5 mistakes" in problem.message
 
 
 # ---- Folders
@@ -399,8 +399,8 @@ def test_a_folder_of_polars_is_one_table(tmp_path):
     wrong.write_text("angle,lift\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"N9\.0\.txt:1: holds no polar"):
         parse_polar(read_polar_text(path), path)
-    for one in folder.iterdir():
-        one.unlink()
+    for file in folder.iterdir():
+        file.unlink()
     with pytest.raises(InputError, match=r"has no files of that kind \(\.csv, \.txt"):
         read_polar_text(path)
 

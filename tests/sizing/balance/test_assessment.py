@@ -17,9 +17,9 @@ TAIL = "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, vertical_volume: 
 
 
 def balance(*overrides, name="twin-boom-design"):
-    craft = aircraft(name, *overrides)
-    found = balance_assessment(craft, design_of(craft, MISSION))
-    return found
+    loaded = aircraft(name, *overrides)
+    assessment = balance_assessment(loaded, design_of(loaded, MISSION))
+    return assessment
 
 
 @pytest.mark.parametrize("growth", [0.0, 0.15])
@@ -31,30 +31,30 @@ def test_the_items_are_the_mass_budget(growth):
 
 
 def test_the_reported_tail_has_the_margin_that_is_asked_for():
-    asked = "airframe.balance.static_margin=0.2"
-    volume = balance(asked).holding_volume
-    held = balance(asked, f"airframe.tail.horizontal_volume={volume}")
+    margin = "airframe.balance.static_margin=0.2"
+    volume = balance(margin).volume_for_margin
+    held = balance(margin, f"airframe.tail.horizontal_volume={volume}")
     # The mass budget closes anew with the heavier tail: wing and propulsion follow.
     assert held.static_margin == pytest.approx(0.2, abs=0.005)
-    assert balance("airframe.balance.static_margin=0.1").holding_volume == pytest.approx(
+    assert balance("airframe.balance.static_margin=0.1").volume_for_margin == pytest.approx(
         0.45,
         abs=1e-3,  # that of the file, which has its margin; places of four digits
     )
-    assert balance("airframe.balance.static_margin=-0.3").holding_volume is None
+    assert balance("airframe.balance.static_margin=-0.3").volume_for_margin is None
 
 
 def test_trim_drag_of_the_margin_is_in_the_power():
     """The power of two margins differs by the trim drag that is reported of both."""
-    one, two = (
+    first, second = (
         aircraft("twin-boom-design", f"airframe.balance.static_margin={margin}",
                  "airframe.propulsion={kind: constant, mass_kg_per_w: 0}")
         for margin in (0.05, 0.6)
     )  # fmt: skip
-    designs = [design_of(craft, MISSION) for craft in (one, two)]
+    designs = [design_of(loaded, MISSION) for loaded in (first, second)]
     drags = [
-        found.trim / found.total
-        for craft, design in zip((one, two), designs, strict=True)
-        if (found := drag_shares(craft, design)) is not None
+        shares.trim / shares.total
+        for loaded, design in zip((first, second), designs, strict=True)
+        if (shares := drag_shares(loaded, design)) is not None
     ]
     powers = [design.propulsion_power_w for design in designs]
     assert powers[1] > powers[0]
@@ -64,9 +64,11 @@ def test_trim_drag_of_the_margin_is_in_the_power():
 
 def test_weighed_masses_replace_the_build_up():
     weighed = "[{name: nose, mass_kg: 2, x_m: -0.2}, {name: rest, mass_kg: 4, x_m: 0.25}]"
-    found = balance(f"airframe.balance={{weighed: {weighed}}}", TAIL, name="atlantiksolar-design")
-    assert found.gravity_m == pytest.approx(0.1)
-    assert [item.name for item in found.items] == ["nose", "rest"]
+    weighed_balance = balance(
+        f"airframe.balance={{weighed: {weighed}}}", TAIL, name="atlantiksolar-design"
+    )
+    assert weighed_balance.gravity_m == pytest.approx(0.1)
+    assert [item.name for item in weighed_balance.items] == ["nose", "rest"]
     # What the airframe's models need not meet, a line says.
     result = sizing.analyse(
         aircraft("atlantiksolar-design", TAIL, f"airframe.balance={{weighed: {weighed}}}"), MISSION
@@ -80,8 +82,10 @@ def test_a_tail_of_the_structures_own_size_weighs_the_same():
         "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, "
         f"vertical_volume: {0.045 / 18.5!r}}}"
     )
-    plain, given = (design_of(one, MISSION) for one in (DESIGN, aircraft(DESIGN.name, tail)))
-    assert given.total_mass_kg == pytest.approx(plain.total_mass_kg, rel=1e-12)
+    plain, as_tail = (
+        design_of(subject, MISSION) for subject in (DESIGN, aircraft(DESIGN.name, tail))
+    )
+    assert as_tail.total_mass_kg == pytest.approx(plain.total_mass_kg, rel=1e-12)
 
 
 def test_two_booms_share_the_load_of_the_tail():
@@ -96,8 +100,8 @@ def test_two_booms_share_the_load_of_the_tail():
 
 
 def test_arrays_of_designs_are_the_same_as_single_ones():
-    some = variables_of(TWIN)._replace(wingspan_m=np.array([4.5, 5.0, 5.5]))
-    many = closed_design(TWIN, MISSION, some)
+    variables = variables_of(TWIN)._replace(wingspan_m=np.array([4.5, 5.0, 5.5]))
+    many = closed_design(TWIN, MISSION, variables)
     assert many.total_mass_kg[1] == pytest.approx(design_of(TWIN, MISSION).total_mass_kg, rel=1e-9)
 
 
@@ -121,12 +125,12 @@ def test_cells_lie_on_the_wing_of_the_airframe():
     with pytest.raises(InputError, match=r"2 rows of cells of 0\.125 m need"):
         sizing.load_aircraft("twin-boom-design", cells)
     bays = {"modules.layout": {**LAYOUT, "bays": [{"outboard": 0.6, "cells": [8, 8]}]}}
-    craft = sizing.load_aircraft("twin-boom-design", {**cells, **bays})
-    layout, wing = craft.modules.layout, balance().wing
-    assert layout.chord_m(craft.wing, 0.0) == pytest.approx(wing.root_chord_m)
-    assert layout.chord_m(craft.wing, 1.0) == pytest.approx(0.6 * wing.root_chord_m)
-    written = craft.model_dump(mode="json", exclude_unset=True)
-    assert sizing.Aircraft.model_validate(written) == craft
+    loaded = sizing.load_aircraft("twin-boom-design", {**cells, **bays})
+    layout, wing = loaded.modules.layout, balance().wing
+    assert layout.chord_m(loaded.wing, 0.0) == pytest.approx(wing.root_chord_m)
+    assert layout.chord_m(loaded.wing, 1.0) == pytest.approx(0.6 * wing.root_chord_m)
+    written = loaded.model_dump(mode="json", exclude_unset=True)
+    assert sizing.Aircraft.model_validate(written) == loaded
     other = {"half_span": [0.0, 1.0], "relative_chord": [1.2, 0.8]}
     both = {**cells, "modules.layout": {**LAYOUT, "planform": other}}
     with pytest.raises(InputError, match="is another wing than"):

@@ -51,10 +51,10 @@ def test_pods_have_volume_and_surface_of_ellipsoids(length, diameter):
     ],
 )
 def test_the_parts_are_all_of_the_drag(polar):
-    craft = aircraft("twin-boom-design", polar)
-    design = design_of(craft, MISSION)
-    it = DesignInFlight(craft, design)
-    shares = drag_shares(craft, design)
+    loaded = aircraft("twin-boom-design", polar)
+    design = design_of(loaded, MISSION)
+    it = DesignInFlight(loaded, design)
+    shares = drag_shares(loaded, design)
     pressure = 0.5 * it.conditions.density_kg_per_m3 * design.airspeed_m_per_s**2
     assert it.drag_n == pytest.approx(pressure * design.wing_area_m2 * shares.total, rel=1e-9)
     parts = [value for name, value in shares._asdict().items() if name not in ("other", "trim")]
@@ -67,13 +67,13 @@ def test_the_parts_are_all_of_the_drag(polar):
 
 def test_a_tail_by_hand():
     """Horizontal tail by Raymer's method, with his wetted area and Hoerner's form factor."""
-    craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={gaps_fraction: 0}")
-    design = design_of(craft, MISSION)
-    shares = drag_shares(craft, design)
+    loaded = aircraft("atlantiksolar-design", TAIL, "airframe.drag={gaps_fraction: 0}")
+    design = design_of(loaded, MISSION)
+    shares = drag_shares(loaded, design)
     chord = 5.65 / 18.5
     area = 0.35 / 4.0 * 5.65 * chord
     tail_chord = math.sqrt(area / 5.0)
-    it = DesignInFlight(craft, design)
+    it = DesignInFlight(loaded, design)
     reynolds = it.reynolds_number * tail_chord / chord
     friction = 0.5 * 1.328 / math.sqrt(reynolds) + 0.5 * 0.074 / reynolds**0.2
     form = 1.0 + 2.0 * 0.08 + 60.0 * 0.08**4
@@ -88,13 +88,13 @@ def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_po
     pod = {"length_m": 0.9, "wetted_area_m2": thick.wetted_m2}
     assert Pod(**pod).thick_m == pytest.approx(0.13)
     plain, built = (
-        load_aircraft("twin-boom-design", {"airframe.drag.pods": [one]})
-        for one in ({"length_m": 0.9, "diameter_m": 0.13}, pod)
+        load_aircraft("twin-boom-design", {"airframe.drag.pods": [shape]})
+        for shape in ({"length_m": 0.9, "diameter_m": 0.13}, pod)
     )
     masses = []
-    for one in (plain, built):
-        design = design_of(one, MISSION)
-        keys = structure_with_tail(one.parametric, one.parametric.wingspan_m, 15.0)
+    for subject in (plain, built):
+        design = design_of(subject, MISSION)
+        keys = structure_with_tail(subject.parametric, subject.parametric.wingspan_m, 15.0)
         masses.append((design, keys.pod_wetted_area_ratio))
     assert masses[0][1] == 0.08
     area_m2 = built.parametric.wingspan_m**2 / 15.0
@@ -107,7 +107,7 @@ def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_po
 
 def test_constants_that_the_file_gives_stay():
     coefficient = "airframe.aerodynamics.parasitic_drag_coefficient=0.002"
-    craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={}", coefficient)
-    shares = drag_shares(craft, design_of(craft, MISSION))
+    loaded = aircraft("atlantiksolar-design", TAIL, "airframe.drag={}", coefficient)
+    shares = drag_shares(loaded, design_of(loaded, MISSION))
     assert shares.other == 0.002
     assert drag_shares(aircraft("atlantiksolar-design"), design_of(TWIN, MISSION)) is None

@@ -42,17 +42,17 @@ def test_downwash_is_that_of_a_bound_vortex_with_two_tip_vortices(aft_m, height_
 
 
 def test_the_neutral_point_is_where_lift_makes_no_moment():
-    found = neutral_point(WING, TAIL, PLANES, body_m3=0.004)
+    neutral = neutral_point(WING, TAIL, PLANES, body_m3=0.004)
     wing_lift = lift_slope(18.5)
     tail_lift = (
-        0.95 * PLANES.horizontal_m2 / WING.area_m2 * lift_slope(5.0) * (1.0 - found.downwash)
+        0.95 * PLANES.horizontal_m2 / WING.area_m2 * lift_slope(5.0) * (1.0 - neutral.downwash)
     )
     tail_at = WING.quarter_m + PLANES.arm_m
     # Nose up: the apparent mass of a slender body, 2 q volume per radian (NACA TR 184).
     body = 2.0 * 0.004 / WING.area_m2
-    moment = wing_lift * (found.x_m - WING.quarter_m) + tail_lift * (found.x_m - tail_at) + body
+    moment = wing_lift * (neutral.x_m - WING.quarter_m) + tail_lift * (neutral.x_m - tail_at) + body
     assert moment == pytest.approx(0.0, abs=1e-12)
-    assert found.slope == pytest.approx(wing_lift + tail_lift)
+    assert neutral.slope == pytest.approx(wing_lift + tail_lift)
 
 
 @pytest.mark.parametrize("behind", [-0.02, 0.0, 0.05])
@@ -84,19 +84,19 @@ def test_effectiveness_of_a_flap_is_that_of_a_thin_airfoil():
 
 
 def test_a_stable_aircraft_flies_slower_with_the_elevator_up():
-    found = neutral_point(WING, TAIL, PLANES, 0.0)
+    neutral = neutral_point(WING, TAIL, PLANES, 0.0)
     for margin, sign in ((0.1, -1.0), (-0.1, 1.0)):
-        gravity = found.x_m - margin * WING.aerodynamic_chord_m
+        gravity = neutral.x_m - margin * WING.aerodynamic_chord_m
         level, slow = (
             trim(WING, TAIL, PLANES, lift=lift, moment=-0.1, gravity_x_m=gravity,
                  span_efficiency=0.9)
             for lift in (1.0, 1.2)
         )  # fmt: skip
-        deflection = elevator_deflection(TAIL, found, level, slow, 0.2)
+        deflection = elevator_deflection(TAIL, neutral, level, slow, 0.2)
         # d delta/d C_L = -margin/(eta V_h a_t tau): Etkin and Reid, eq. 2.4,13 at this balance,
         # where the wing's lift follows from the total.
         volume = PLANES.horizontal_m2 * PLANES.arm_m / (WING.area_m2 * WING.aerodynamic_chord_m)
-        control = 0.95 * volume * found.tail_slope * control_effectiveness(0.3)
+        control = 0.95 * volume * neutral.tail_slope * control_effectiveness(0.3)
         assert deflection == pytest.approx(-0.2 * margin / control)
         assert math.copysign(1.0, deflection) == sign
 
@@ -121,7 +121,7 @@ def test_trim_of_a_wing_and_tail_computed_by_hand():
         horizontal_aspect_ratio=4.0,
         dynamic_pressure_ratio=0.9,
     )
-    found = trim(
+    trimmed = trim(
         *(wing, tail, tail.planes(wing)),
         lift=0.8,
         moment=-0.06,
@@ -130,8 +130,8 @@ def test_trim_of_a_wing_and_tail_computed_by_hand():
     )
     # Lever -0.06 * 0.25 + 0.8 * 0.05 = 0.025 m over the arm of 1 m, on a wing of 1 m2; the tail's
     # own area and pressure make 0.025/0.09, the wing has the rest of 0.8.
-    assert found.tail_lift == pytest.approx(0.277777778)
-    assert found.wing_lift == pytest.approx(0.775)
+    assert trimmed.tail_lift == pytest.approx(0.277777778)
+    assert trimmed.wing_lift == pytest.approx(0.775)
     # Laitone: (0.775^2 + 2 * 0.775 * 0.025 + (4/0.632456)^2 * 0.025^2/0.9 - 0.8^2)/(pi 0.8 16),
     # with the tail's span of sqrt(4 * 0.1) = 0.632456 m: (0.0277778 - 0.000625)/40.21239.
-    assert found.drag == pytest.approx(6.752342e-4, rel=1e-6)
+    assert trimmed.drag == pytest.approx(6.752342e-4, rel=1e-6)

@@ -57,14 +57,14 @@ def test_tail_has_its_volume_coefficients():
 def test_fins_may_have_an_arm_of_their_own(keys):
     wing = wing_of(None, 6.0, 20.0)
     both = Tail(arm_m=1.2, horizontal_volume=0.4, vertical_volume=0.02)
-    own = Tail(arm_m=1.2, horizontal_volume=0.4, vertical_volume=0.02, **keys)
-    planes = own.planes(wing)
+    tail = Tail(arm_m=1.2, horizontal_volume=0.4, vertical_volume=0.02, **keys)
+    planes = tail.planes(wing)
     # V_v = S_v l/(S b): twice the arm, half the area; the boom is as long as the farther arm.
     assert planes.vertical_m2 == pytest.approx(0.02 * 1.8 * 6.0 / 2.4)
     assert planes.horizontal_m2 == both.planes(wing).horizontal_m2
     assert planes.boom_m == pytest.approx(2.4, rel=1e-3)  # a smooth maximum
     assert (both.planes(wing).vertical_arm_m, both.planes(wing).boom_m) == (1.2, 1.2)
-    structure = own.structure_keys(wing)
+    structure = tail.structure_keys(wing)
     ratios = structure["horizontal_tail_ratio"] + structure["vertical_tail_ratio"]
     area_m2 = ratios / structure["fuselage_chords"] * wing.area_m2
     assert area_m2 == pytest.approx(planes.horizontal_m2 + planes.vertical_m2)

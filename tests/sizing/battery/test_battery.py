@@ -160,20 +160,20 @@ def test_bad_tables_are_refused(
 @pytest.mark.parametrize("hours", [0.01, 0.3, 1.5, 4.0])
 def test_clock_follows_the_limit(limit: ChargeLimit, start: float, hours: float) -> None:
     clock = ChargeClock.of(limit)
-    found = float(clock.after(np.asarray(start), hours))
+    charged = float(clock.after(np.asarray(start), hours))
     # The clock's table has 4001 points: 1e-6 h of trapezoidal error at rates below 0.5/h, and the
     # inverse interpolation of a curved clock errs by as little; 2e-6 leaves room for both.
-    assert found == pytest.approx(integrated(limit, start, hours), abs=2e-6)
+    assert charged == pytest.approx(integrated(limit, start, hours), abs=2e-6)
 
 
 @settings(max_examples=25, deadline=None)
 @given(limit=limits, start=st.floats(0.0, 0.999), hours=st.floats(0.001, 3.0))
 def test_any_clock_follows_its_limit(limit: ChargeLimit, start: float, hours: float) -> None:
     clock = ChargeClock.of(limit)
-    found = float(clock.after(np.asarray(start), hours))
+    charged = float(clock.after(np.asarray(start), hours))
     # The spacing of the table, 2.5e-4, squared times the steepest relative fall of the rate that
     # is drawn (ln 100 within 5 % of charge, so 92 per unit): (2.5e-4)^2 * 92 = 6e-6.
-    assert found == pytest.approx(integrated(limit, start, hours), abs=1e-5)
+    assert charged == pytest.approx(integrated(limit, start, hours), abs=1e-5)
 
 
 def test_clock_of_the_rule_in_closed_form() -> None:
@@ -235,8 +235,8 @@ def test_charging_adds_the_constant_power_of_the_limit() -> None:
         mass_kg=4.0, specific_energy_wh_per_kg=200.0, charge_efficiency=0.9, charge_limit=limit
     )
     store = Store.of(battery)
-    found = store.charged(np.array([0.0, 100.0]), np.array([600.0, 500.0]), 1.5)
-    assert found == pytest.approx([240.0, 340.0], rel=1e-12)
+    charged = store.charged(np.array([0.0, 100.0]), np.array([600.0, 500.0]), 1.5)
+    assert charged == pytest.approx([240.0, 340.0], rel=1e-12)
     # Less than that is stored as it comes, at the charge efficiency.
     assert store.charged(np.array([100.0]), np.array([50.0]), 1.5) == pytest.approx([145.0])
 

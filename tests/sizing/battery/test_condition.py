@@ -107,8 +107,8 @@ def test_a_season_is_its_cycles_and_a_year() -> None:
 def test_life_ends_where_the_law_says_and_sooner_deep_or_warm() -> None:
     ageing = Ageing(depth_of_discharge=0.6)
     life = cycles_to_end_of_life(ageing)
-    flown = ageing.model_copy(update={"cycles": life, "months": life * 12.0 / 365.0})
-    assert flown.capacity_fraction() == pytest.approx(0.8, abs=1e-3)
+    aged = ageing.model_copy(update={"cycles": life, "months": life * 12.0 / 365.0})
+    assert aged.capacity_fraction() == pytest.approx(0.8, abs=1e-3)
     assert cycles_to_end_of_life(Ageing(depth_of_discharge=1.0)) < life
     assert cycles_to_end_of_life(Ageing(temperature_c=35.0)) < life
 
@@ -167,13 +167,13 @@ COLD = mission(air={"ambient_temperature_c": -5.0})
 
 def spelled_out(name: str) -> Aircraft:
     """Aircraft whose plain keys say what IN_FLIGHT makes of it in the cold."""
-    flown = aircraft(name, *IN_FLIGHT).battery
+    battery = aircraft(name, *IN_FLIGHT).battery
     plain = aircraft(name)
     for key, value in {
         "battery.specific_energy_wh_per_kg": plain.battery.specific_energy_wh_per_kg
-        * flown.capacity_fraction(-5.0),
-        "battery.charge_efficiency": flown.mean_charge_efficiency,
-        "battery.discharge_efficiency": flown.mean_discharge_efficiency,
+        * battery.capacity_fraction(-5.0),
+        "battery.charge_efficiency": battery.mean_charge_efficiency,
+        "battery.discharge_efficiency": battery.mean_discharge_efficiency,
         "power.avionics_w": plain.power.avionics_w + 0.2 * 15.0 * plain.power.supply_efficiency,
     }.items():
         plain, _ = with_parameter(plain, COLD, key, float(value))
@@ -186,47 +186,47 @@ def spelled_out(name: str) -> Aircraft:
 )
 def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight: dict[str, Any]) -> None:
     where = mission(air={"ambient_temperature_c": -5.0}, **flight)
-    found = analyse(aircraft("atlantiksolar-as2", *IN_FLIGHT), where)
+    analysis = analyse(aircraft("atlantiksolar-as2", *IN_FLIGHT), where)
     plain = analyse(spelled_out("atlantiksolar-as2"), where)
-    assert found.excess_time_h == pytest.approx(plain.excess_time_h, abs=1e-9)
-    assert found.excess_time_h < analyse(aircraft("atlantiksolar-as2"), where).excess_time_h
+    assert analysis.excess_time_h == pytest.approx(plain.excess_time_h, abs=1e-9)
+    assert analysis.excess_time_h < analyse(aircraft("atlantiksolar-as2"), where).excess_time_h
 
 
 def test_a_replay_is_that_of_the_plain_keys_that_say_the_same() -> None:
     launch = {"date": "07-14", "time_local": "10:00", "duration_h": 30.0}
     where = mission(air={"ambient_temperature_c": -5.0}, launch=launch, longitude_deg=8.5)
     charge = [
-        calendar_run(craft, where, step_h=0.25).state_of_charge
-        for craft in (aircraft("atlantiksolar-as2", *IN_FLIGHT), spelled_out("atlantiksolar-as2"))
+        calendar_run(loaded, where, step_h=0.25).state_of_charge
+        for loaded in (aircraft("atlantiksolar-as2", *IN_FLIGHT), spelled_out("atlantiksolar-as2"))
     ]
     assert charge[0] == pytest.approx(charge[1], abs=1e-12)
 
 
 def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
     sized = [
-        size_aircraft(craft, COLD, Objective.min_mass)
-        for craft in (
+        size_aircraft(loaded, COLD, Objective.min_mass)
+        for loaded in (
             aircraft("atlantiksolar-design", *IN_FLIGHT),
             spelled_out("atlantiksolar-design"),
             aircraft("atlantiksolar-design"),
         )
     ]
-    masses = [one.objective_value for one in sized]
+    masses = [result.objective_value for result in sized]
     assert masses[0] == pytest.approx(masses[1], rel=1e-6)
     assert masses[0] > 1.02 * masses[2]
     assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
 
 
 def test_the_line_says_temperature_age_and_what_is_left() -> None:
-    craft = aircraft("atlantiksolar-as2", *IN_FLIGHT)
-    line = battery_line(craft, battery_condition(craft, COLD))
+    loaded = aircraft("atlantiksolar-as2", *IN_FLIGHT)
+    line = battery_line(loaded, battery_condition(loaded, COLD))
     assert line.startswith(
         "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
     )
-    text = analyse(craft, COLD).at_level(2).to_text()
+    text = analyse(loaded, COLD).at_level(2).to_text()
     assert "after 180 cycles" in text
-    record = battery_condition(craft, COLD)._asdict()
-    assert record["capacity_fraction"] == craft.battery.capacity_fraction(-5.0)
+    record = battery_condition(loaded, COLD)._asdict()
+    assert record["capacity_fraction"] == loaded.battery.capacity_fraction(-5.0)
     plain = aircraft("atlantiksolar-as2")
     assert battery_condition(plain, COLD) is None
     assert "battery_condition" not in analyse(aircraft("atlantiksolar-as2"), COLD).to_dict()

@@ -41,40 +41,40 @@ def battery(**data: Any) -> Battery:
 
 
 def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell: str) -> None:
-    one = battery(cell=cell, pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
-    assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
+    packed = battery(cell=cell, pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
+    assert packed.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
     # The catalogue keeps six digits of the energy over mass.
-    assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
-    assert one.ends_v == pytest.approx((18.0, 25.2))
-    assert one.pack.charge_current_a == pytest.approx(9 * 3.1)
-    limit = one.charge_limit
+    assert packed.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+    assert packed.ends_v == pytest.approx((18.0, 25.2))
+    assert packed.pack.charge_current_a == pytest.approx(9 * 3.1)
+    limit = packed.charge_limit
     assert limit.c_rate_per_h == pytest.approx(3.1 / 3.2, rel=1e-5)
 
 
 def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell: str) -> None:
-    one = battery(
+    packed = battery(
         cell=cell, cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9}
     )
-    assert one.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
-    assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+    assert packed.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
+    assert packed.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
 
 
 def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell: str) -> None:
     window = {"minimum_state_of_charge": 0.1, "maximum_state_of_charge": 0.9}
-    one = battery(cell=cell, pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
-    assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
-    assert one.battery_energy_wh == pytest.approx(0.8 * 54 * 3.2 * 3.7, rel=1e-5)
-    assert one.ends_v == pytest.approx((6 * 3.2, 6 * 4.1))
+    packed = battery(cell=cell, pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
+    assert packed.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
+    assert packed.battery_energy_wh == pytest.approx(0.8 * 54 * 3.2 * 3.7, rel=1e-5)
+    assert packed.ends_v == pytest.approx((6 * 3.2, 6 * 4.1))
     # Stored power at the largest current is the same: 9 times 3.1 A at the nominal voltage.
-    limit = one.charge_limit
-    power_w = limit.c_rate_per_h * one.battery_energy_wh
+    limit = packed.charge_limit
+    power_w = limit.c_rate_per_h * packed.battery_energy_wh
     assert power_w == pytest.approx(9 * 3.1 * 6 * 3.7, rel=1e-4)
 
 
 def test_cells_in_parallel_follow_from_a_mass_of_whole_cells(cell: str) -> None:
-    one = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
-    assert one.pack.cells_in_parallel == 9
-    assert one.mass_kg == pytest.approx(2.403, rel=1e-12)
+    packed = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
+    assert packed.pack.cells_in_parallel == 9
+    assert packed.mass_kg == pytest.approx(2.403, rel=1e-12)
 
 
 def test_what_follows_is_not_written_and_follows_again(cell: str) -> None:
@@ -90,8 +90,8 @@ def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path: Path) -
     file = tmp_path / "cell.yaml"
     known = ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250")
     file.write_text(known, encoding="utf-8")
-    one = battery(cell=str(file), pack={"cells_in_series": 6, "cells_in_parallel": 9})
-    assert one.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
+    packed = battery(cell=str(file), pack={"cells_in_series": 6, "cells_in_parallel": 9})
+    assert packed.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
 
 
 SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}

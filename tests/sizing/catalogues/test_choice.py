@@ -51,7 +51,7 @@ def test_names_give_parameters_and_say_where_they_come_from(tmp_path):
     assert limit.c_rate_per_h == pytest.approx(1.625 / 3.25, rel=1e-5)
     expected = (1.0 - (1.3 * 0.063 / 22.2) ** 0.5) ** 2
     assert aircraft.airframe.propulsion.motor_efficiency == pytest.approx(expected, rel=1e-5)
-    taken = {one.key: one for one in aircraft.from_catalogues()}
+    taken = {value.key: value for value in aircraft.from_catalogues()}
     assert set(taken) == {
         "modules.efficiency_stc",
         "modules.temperature_coefficient_per_k",
@@ -217,12 +217,12 @@ def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path):
 
 def test_a_cell_brings_the_curve_of_its_voltage(tmp_path):
     usual = ((0.0, 0.1, 0.9, 1.0), (3.0, 3.4, 4.0, 4.2))
-    own = tmp_path / "mine.yaml"
-    own.write_text(
+    file = tmp_path / "mine.yaml"
+    file.write_text(
         "label: Mine\nsource: measured on the bench\nspecific_energy_wh_per_kg: 200\n"
         "state_of_charge: [0, 1]\ncell_voltage_v: [2.8, 4.1]\n"
     )
-    for cell, curve in (("samsung-50e", usual), (str(own), ((0.0, 1.0), (2.8, 4.1)))):
+    for cell, curve in (("samsung-50e", usual), (str(file), ((0.0, 1.0), (2.8, 4.1)))):
         path = written(tmp_path, battery={"cell": cell, "voltage": {"cells_in_series": 6}})
         voltage = load_aircraft(path).battery.voltage
         assert (voltage.state_of_charge, voltage.cell_voltage_v) == curve

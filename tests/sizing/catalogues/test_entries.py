@@ -26,17 +26,17 @@ from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.propeller_choice import PropellerChoice
 
 ALL: list[tuple[Kind, str, Entry]] = [
-    (kind, name, one) for kind in get_args(Kind) for name, one in entries(kind).items()
+    (kind, name, product) for kind in get_args(Kind) for name, product in entries(kind).items()
 ]
-CELLS = [one for _, _, one in ALL if isinstance(one, CellEntry)]
-BATTERIES = [one for _, _, one in ALL if isinstance(one, BatteryEntry)]
-MOTORS = [one for _, _, one in ALL if isinstance(one, MotorEntry)]
-MPPTS = [one for _, _, one in ALL if isinstance(one, MpptEntry)]
-PROPELLERS = [one for _, _, one in ALL if isinstance(one, PropellerEntry)]
+CELLS = [product for _, _, product in ALL if isinstance(product, CellEntry)]
+BATTERIES = [product for _, _, product in ALL if isinstance(product, BatteryEntry)]
+MOTORS = [product for _, _, product in ALL if isinstance(product, MotorEntry)]
+MPPTS = [product for _, _, product in ALL if isinstance(product, MpptEntry)]
+PROPELLERS = [product for _, _, product in ALL if isinstance(product, PropellerEntry)]
 
 
-def label(one):
-    return one.label if isinstance(one, Entry) else ""
+def label(product):
+    return product.label if isinstance(product, Entry) else ""
 
 
 def test_every_catalogue_has_entries_of_its_kind():
@@ -46,16 +46,16 @@ def test_every_catalogue_has_entries_of_its_kind():
     assert len(MOTORS) >= 20
     assert len(PROPELLERS) >= 20
     assert len(MPPTS) >= 4
-    labels = [one.label for _, _, one in ALL]
+    labels = [product.label for _, _, product in ALL]
     assert len(set(labels)) == len(labels)
 
 
-@pytest.mark.parametrize(("kind", "name", "one"), ALL, ids=lambda value: label(value) or value)
-def test_every_number_has_a_source_that_says_what_it_is(kind, name, one):
-    assert isinstance(one, KINDS[kind])
-    assert one.numbers()
-    for key in one.numbers():
-        assert len(one.source_of(key)) > 15
+@pytest.mark.parametrize(("kind", "name", "product"), ALL, ids=lambda value: label(value) or value)
+def test_every_number_has_a_source_that_says_what_it_is(kind, name, product):
+    assert isinstance(product, KINDS[kind])
+    assert product.numbers()
+    for key in product.numbers():
+        assert len(product.source_of(key)) > 15
     assert name == name.lower()
     assert "." not in name
 
@@ -118,8 +118,8 @@ def test_mppts_weigh_what_flown_and_sold_ones_do(board):
 
 def test_the_mppts_of_atlantiksolar_are_half_a_gram_per_watt():
     # 1/2368 kg per W of peak power; the mass of the entry has three digits.
-    own = entries("mppts")["atlantiksolar-mppt"]
-    assert own.parameters({})["mppt_mass_kg_per_w"] == pytest.approx(1.0 / 2368.0, rel=0.001)
+    board = entries("mppts")["atlantiksolar-mppt"]
+    assert board.parameters({})["mppt_mass_kg_per_w"] == pytest.approx(1.0 / 2368.0, rel=0.001)
 
 
 def test_modules_without_a_word_on_mppts_have_the_board_that_init_writes():
@@ -139,9 +139,9 @@ def test_cells_are_compared_on_what_their_data_sheets_guarantee():
         ("molicel-p45b", 15.5, 0.070),
         ("lg-m50lt", 17.6, 0.0685),
     ):
-        one = batteries[name]
-        assert one.basis == "min/max"
-        assert one.specific_energy == pytest.approx(wh / kg)
+        battery = batteries[name]
+        assert battery.basis == "min/max"
+        assert battery.specific_energy == pytest.approx(wh / kg)
 
 
 @pytest.mark.parametrize("battery", BATTERIES, ids=label)
@@ -169,11 +169,11 @@ def test_typical_values_count_where_there_are_no_guaranteed_ones():
         typical = {"typical_capacity_ah": 3.5, "typical_mass_kg": 0.048, "nominal_voltage_v": 3.6}
         return BatteryEntry.model_validate({**SOUND, **typical, **numbers})
 
-    one = entry(maximum_charge_current_a=1.75, dc_resistance_ohm=0.036)
-    assert (one.basis, one.capacity, one.mass) == ("typical", 3.5, 0.048)
-    assert one.specific_energy == pytest.approx(3.6 * 3.5 / 0.048)
-    assert one.charge_rate_per_h == pytest.approx(0.5)
-    assert one.loss_at_1c == pytest.approx(0.036 * 3.5 / 3.6)
+    battery = entry(maximum_charge_current_a=1.75, dc_resistance_ohm=0.036)
+    assert (battery.basis, battery.capacity, battery.mass) == ("typical", 3.5, 0.048)
+    assert battery.specific_energy == pytest.approx(3.6 * 3.5 / 0.048)
+    assert battery.charge_rate_per_h == pytest.approx(0.5)
+    assert battery.loss_at_1c == pytest.approx(0.036 * 3.5 / 3.6)
     half = entry(mass_kg=0.049)
     assert (half.basis, half.mass) == ("typical", 0.049)
     whole = entry(mass_kg=0.049, capacity_ah=3.4)
@@ -212,19 +212,19 @@ def test_motor_of_a_data_sheet_with_its_maximum_efficiency():
 @pytest.mark.parametrize("propeller", PROPELLERS, ids=label)
 def test_a_propeller_is_as_large_as_its_name_says(propeller):
     inches = propeller.label.split()[-1].rstrip("EFS").split("x")
-    assert [float(one) * 0.0254 for one in inches] == pytest.approx(
+    assert [float(inch) * 0.0254 for inch in inches] == pytest.approx(
         [propeller.diameter_m, propeller.pitch_m], rel=1e-4
     )
 
 
 @pytest.mark.parametrize(
     "propeller",
-    [one for one in PROPELLERS if one.computed_efficiency_3000_rpm is not None],
+    [product for product in PROPELLERS if product.computed_efficiency_3000_rpm is not None],
     ids=label,
 )
 def test_blade_elements_come_close_to_what_the_maker_computes(propeller):
-    given = {key: one for key, one in propeller.parameters({}).items() if key != "mass_kg"}
-    model = BladeElementPropeller(**given)
+    parameters = {key: value for key, value in propeller.parameters({}).items() if key != "mass_kg"}
+    model = BladeElementPropeller(**parameters)
     advance = np.linspace(0.2, 1.2, 101)
     air = standard_air(0.0)
     coefficients = model.coefficients(advance * 50.0 * model.diameter_m, 50.0, air)
@@ -237,9 +237,9 @@ def test_blade_elements_come_close_to_what_the_maker_computes(propeller):
 def test_what_the_file_says_of_a_propeller_wins():
     taken = PropellerChoice.model_validate({"product": "apc-10x4-7sf"})
     assert (taken.diameter_m, taken.chords) == (0.254, "slow_flyer")
-    own = PropellerChoice.model_validate({"product": "apc-10x4-7sf", "pitch_m": 0.2})
-    assert (own.diameter_m, own.pitch_m) == (0.254, 0.2)
-    assert own.model_dump(exclude_unset=True) == {"product": "apc-10x4-7sf", "pitch_m": 0.2}
+    choice = PropellerChoice.model_validate({"product": "apc-10x4-7sf", "pitch_m": 0.2})
+    assert (choice.diameter_m, choice.pitch_m) == (0.254, 0.2)
+    assert choice.model_dump(exclude_unset=True) == {"product": "apc-10x4-7sf", "pitch_m": 0.2}
     with pytest.raises(ValidationError, match="did you mean apc-19x12e"):
         PropellerChoice.model_validate({"product": "apc-19x12"})
 

@@ -33,9 +33,9 @@ def refused(base="atlantiksolar-design", **layout):
     return str(error.value)
 
 
-def overlaps(one, other):
-    along = min(one.right_m, other.right_m) - max(one.left_m, other.left_m)
-    across = min(one.rear_m, other.rear_m) - max(one.front_m, other.front_m)
+def overlaps(cell, other):
+    along = min(cell.right_m, other.right_m) - max(cell.left_m, other.left_m)
+    across = min(cell.rear_m, other.rear_m) - max(cell.front_m, other.front_m)
     return min(along, across) > 1e-9
 
 

@@ -45,36 +45,36 @@ def test_window_is_that_of_every_number_by_itself(conversion):
     inside = [n for n in numbers if window.least <= n <= window.most]
     assert inside == [n for n in numbers if allowed(n, conversion)]
     assert [
-        n for n in numbers if strings(n, conversion).trouble(n, LOSS_PER_K, BATTERY_V) is None
+        n for n in numbers if strings(n, conversion).problem(n, LOSS_PER_K, BATTERY_V) is None
     ] == inside
 
 
 def test_trouble_names_key_and_what_is_allowed():
-    assert strings(30).trouble(60, LOSS_PER_K, None) is None
-    assert strings(31).trouble(60, LOSS_PER_K, None) == (
+    assert strings(30).problem(60, LOSS_PER_K, None) is None
+    assert strings(31).problem(60, LOSS_PER_K, None) == (
         "cells_in_series",
         "must divide the 60 cells into whole strings (got 31)",
     )
-    assert strings(60).trouble(60, LOSS_PER_K, None) == (
+    assert strings(60).problem(60, LOSS_PER_K, None) == (
         "cells_in_series",
         "must be from 17 to 51: the MPPT takes 8 to 40 V, the modules have -20 to 75 °C (got 60)",
     )
-    assert strings(30, strings_per_mppt=2).trouble(60, LOSS_PER_K, None) == (
+    assert strings(30, strings_per_mppt=2).problem(60, LOSS_PER_K, None) == (
         "strings_per_mppt",
         "must be at most 1: the MPPT takes 7 A, a string gives 5.93 A (got 2)",
     )
 
 
 def test_a_coefficient_of_the_voltage_takes_precedence():
-    one = strings(voltage_coefficient_per_k=0.002)
-    assert one.voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.9)
+    colder = strings(voltage_coefficient_per_k=0.002)
+    assert colder.voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.9)
     assert strings().voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.85)
 
 
 @pytest.mark.parametrize(("cells", "series"), [(44, 44), (88, 44), (90, 45), (52, 26), (53, None)])
 def test_fewest_strings_divide_the_cells(cells, series):
-    found = strings().for_cells(cells, LOSS_PER_K, None)
-    assert (None if found is None else found.cells_in_series) == series
+    series_strings = strings().for_cells(cells, LOSS_PER_K, None)
+    assert (None if series_strings is None else series_strings.cells_in_series) == series
 
 
 def test_mppts_by_strings():
@@ -99,25 +99,25 @@ def test_temperatures_that_no_module_has_are_refused(key, value):
 @pytest.mark.parametrize("conversion", ["any", "step_up", "step_down"])
 def test_cells_without_a_voltage_fit_no_mppt(conversion):
     hot = {"coldest_c": 80.0, "hottest_c": 90.0, "voltage_coefficient_per_k": 0.05}
-    trouble = strings(30, conversion, **hot).trouble(90, LOSS_PER_K, BATTERY_V)
+    trouble = strings(30, conversion, **hot).problem(90, LOSS_PER_K, BATTERY_V)
     key, words = trouble
     assert key == "cells_in_series"
     assert words.startswith("no number of cells will do: the MPPT takes ")
 
 
 def test_a_string_beyond_the_current_of_the_mppt_is_told_at_the_mppt():
-    trouble = strings(30, mpp_current_a=7.1).trouble(90, LOSS_PER_K, None)
+    trouble = strings(30, mpp_current_a=7.1).problem(90, LOSS_PER_K, None)
     assert trouble == ("mppt", "takes 7 A, less than the 7.1 A of a string")
 
 
 def test_strings_may_be_of_unequal_length():
     lengths = (30, 30, 24)
-    assert strings(lengths).trouble(84, LOSS_PER_K, None) is None
+    assert strings(lengths).problem(84, LOSS_PER_K, None) is None
     assert strings(lengths).mppts(84) == 3
     for wrong, changes, message in (
         ((30, 30), {}, "must be the 84 cells in all"),
         ((30, 44, 10), {}, "(got 10)"),
         ((30, 24, 30), {"strings_per_mppt": 2}, "must be equal in each 2 strings"),
     ):
-        found = strings(wrong, **changes).trouble(84, LOSS_PER_K, None)
-        assert message in found[1]
+        problem = strings(wrong, **changes).problem(84, LOSS_PER_K, None)
+        assert message in problem[1]

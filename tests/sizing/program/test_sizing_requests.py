@@ -35,7 +35,7 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import sensitivities
 from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation, rounded
-from sizing.roots import bisected
+from sizing.roots import bisect
 
 pytestmark = pytest.mark.slow
 
@@ -669,7 +669,7 @@ def test_value_that_the_program_overshot_is_bisected(
         tried.append(value)
         return value >= edge if found > present else value <= edge
 
-    told = bisected(present, found, suffices, lambda value: 1e-3 * value)
+    told = bisect(present, found, suffices, lambda value: 1e-3 * value)
     assert suffices(told)
     assert abs(told - edge) <= 1e-3 * told
     assert len(tried) <= 12  # from half of the value to a thousandth are ten halvings

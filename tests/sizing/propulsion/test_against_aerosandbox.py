@@ -55,7 +55,7 @@ class _Disc:
     def __init__(self, thrust_n, power_w, rotation_per_s):
         self.thrust_n, self.power_w, self.n = thrust_n, power_w, rotation_per_s
 
-    def at(self, some):
+    def at(self, indices):
         return self
 
     def limits(self):
@@ -63,9 +63,10 @@ class _Disc:
 
     def coefficients(self, airspeed_m_per_s, rotation_per_s, air):
         n = rotation_per_s + 0.0 * airspeed_m_per_s
-        one = air.density_kg_per_m3 * self.diameter_m**4 * self.n**2
+        scale = air.density_kg_per_m3 * self.diameter_m**4 * self.n**2
         return Coefficients(
-            self.thrust_n / one + 0.0 * n, self.power_w / (one * self.n * self.diameter_m) + 0.0 * n
+            self.thrust_n / scale + 0.0 * n,
+            self.power_w / (scale * self.n * self.diameter_m) + 0.0 * n,
         )
 
 

@@ -18,12 +18,12 @@ AIR = standard_air(200.0)  # Urbana, Illinois
 
 def of_run(path):
     """Propeller, speed of rotation [1/s] and rows of a run in the wind tunnel."""
-    found = re.match(r"apc(\w+)_([\d.]+)x([\d.]+)_.*_(\d+)\.txt", path.name)
-    assert found
-    diameter, pitch = float(found[2]) * 0.0254, float(found[3]) * 0.0254
-    family = "slow_flyer" if found[1] == "sf" else "thin_electric"
+    match = re.match(r"apc(\w+)_([\d.]+)x([\d.]+)_.*_(\d+)\.txt", path.name)
+    assert match
+    diameter, pitch = float(match[2]) * 0.0254, float(match[3]) * 0.0254
+    family = "slow_flyer" if match[1] == "sf" else "thin_electric"
     propeller = BladeElementPropeller(diameter, pitch, 2, family)
-    return propeller, float(found[4]) / 60.0, np.loadtxt(path, skiprows=1)
+    return propeller, float(match[4]) / 60.0, np.loadtxt(path, skiprows=1)
 
 
 def errors_at_equal_thrust(path):
@@ -60,8 +60,8 @@ def test_row_of_the_page(path):
     family, size = path.stem.split("_")[:2]
     name = f"{'Slow Flyer' if 'sf' in family else 'Thin Electric'} {size} | {60 * n:.0f} |"
     (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| {name}")]
-    told = [float(cell) for cell in row.split("|")[-4:-1]]
-    assert told == pytest.approx(numbers, abs=6e-4)
+    printed = [float(cell) for cell in row.split("|")[-4:-1]]
+    assert printed == pytest.approx(numbers, abs=6e-4)
 
 
 @pytest.mark.parametrize("path", RUNS, ids=lambda path: path.stem)
@@ -115,7 +115,9 @@ def test_fast_flight_brakes_and_turns_the_propeller():
     v = np.linspace(0.2, 2.0, 200) * n * 0.25
     model = propeller.coefficients(v, n, AIR)
     # Thrust ends first, where the motor still turns it; then the air does.
-    brakes, driven = (int(np.argmax(one < 0.0)) for one in (model.thrust, model.power))
+    brakes, driven = (
+        int(np.argmax(coefficients < 0.0)) for coefficients in (model.thrust, model.power)
+    )
     assert 0 < brakes < driven
     assert np.all(model.thrust[brakes:] < 0.0)
     assert np.all(model.power[driven:] < 0.0)
@@ -127,15 +129,15 @@ def test_fast_flight_brakes_and_turns_the_propeller():
 def test_coefficients_depend_on_air_by_the_reynolds_number_alone():
     propeller = BladeElementPropeller(0.66, 0.60)
     low, high = standard_air(500.0), standard_air(15_000.0)
-    kinematic = [one.dynamic_viscosity_pa_s / one.density_kg_per_m3 for one in (low, high)]
+    kinematic = [air.dynamic_viscosity_pa_s / air.density_kg_per_m3 for air in (low, high)]
     n = np.array([10.0, 10.0 * kinematic[1] / kinematic[0]])
-    one = propeller.coefficients(0.7 * n[0] * 0.66, n[0], low)
+    at_low = propeller.coefficients(0.7 * n[0] * 0.66, n[0], low)
     other = propeller.coefficients(0.7 * n[1] * 0.66, n[1], high)
-    assert float(other.thrust) == pytest.approx(float(one.thrust), rel=1e-9)
-    assert float(other.power) == pytest.approx(float(one.power), rel=1e-9)
+    assert float(other.thrust) == pytest.approx(float(at_low.thrust), rel=1e-9)
+    assert float(other.power) == pytest.approx(float(at_low.power), rel=1e-9)
     # The same speeds high up: thinner air, more drag.
     thin = propeller.coefficients(0.7 * n[0] * 0.66, n[0], high)
-    assert thin.thrust / thin.power < one.thrust / one.power
+    assert thin.thrust / thin.power < at_low.thrust / at_low.power
 
 
 def test_section_is_continuous_and_stalls():

@@ -40,10 +40,10 @@ def motor(constant=317.0, **more):
 def test_thrust_torque_and_power_are_those_of_the_propeller():
     point = operating_point(PROPULSOR, 2.67, 8.4, AIR, 22.0)
     n = point.rotation_rpm / 60.0
-    given = SIZE.coefficients(8.4, n, AIR)
+    coefficients = SIZE.coefficients(8.4, n, AIR)
     rho = AIR.density_kg_per_m3
-    assert given.thrust * rho * n**2 * 0.66**4 == pytest.approx(2.67)
-    assert given.power * rho * n**3 * 0.66**5 == pytest.approx(
+    assert coefficients.thrust * rho * n**2 * 0.66**4 == pytest.approx(2.67)
+    assert coefficients.power * rho * n**3 * 0.66**5 == pytest.approx(
         float(2 * np.pi * n * point.propeller_torque_nm)
     )
     assert point.motor_rpm == pytest.approx(float(5 * point.rotation_rpm))
@@ -74,10 +74,10 @@ def test_what_is_lost_adds_up():
 def test_points_are_the_same_alone():
     many = operating_point(PROPULSOR, [1.0, 2.0, 4.0], [7.0, 8.0, 9.0], AIR, [18.0, 20.0, 24.0])
     for place in range(3):
-        one = operating_point(
+        single = operating_point(
             PROPULSOR, 1.0 * 2**place, 7.0 + place, AIR, (18.0, 20.0, 24.0)[place]
         )
-        assert many.bus_power_w[place] == pytest.approx(float(one.bus_power_w), rel=1e-9)
+        assert many.bus_power_w[place] == pytest.approx(float(single.bus_power_w), rel=1e-9)
 
 
 def test_part_load_of_the_controller_costs_at_high_voltage():
@@ -185,8 +185,8 @@ def test_no_load_current_may_rise_with_speed():
 
 
 def test_parts_of_one_efficiency_have_it_at_every_load():
-    own = Motor(speed_constant_rpm_per_v=300.0, efficiency=0.82)
-    parts = Propulsor(SIZE, own, Controller(efficiency=0.9), GEAR)
+    motor = Motor(speed_constant_rpm_per_v=300.0, efficiency=0.82)
+    parts = Propulsor(SIZE, motor, Controller(efficiency=0.9), GEAR)
     point = operating_point(parts, np.array([0.5, 2.67, 8.0]), 8.4, AIR, 22.0)
     assert point.motor_efficiency == pytest.approx(0.82)
     assert point.controller_efficiency == pytest.approx(0.9)
@@ -258,7 +258,9 @@ def test_bad_table_of_voltages(charge, volts, message):
 
 
 def test_example_of_the_page():
-    example = next(one for one in blocks(DOCS / "propulsion.md") if "import sizing" in one.text)
+    example = next(
+        block for block in blocks(DOCS / "propulsion.md") if "import sizing" in block.text
+    )
     page = (DOCS / "propulsion.md").read_text(encoding="utf-8")
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
@@ -292,9 +294,11 @@ def test_power_of_sky_sailor():
     # Its propeller's efficiency of 0.85 is beyond any of model propellers' sections of its size.
     efficiencies = []
     for d, ratio in product((0.4, 0.5, 0.6, 0.7), (0.8, 1.0, 1.2, 1.4)):
-        own = Propulsor(BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0))
-        found = operating_point(own, thrust, v, air, 100.0)
-        efficiencies.append(float(found.propeller_efficiency))
+        propulsor = Propulsor(
+            BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0)
+        )
+        point = operating_point(propulsor, thrust, v, air, 100.0)
+        efficiencies.append(float(point.propeller_efficiency))
     best = max(efficiencies)
     assert best == pytest.approx(0.797, abs=2e-3)
     assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(17.0, abs=0.05)
@@ -307,8 +311,10 @@ def test_parts_near_a_flight_are_the_exact_ones():
     rng = np.random.default_rng(3)
     thrust_w = 24.0 * np.exp(rng.uniform(-0.4, 0.4, 40))
     speed = 8.6 * np.exp(rng.uniform(-0.15, 0.15, 40))
-    exact, found = (one.in_flight(thrust_w, speed, air, volts).efficiency for one in (parts, near))
+    exact, approximated = (
+        propulsion.in_flight(thrust_w, speed, air, volts).efficiency for propulsion in (parts, near)
+    )
     # Draws scatter by less; the polynomials' error is that of their degrees.
-    assert found == pytest.approx(exact, rel=2e-4, nan_ok=True)
-    powers = (one.bus_power_w(thrust_w, speed, air, 23.0) for one in (parts, near))
+    assert approximated == pytest.approx(exact, rel=2e-4, nan_ok=True)
+    powers = (propulsion.bus_power_w(thrust_w, speed, air, 23.0) for propulsion in (parts, near))
     assert next(powers) == pytest.approx(next(powers), rel=2e-4)

@@ -40,14 +40,14 @@ def aircraft(ranges=None, **parts):
 
 def test_the_line_through_the_motors_is_the_least_squares_of_their_logarithms():
     rows: list[tuple[float, float]] = []
-    for one in entries("motors").values():
-        numbers = one.numbers()
+    for motor in entries("motors").values():
+        numbers = motor.numbers()
         constant = 60.0 / (2.0 * np.pi * numbers["speed_constant_rpm_per_v"])
         useful = numbers["maximum_current_a"] - numbers["no_load_current_a"]
         rows.append((constant * useful, numbers["mass_kg"]))
     torque, mass = np.array(rows).T
     fit = motor_mass_fit()
-    residual = np.log(mass) - np.log([fit.mass_kg(one) for one in torque])
+    residual = np.log(mass) - np.log([fit.mass_kg(torque_nm) for torque_nm in torque])
     assert fit.number == len(rows) >= 20
     # The normal equations, and the scatter with two numbers fitted.
     assert residual.sum() == pytest.approx(0.0, abs=1e-10)
@@ -75,8 +75,8 @@ def test_masses_of_the_file_hold():
 
 
 def test_a_gear_has_the_torque_of_the_rated_power():
-    own = aircraft(climb_power_ratio=8.0)
-    analysis = sizing.analyse(own, MISSION)
+    changed = aircraft(climb_power_ratio=8.0)
+    analysis = sizing.analyse(changed, MISSION)
     point = analysis.power_budget.point
     # With the cube of the speed grows the power, with the square the torque.
     torque_nm = float(point.propeller_torque_nm) * 8.0 ** (2.0 / 3.0)
@@ -122,8 +122,8 @@ def test_a_propeller_without_a_mass_has_that_of_its_diameter():
     more_kg -= design_of(without, MISSION).masses.propulsion
     # The gear grows with the torque that the heavier aircraft needs.
     assert float(more_kg) == pytest.approx(propeller_mass_fit().mass_kg(0.66), rel=0.05)
-    told = sizing.analyse(estimated, MISSION).part_masses
-    assert told.propeller_kg == pytest.approx(propeller_mass_fit().mass_kg(0.66))
+    masses = sizing.analyse(estimated, MISSION).part_masses
+    assert masses.propeller_kg == pytest.approx(propeller_mass_fit().mass_kg(0.66))
     # Where the file says how the whole group grows nothing is estimated.
     grouped = aircraft(propeller=propeller, mass_kg_per_w=0.002).propulsion_by_parts
     assert grouped.propeller_kg == 0.0
@@ -137,14 +137,14 @@ def test_masses_scatter_in_draws_as_those_of_files(part):
     key = f"airframe.propulsion.{part}_mass_factor"
     assert key in catalogue()  # whose parameters have sensitivities
     spread = {"distribution": "lognormal", "relative_sigma": motor_mass_fit().scatter - 1.0}
-    own = aircraft({"uncertainty.inputs": {key: spread}})
-    inputs = uncertain_inputs(own, MISSION, UNCORRECTED_CAM, model_error=False).inputs
-    (found,) = (one for one in inputs if one.key == key)
-    low, middle, high = found.values(np.array([0.158655, 0.5, 0.841345]))
+    changed = aircraft({"uncertainty.inputs": {key: spread}})
+    inputs = uncertain_inputs(changed, MISSION, UNCORRECTED_CAM, model_error=False).inputs
+    (scattering,) = (entry for entry in inputs if entry.key == key)
+    low, middle, high = scattering.values(np.array([0.158655, 0.5, 0.841345]))
     assert (low, middle, high) == pytest.approx((1.0 / 1.62, 1.0, 1.62), rel=0.01)
-    check_inputs(uncertain_inputs(own, MISSION, UNCORRECTED_CAM), MISSION, UNCORRECTED_CAM)
-    flown = Propagation(own, MISSION, UNCORRECTED_CAM).flights({key: np.array([low, high])})
-    for factor, mass_kg in zip((low, high), flown.total_mass_kg, strict=True):
+    check_inputs(uncertain_inputs(changed, MISSION, UNCORRECTED_CAM), MISSION, UNCORRECTED_CAM)
+    flights = Propagation(changed, MISSION, UNCORRECTED_CAM).flights({key: np.array([low, high])})
+    for factor, mass_kg in zip((low, high), flights.total_mass_kg, strict=True):
         alone = design_of(aircraft(**{f"{part}_mass_factor": float(factor)}), MISSION)
         assert mass_kg == pytest.approx(float(alone.total_mass_kg), rel=1e-4)
 
@@ -159,9 +159,10 @@ def test_masses_scatter_with_a_propeller_by_tables(tmp_path):
     table.write_text(f"# diameter_m: 0.66\nJ,CT,CP,rpm\n{rows}\n")
     parts: dict[str, Any] = {"propeller": {"table": str(table), "mass_kg": 0.05}}
     keys = {
-        f"airframe.propulsion.{one}_mass_factor": np.array([1.5]) for one in ("motor", "propeller")
+        f"airframe.propulsion.{part}_mass_factor": np.array([1.5])
+        for part in ("motor", "propeller")
     }
-    flown = Propagation(aircraft(**parts), MISSION, UNCORRECTED_CAM).flights(keys)
+    flights = Propagation(aircraft(**parts), MISSION, UNCORRECTED_CAM).flights(keys)
     alone = design_of(aircraft(**parts, motor_mass_factor=1.5, propeller_mass_factor=1.5), MISSION)
     # Draws have the chain of the nominal aircraft.
-    assert flown.total_mass_kg[0] == pytest.approx(float(alone.total_mass_kg), rel=1e-3)
+    assert flights.total_mass_kg[0] == pytest.approx(float(alone.total_mass_kg), rel=1e-3)

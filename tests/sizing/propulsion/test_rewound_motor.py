@@ -33,8 +33,8 @@ WEAK = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0,
 def aircraft(*changes):
     parts = PARTS | {"motor": MOTOR.model_dump(exclude_none=True)}
     values: dict[str, Any] = {"battery.voltage": WEAK, "airframe.propulsion": parts}
-    for one in changes:
-        values |= one
+    for change in changes:
+        values |= change
     return sizing.load_aircraft("atlantiksolar-design", values)
 
 
@@ -43,9 +43,9 @@ def test_speed_and_torque_cost_the_same_in_every_winding(ratio):
     """At a shaft's state power and losses are equal, voltage and current exchange a factor."""
     wound = MOTOR.rewound(ratio * MOTOR.speed_constant_rpm_per_v)
     rpm, torque_nm = np.array([1000.0, 4600.0, 9000.0]), np.array([0.02, 0.06, 0.15])
-    one, other = MOTOR.state(rpm, torque_nm), wound.state(rpm, torque_nm)
-    assert other.current_a == pytest.approx(ratio * one.current_a, rel=1e-12)
-    assert other.voltage_v == pytest.approx(one.voltage_v / ratio, rel=1e-12)
+    original, rewound = MOTOR.state(rpm, torque_nm), wound.state(rpm, torque_nm)
+    assert rewound.current_a == pytest.approx(ratio * original.current_a, rel=1e-12)
+    assert rewound.voltage_v == pytest.approx(original.voltage_v / ratio, rel=1e-12)
     # So does what size and limits are made of: torque and copper's losses at the largest current.
     assert continuous_torque_nm(wound) == pytest.approx(continuous_torque_nm(MOTOR), rel=1e-12)
     assert wound.maximum_current_a**2 * wound.resistance_ohm == pytest.approx(36.0 * 0.299)
@@ -56,14 +56,14 @@ def test_speed_and_torque_cost_the_same_in_every_winding(ratio):
 )
 def test_windings_of_one_frame_in_the_catalogue(known, other):
     """Makers' data of two windings each: turns stand in the name, and masses are equal."""
-    one, two = (entries("motors")[name].numbers() for name in (known, other))
-    assert one["mass_kg"] == two["mass_kg"]
-    wound = Motor.from_catalogue(known).rewound(two["speed_constant_rpm_per_v"])
-    assert wound.resistance_ohm == pytest.approx(two["resistance_ohm"], rel=0.05)
+    first, second = (entries("motors")[name].numbers() for name in (known, other))
+    assert first["mass_kg"] == second["mass_kg"]
+    wound = Motor.from_catalogue(known).rewound(second["speed_constant_rpm_per_v"])
+    assert wound.resistance_ohm == pytest.approx(second["resistance_ohm"], rel=0.05)
     # Published with one decimal, at voltages that are not told.
-    assert wound.no_load_current_a == pytest.approx(two["no_load_current_a"], abs=0.2)
+    assert wound.no_load_current_a == pytest.approx(second["no_load_current_a"], abs=0.2)
     turns = int(known.rpartition("-")[2]) / int(other.rpartition("-")[2])
-    ratio = two["speed_constant_rpm_per_v"] / one["speed_constant_rpm_per_v"]
+    ratio = second["speed_constant_rpm_per_v"] / first["speed_constant_rpm_per_v"]
     assert ratio == pytest.approx(turns, rel=0.02)
 
 
@@ -79,16 +79,16 @@ def test_no_winding_of_a_scan_is_better(sized):
 
     def lightest_kg(share):
         wound = MOTOR.rewound(share * best).model_dump(exclude_none=True)
-        given = aircraft({"airframe.propulsion": PARTS | {"motor": wound}})
-        study = sizing.size(given, MISSION, objective="min_mass", required_excess_time_h=3.0)
+        with_parts = aircraft({"airframe.propulsion": PARTS | {"motor": wound}})
+        study = sizing.size(with_parts, MISSION, objective="min_mass", required_excess_time_h=3.0)
         return float(study.design.total_mass_kg)
 
-    found = float(sized.design.total_mass_kg)
+    mass_kg = float(sized.design.total_mass_kg)
     faster = [lightest_kg(share) for share in (1.01, 1.4)]
-    assert found < faster[0] < faster[1]
-    assert faster[0] == pytest.approx(found, rel=1e-3)
+    assert mass_kg < faster[0] < faster[1]
+    assert faster[0] == pytest.approx(mass_kg, rel=1e-3)
     # With any less the empty battery's voltage asks for a slower and larger aircraft.
-    assert found < lightest_kg(0.98)
+    assert mass_kg < lightest_kg(0.98)
 
 
 def test_the_winding_is_limited_by_the_empty_battery(sized):
@@ -98,20 +98,20 @@ def test_the_winding_is_limited_by_the_empty_battery(sized):
 
 def test_the_sized_file_has_the_motor_that_was_wound(sized):
     built = sized.sized_aircraft()
-    motor = built.airframe.propulsion.own_motor
-    found = float(sized.design.variables.motor_speed_constant_rpm_per_v)
-    assert motor.speed_constant_rpm_per_v == pytest.approx(found)
-    assert motor.resistance_ohm == pytest.approx(0.299 * (317.0 / found) ** 2)
+    motor = built.airframe.propulsion.motor_constants
+    constant = float(sized.design.variables.motor_speed_constant_rpm_per_v)
+    assert motor.speed_constant_rpm_per_v == pytest.approx(constant)
+    assert motor.resistance_ohm == pytest.approx(0.299 * (317.0 / constant) ** 2)
     assert motor.mass_kg == MOTOR.mass_kg
     again = design_of(built, MISSION)
     assert float(again.total_mass_kg) == pytest.approx(float(sized.design.total_mass_kg), rel=1e-5)
-    assert sized.to_dict()["motor_speed_constant_rpm_per_v"] == pytest.approx(found)
+    assert sized.to_dict()["motor_speed_constant_rpm_per_v"] == pytest.approx(constant)
 
 
 def test_a_motor_of_the_catalogue_is_wound_as_well():
     """Its mass by its torque is that of the file, whatever the winding."""
-    given = MOTOR.model_dump(exclude_none=True, exclude={"mass_kg"})
-    parts = [PARTS | {"motor": one} for one in ("maxon-re40-148867", given)]
+    constants = MOTOR.model_dump(exclude_none=True, exclude={"mass_kg"})
+    parts = [PARTS | {"motor": motor} for motor in ("maxon-re40-148867", constants)]
     for part in parts:
         study = sizing.size(aircraft(RANGE, {"airframe.propulsion": part}), MISSION)
         assert study.feasible

@@ -8,9 +8,9 @@ import pytest
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.own_models import register_structure
 from sizing.results.sizing import size
 from sizing.results.sizing_study import SizingStudy
+from sizing.user_models import register_structure
 
 BUILD = "airframe.structure.build"
 JULY = load_mission("rafz-july")

@@ -12,12 +12,12 @@ from missions.library import load_mission
 from missions.uncertainty import LogNormal
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.library import load_aircraft
-from sizing.own_models import register_structure
 from sizing.results.sizing import size
 from sizing.structures.build import build_qualities
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import Structure
 from sizing.uncertainty.inputs import uncertain_inputs
+from sizing.user_models import register_structure
 
 INPUTS = StructureInputs(5.65, 18.5, 6.92, 3.7, 8.5, 1.1)
 BUILD = "airframe.structure.build"
@@ -33,13 +33,13 @@ def structure(**keys):
 def test_factor_is_the_mean_of_a_class_and_scatter_that_of_its_next_aircraft():
     text = (resources.files("sizing") / "data" / "built-structures.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
-    found = build_qualities()
+    qualities = build_qualities()
     logs = {
         name: np.log([float(row["ratio"]) for row in rows if row["quality"] == name])
-        for name in found
+        for name in qualities
     }
-    squares = sum(len(some) * np.var(some) for some in logs.values())
-    for name, quality in found.items():
+    squares = sum(len(values) * np.var(values) for values in logs.values())
+    for name, quality in qualities.items():
         # Two digits, as the ratios have.
         assert quality.factor == pytest.approx(np.exp(np.mean(logs[name])), abs=0.005)
         n = len(logs[name])
@@ -93,8 +93,8 @@ def test_class_and_calibration_are_one_formula_in_every_study():
 
 def test_scatter_of_a_class_is_an_input_where_the_file_has_no_other():
     def keys(name, changes):
-        found = uncertain_inputs(load_aircraft(name, changes), JULY, UNCORRECTED_CAM)
-        return {one.key: one for one in found.inputs}
+        inputs = uncertain_inputs(load_aircraft(name, changes), JULY, UNCORRECTED_CAM)
+        return {scattering.key: scattering for scattering in inputs.inputs}
 
     of_class = keys("stratosphere-design", {BUILD: "careful"})[BUILD]
     assert of_class.nominal == 1.85
@@ -118,6 +118,6 @@ def test_init_asks_for_it_first_and_writes_careful():
     text = (resources.files("studies") / "templates" / "aircraft.yaml").read_text(encoding="utf-8")
     lines = text.splitlines()
     assert "airframe.structure.build" in lines[0]
-    told = dict(line.split()[1:3] for line in lines[1:4])
-    assert told == {name: f"{one.factor:.2f}" for name, one in build_qualities().items()}
+    printed = dict(line.split()[1:3] for line in lines[1:4])
+    assert printed == {name: f"{quality.factor:.2f}" for name, quality in build_qualities().items()}
     assert "    build: careful " in text

@@ -20,25 +20,25 @@ def envelope(**changes):
 
 
 def test_numbers_by_hand():
-    flown = analysed()
-    one, mass_kg = flown.structure.flight_envelope, flown.total_mass_kg
+    analysis = analysed()
+    limits, mass_kg = analysis.structure.flight_envelope, analysis.total_mass_kg
     area_m2 = 5.65**2 / 18.5
     # Lift at C_L max 1.4 carries the weight at the stall, in air of sea level.
-    assert 0.5 * 1.225 * one.stall_speed_m_per_s**2 * area_m2 * 1.4 == pytest.approx(
+    assert 0.5 * 1.225 * limits.stall_speed_m_per_s**2 * area_m2 * 1.4 == pytest.approx(
         mass_kg * 9.80665, rel=1e-6
     )
     air = MISSION.air_state()
     ratio = float(air.density_kg_per_m3) / 1.225
-    assert one.cruise_speed_m_per_s == pytest.approx(flown.airspeed_m_per_s * ratio**0.5)
-    assert one.dive_speed_m_per_s == pytest.approx(1.5 * one.cruise_speed_m_per_s)
-    assert one.manoeuvre_load_factor == pytest.approx(2.1 + 10900.0 / (mass_kg + 4536.0))
+    assert limits.cruise_speed_m_per_s == pytest.approx(analysis.airspeed_m_per_s * ratio**0.5)
+    assert limits.dive_speed_m_per_s == pytest.approx(1.5 * limits.cruise_speed_m_per_s)
+    assert limits.manoeuvre_load_factor == pytest.approx(2.1 + 10900.0 / (mass_kg + 4536.0))
     # CS 23.341 with the lift slope of the lifting line.
     slope, chord = 2.0 * np.pi * 18.5 / 20.5, 5.65 / 18.5
     mu = 2.0 * mass_kg / (float(air.density_kg_per_m3) * area_m2 * chord * slope)
     alleviation = 0.88 * mu / (5.3 + mu)
     for speed, gust, increment in (
-        (one.cruise_speed_m_per_s, 15.25, one.cruise_gust_increment),
-        (one.dive_speed_m_per_s, 7.6, one.dive_gust_increment),
+        (limits.cruise_speed_m_per_s, 15.25, limits.cruise_gust_increment),
+        (limits.dive_speed_m_per_s, 7.6, limits.dive_gust_increment),
     ):
         pressure = mass_kg * 9.80665 / area_m2
         by_hand = alleviation * 1.225 * slope * gust * speed / (2.0 * pressure)
@@ -47,20 +47,20 @@ def test_numbers_by_hand():
 
 @pytest.mark.parametrize("gust", [0.0, 5.0, 15.25, 25.0])
 def test_structure_is_sized_for_the_outline(gust):
-    one = envelope(cruise_gust_m_per_s=gust)
-    most = max(one.cruise_gust_increment, one.dive_gust_increment)
+    limits = envelope(cruise_gust_m_per_s=gust)
+    most = max(limits.cruise_gust_increment, limits.dive_gust_increment)
     # The smooth maximum lies above both by a few hundredths.
-    up = max(one.manoeuvre_load_factor, 1.0 + most)
-    down = max(one.negative_manoeuvre_load_factor, most - 1.0)
-    assert up - 1e-9 <= one.limit_load_factor <= 1.05 * up
-    assert down - 1e-9 <= one.negative_limit_load_factor <= 1.1 * down
+    up = max(limits.manoeuvre_load_factor, 1.0 + most)
+    down = max(limits.negative_manoeuvre_load_factor, most - 1.0)
+    assert up - 1e-9 <= limits.limit_load_factor <= 1.05 * up
+    assert down - 1e-9 <= limits.negative_limit_load_factor <= 1.1 * down
 
 
 def test_manoeuvres_are_limited_by_lift_and_code():
-    one = envelope()
-    up, down = one.manoeuvre([0.0, one.stall_speed_m_per_s, one.dive_speed_m_per_s, 1e3])
-    assert up == pytest.approx([0.0, 1.0, (one.dive_speed_m_per_s / one.stall_speed_m_per_s) ** 2,
-                                one.manoeuvre_load_factor])  # fmt: skip
+    limits = envelope()
+    up, down = limits.manoeuvre([0.0, limits.stall_speed_m_per_s, limits.dive_speed_m_per_s, 1e3])
+    dive_ratio = limits.dive_speed_m_per_s / limits.stall_speed_m_per_s
+    assert up == pytest.approx([0.0, 1.0, dive_ratio**2, limits.manoeuvre_load_factor])
     assert down == pytest.approx([0.0, -1.0, 0.0, 0.0])
 
 

@@ -64,11 +64,11 @@ def test_wing_of_25_m_weighs_what_such_aircraft_weigh():
 
 
 def test_analysis_has_the_mass_budget_and_what_sizes_the_structure():
-    found = sizing.analyse(load_aircraft(DESIGN), load_mission("rafz-july"))
-    record = found.to_dict()
+    analysis = sizing.analyse(load_aircraft(DESIGN), load_mission("rafz-july"))
+    record = analysis.to_dict()
     assert sum(record["masses_kg"].values()) == pytest.approx(record["total_mass_kg"], rel=1e-9)
     assert record["structure"]["spar_caps_case"] == "landing"
-    printed = str(found.at_level(2))
+    printed = str(analysis.at_level(2))
     assert "mass budget" in printed
     assert "landing 2.0 g" in " ".join(printed.split())
     measured = sizing.analyse(load_aircraft("atlantiksolar-as2"), load_mission("rafz-july"))
@@ -80,8 +80,8 @@ def test_flutter_criterion_says_where_it_does_not_hold():
     mission = load_mission("rafz-july")
 
     def remarks(*changes):
-        found = sizing.analyse(load_aircraft(DESIGN, list(changes)), mission).structure
-        return " ".join(found.remarks)
+        analysis = sizing.analyse(load_aircraft(DESIGN, list(changes)), mission).structure
+        return " ".join(analysis.remarks)
 
     assert "excludes T-tails and masses along the wing, as here" in remarks()
     in_pod = "airframe.distributed_battery_fraction=0.0"
@@ -96,8 +96,8 @@ def test_changed_sense_of_the_deflection_limit_is_told():
     mission, limit = load_mission("rafz-july"), f"{RIB}.maximum_tip_deflection=0.1"
 
     def told(*changes):
-        found = sizing.analyse(load_aircraft(DESIGN, [limit, *changes]), mission).structure
-        return any("until 1.0 it held at every limit load" in text for text in found.remarks)
+        analysis = sizing.analyse(load_aircraft(DESIGN, [limit, *changes]), mission).structure
+        return any("until 1.0 it held at every limit load" in text for text in analysis.remarks)
 
     assert told()
     assert not told(f"{RIB}.deflection_load_case=level_flight")
@@ -124,14 +124,16 @@ def test_infeasible_answer_names_the_structure_and_its_keys():
     assert "spar caps sized by tip deflection" in text
     assert study.to_dict()["structure"]["spar_caps"]["tip_deflection"] > 0.9
     (eased,) = (
-        one for one in study.relaxations if one.parameter == f"{RIB}.maximum_tip_deflection"
+        relaxation
+        for relaxation in study.relaxations
+        if relaxation.parameter == f"{RIB}.maximum_tip_deflection"
     )
     assert eased.direction == "at least"
     assert eased.value > limit
 
 
 def test_a_record_has_the_torsion_where_there_is_one():
-    stiff, soft = (load_aircraft(DESIGN, given) for given in ([], [f"{RIB}.torsion=null"]))
+    stiff, soft = (load_aircraft(DESIGN, overrides) for overrides in ([], [f"{RIB}.torsion=null"]))
     mission = load_mission("rafz-july")
     assert sizing.analyse(soft, mission).to_dict()["structure"]["torsion"] is None
     torsion = sizing.analyse(stiff, mission).to_dict()["structure"]["torsion"]

@@ -17,11 +17,11 @@ from sizing.aircraft import Aircraft
 from sizing.balance.in_design import structure_inputs
 from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import closed_design
-from sizing.own_models import register_drag
 from sizing.structures.assessment import assess
 from sizing.structures.loads import StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import Bracing, WebCore
+from sizing.user_models import register_drag
 
 WIRE = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}
 # Zephyr's size, in level flight at 18 km.
@@ -111,20 +111,20 @@ def test_a_core_makes_deep_webs_light_and_never_thinner_than_its_gauge():
 def test_wires_carry_by_statics_what_they_take_off_the_wing():
     wire = Bracing.model_validate(WIRE)
     half_span, moment = 17.0, 3000.0
-    found = wire.wires(moment, 0.0, half_span)
+    wires = wire.wires(moment, 0.0, half_span)
     distance = 0.4 * half_span
     tension = moment / (distance * sin(radians(15.0)))
     length = distance / cos(radians(15.0))
     section = tension / 2.0e9
-    assert found.mass_kg == pytest.approx(2.0 * 7850.0 * section * length)
+    assert wires.mass_kg == pytest.approx(2.0 * 7850.0 * section * length)
     # Two wires of that diameter across the air.
     diameter = (4.0 * section / pi) ** 0.5
-    assert found.drag_area_m2 == pytest.approx(2.0 * 1.1 * diameter * length)
+    assert wires.drag_area_m2 == pytest.approx(2.0 * 1.1 * diameter * length)
     pressed = wire.compression_n(moment, half_span)
     assert pressed == pytest.approx(tension * cos(radians(15.0)))
     assert pressed * tan(radians(15.0)) * distance == pytest.approx(moment)
     both = wire.model_copy(update={"landing_wires": True}).wires(moment, moment, half_span)
-    assert both.mass_kg == pytest.approx(2.0 * found.mass_kg)
+    assert both.mass_kg == pytest.approx(2.0 * wires.mass_kg)
 
 
 def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints():
@@ -169,8 +169,8 @@ def test_the_load_factor_of_manoeuvres_of_the_file_counts():
     model = rib_wing(manoeuvre_load_factor=3.1, **CALM)
     assert model.wing(INPUTS).factors.up == pytest.approx(3.1, rel=0.01)
     assert model.wing(INPUTS).factors.down == pytest.approx(0.4 * 3.1, rel=0.01)
-    found = assess(model, INPUTS)
-    assert (found.load_case, found.negative_load_case) == ("manoeuvre", "manoeuvre")
+    assessment = assess(model, INPUTS)
+    assert (assessment.load_case, assessment.negative_load_case) == ("manoeuvre", "manoeuvre")
 
 
 def test_gear_along_the_span_and_no_boom_lighten_a_flying_wing():
@@ -240,8 +240,8 @@ def test_masses_along_the_span_relieve_the_spar():
 def test_wires_cost_the_power_of_their_drag():
     """The same power as of an aircraft whose parasitic drag has that of the wires."""
     dragging = of_airframe(wingspan_m=12.0, structure=large(bracing=WIRE))
-    found = closed_design(dragging, mission(), variables_of(dragging))
-    sized = structure_of(dragging, found)
+    design = closed_design(dragging, mission(), variables_of(dragging))
+    sized = structure_of(dragging, design)
     wires = sized[0].wires(sized[0].wing(sized[1]))
     area_m2 = 12.0**2 / 18.5
     polar = DESIGN.model_dump()["airframe"]["aerodynamics"]
@@ -253,7 +253,7 @@ def test_wires_cost_the_power_of_their_drag():
     )
     same = closed_design(slick, mission(), variables_of(slick))
     assert float(wires.drag_area_m2) > 0.0
-    assert found.propulsion_power_w == pytest.approx(same.propulsion_power_w, rel=1e-6)
+    assert design.propulsion_power_w == pytest.approx(same.propulsion_power_w, rel=1e-6)
 
 
 def structure_of(aircraft, design):
@@ -298,7 +298,7 @@ def test_a_tail_without_a_boom_and_wires_on_a_polar_of_ones_own_are_refused():
     with pytest.raises(ValidationError, match=r"must be 1 or 2 with airframe.tail \(got 0\)"):
         Aircraft.model_validate(twin)
     register_drag("constant of large wings", lambda inputs: 0.03)
-    own = {"model": "own", "name": "constant of large wings"}
-    own |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+    user_model = {"model": "own", "name": "constant of large wings"}
+    user_model |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
     with pytest.raises(ValidationError, match="parabolic or wing_polar"):
-        of_airframe(structure=large(bracing=WIRE), aerodynamics=own)
+        of_airframe(structure=large(bracing=WIRE), aerodynamics=user_model)

@@ -36,10 +36,10 @@ def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(span, 
     lift = 4.0 * mass * n * G / (np.pi * span)
     up, _ = quad(lambda y: lift * np.sqrt(1.0 - (y / half) ** 2) * y, 0.0, half)
     down, _ = quad(lambda y: share * mass * n * G / span * y, 0.0, half)
-    wanted = max(up - down, 0.25 * up)
-    found = root_bending_moment_nm(span, mass, share * mass, 0.25)
+    expected = max(up - down, 0.25 * up)
+    moment = root_bending_moment_nm(span, mass, share * mass, 0.25)
     # The smooth maximum lies above by at most 2 % of the unrelieved moment, as documented.
-    assert wanted * (1.0 - 1e-6) <= found <= wanted + 0.02 * up * (1.0 + 1e-6)
+    assert expected * (1.0 - 1e-6) <= moment <= expected + 0.02 * up * (1.0 + 1e-6)
 
 
 @settings(max_examples=30)

@@ -81,8 +81,8 @@ def test_smooth_maximum_of_equals_and_of_nothing():
 
 @given(value=st.floats(-1e3, 1e3), scale=positives)
 def test_smooth_absolute_exceeds_by_no_more_than_its_width(value, scale):
-    found = smooth_absolute(value, scale)
-    assert abs(value) <= found <= abs(value) + BLEND * scale * (1.0 + 1e-9)
+    smooth = smooth_absolute(value, scale)
+    assert abs(value) <= smooth <= abs(value) + BLEND * scale * (1.0 + 1e-9)
 
 
 # ---- load factors
@@ -98,8 +98,8 @@ def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(mass, area, aspect, s
     loading_lb_ft2 = mass / 0.45359237 / (area / 0.3048**2)
     gust_ft_s, knots = 15.25 / 0.3048, speed / 0.514444
     slope = 2.0 * np.pi * aspect / (aspect + 2.0)
-    wanted = alleviation * gust_ft_s * knots * slope / (498.0 * loading_lb_ft2)
-    found = gust_load_increment(
+    expected = alleviation * gust_ft_s * knots * slope / (498.0 * loading_lb_ft2)
+    increment = gust_load_increment(
         15.25 * speed,
         total_mass_kg=mass,
         wing_area_m2=area,
@@ -107,7 +107,7 @@ def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(mass, area, aspect, s
         density_kg_per_m3=1.1,
     )
     # 498 is rounded to three digits.
-    assert found == pytest.approx(wanted, rel=2e-3)
+    assert increment == pytest.approx(expected, rel=2e-3)
 
 
 @given(mass=masses, span=spans, aspect=aspects)
@@ -287,11 +287,11 @@ STIFFNESS: list[dict[str, Any]] = [
 @settings(max_examples=60, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=shares)
 def test_mass_is_that_of_hard_maxima_on_a_fine_grid(limits, span, aspect, mass, share):
-    found = structure_kg(span, aspect, mass, share, **limits)
+    mass_kg = structure_kg(span, aspect, mass, share, **limits)
     hard = hard_wing(span, aspect, mass, share, **limits).mass_kg
     # 3000 random designs were within -0.5 % (six stations instead of 2000) and +1 %; the spar alone
     # could be 2 % above for each maximum whose two sides are equal.
-    assert 0.985 * hard <= found <= 1.04 * hard
+    assert 0.985 * hard <= mass_kg <= 1.04 * hard
 
 
 # ---- directions
@@ -341,12 +341,12 @@ def test_altitude_changes_the_gust_alone(span, aspect, mass, share, density):
 @settings(max_examples=40, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=shares)
 def test_parts_add_up_and_calibration_multiplies(span, aspect, mass, share):
-    found = parts(span, aspect, mass, share)
-    assert all(part > 0.0 for part in found)
-    assert found.total_kg == pytest.approx(sum(found), rel=1e-12)
+    masses = parts(span, aspect, mass, share)
+    assert all(part > 0.0 for part in masses)
+    assert masses.total_kg == pytest.approx(sum(masses), rel=1e-12)
     doubled = structure_kg(span, aspect, mass, share, calibration=2.0)
-    assert doubled == pytest.approx(2.0 * found.total_kg, rel=1e-12)
-    assert found.joints == pytest.approx(0.15 * (found.total_kg - found.joints), rel=1e-9)
+    assert doubled == pytest.approx(2.0 * masses.total_kg, rel=1e-12)
+    assert masses.joints == pytest.approx(0.15 * (masses.total_kg - masses.joints), rel=1e-9)
 
 
 # ---- floats, arrays and symbols alike, and no kinks
@@ -480,8 +480,8 @@ def test_governing_load_case_is_named(changes, span_m, share, case):
     mass_kg = 6.92 * (span_m / 5.65) ** 2
     flight = inputs(span_m, 18.5, mass_kg, share * mass_kg)
     model = RibWingStructure(model="rib_wing", **changes)
-    found = assess(model, flight)
-    assert found.spar_caps_case == case
+    assessment = assess(model, flight)
+    assert assessment.spar_caps_case == case
     # The named one does govern: without it the caps are lighter, without another they are not.
     key = {"landing": "landing_load_factor", "an up-gust": "cruise_gust_m_per_s"}.get(case)
     if key is not None:
@@ -492,23 +492,23 @@ def test_governing_load_case_is_named(changes, span_m, share, case):
 @settings(max_examples=30, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=st.floats(0.0, 0.5))
 def test_reported_deflection_is_that_of_the_independent_sum(span, aspect, mass, share):
-    found = assess(RIB_WING, inputs(span, aspect, mass, share * mass))
+    assessment = assess(RIB_WING, inputs(span, aspect, mass, share * mass))
     hard = hard_wing(span, aspect, mass, share)
     # Six stations instead of 2000, and sections up to 6 % larger (three smooth maxima).
     half_span = span / 2.0
     level_m, limit_m, landing_m = hard.deflections_m
     assume(limit_m > 0.001 * span)
-    assert found.tip_deflection_limit * half_span == pytest.approx(limit_m, rel=0.08)
-    assert found.tip_deflection_1g * half_span == pytest.approx(level_m, rel=0.08)
-    assert found.tip_deflection_landing * half_span == pytest.approx(landing_m, rel=0.08)
+    assert assessment.tip_deflection_limit * half_span == pytest.approx(limit_m, rel=0.08)
+    assert assessment.tip_deflection_1g * half_span == pytest.approx(level_m, rel=0.08)
+    assert assessment.tip_deflection_landing * half_span == pytest.approx(landing_m, rel=0.08)
     # A wing that carries half of the mass bends up inside and down outside: near zero of both.
     slope_deg = np.degrees(hard.slopes[1])
-    assert found.tip_slope_limit_deg == pytest.approx(slope_deg, rel=0.08, abs=0.05)
-    assert found.tip_deflection_1g * found.limit_load_factor == pytest.approx(
-        found.tip_deflection_limit
+    assert assessment.tip_slope_limit_deg == pytest.approx(slope_deg, rel=0.08, abs=0.05)
+    assert assessment.tip_deflection_1g * assessment.limit_load_factor == pytest.approx(
+        assessment.tip_deflection_limit
     )
-    assert sum(found.spar_caps.values()) == pytest.approx(1.0)
-    assert sum(found.spar_web.values()) == pytest.approx(1.0)
+    assert sum(assessment.spar_caps.values()) == pytest.approx(1.0)
+    assert sum(assessment.spar_web.values()) == pytest.approx(1.0)
 
 
 # ---- battery in the spar and in the pod
@@ -517,18 +517,18 @@ def test_reported_deflection_is_that_of_the_independent_sum(span, aspect, mass, 
 def test_battery_that_does_not_fit_the_spar_goes_to_the_pod():
     flight = inputs(3.0, 15.0, 11.0, 7.5, battery=7.5)
     model = RibWingStructure(model="rib_wing", spar_battery_density_kg_per_m3=2100.0)
-    found = assess(model, flight)
+    assessment = assess(model, flight)
     # The box of 0.06 by 0.9 x 0.125 chords, 3 m long, by hand.
     room_kg = 2100.0 * 0.06 * 0.9 * 0.125 * 0.2**2 * 3.0
-    assert found.wing_battery_kg == pytest.approx(room_kg, rel=0.02)
-    assert found.pod_battery_kg == pytest.approx(7.5 - room_kg, rel=0.02)
+    assert assessment.wing_battery_kg == pytest.approx(room_kg, rel=0.02)
+    assert assessment.pod_battery_kg == pytest.approx(7.5 - room_kg, rel=0.02)
     held = model.mass_kg(flight._replace(span_load_kg=room_kg, wing_battery_kg=0.0))
     # As if the rest had been meant for the pod; without the rule the spar is relieved of it.
     assert model.mass_kg(flight) == pytest.approx(held, rel=0.005)
     assert model.mass_kg(flight) > 1.05 * RIB_WING.mass_kg(flight)
     mounted = model.model_copy(update={"pod_battery_mount_fraction": 0.05})
     gain = mounted.mass_kg(flight) - model.mass_kg(flight)
-    assert gain == pytest.approx(1.15 * 0.05 * found.pod_battery_kg, rel=1e-9)
+    assert gain == pytest.approx(1.15 * 0.05 * assessment.pod_battery_kg, rel=1e-9)
 
 
 # ---- propulsion rated by climb
@@ -571,9 +571,9 @@ def test_cap_of_isotropic_material_buckles_at_four_of_the_plate_formula():
     # 4 pi^2 E/(12 (1 - nu^2)) (t/w)^2; its shear modulus is E/(2 (1 + nu)).
     modulus, poisson = 70e9, 0.33
     cap = cap_of(modulus, modulus, modulus / (2.0 * (1.0 + poisson)), poisson)
-    wanted = 4.0 * np.pi**2 * modulus / (12.0 * (1.0 - poisson**2))
+    expected = 4.0 * np.pi**2 * modulus / (12.0 * (1.0 - poisson**2))
     # Only rounding separates the two.
-    assert cap.cap_buckling_pa == pytest.approx(wanted, rel=1e-12)
+    assert cap.cap_buckling_pa == pytest.approx(expected, rel=1e-12)
 
 
 def test_cap_of_orthotropic_material_buckles_by_the_inverse_of_its_compliance():

@@ -80,8 +80,8 @@ def test_twist_by_quadrature():
 
 def test_cell_of_a_thin_tube():
     radius_m, wall_m, shear_pa = 0.02, 0.0005, 20e9
-    found = closed_cell_nm2(np.pi * radius_m**2, 2.0 * np.pi * radius_m / (shear_pa * wall_m))
-    assert found == pytest.approx(shear_pa * 2.0 * np.pi * radius_m**3 * wall_m, rel=1e-12)
+    stiffness = closed_cell_nm2(np.pi * radius_m**2, 2.0 * np.pi * radius_m / (shear_pa * wall_m))
+    assert stiffness == pytest.approx(shear_pa * 2.0 * np.pi * radius_m**3 * wall_m, rel=1e-12)
 
 
 def test_nose_encloses_the_front_quarter_of_a_section():
@@ -107,13 +107,13 @@ def test_nose_of_a_slender_wing_is_sized_by_flutter_and_no_stiffer():
         strong.mass_kg(wing_inputs(12.0)), rel=0.01
     )
     assert stiff.mass_kg(wing_inputs(30.0)) > 1.02 * strong.mass_kg(wing_inputs(30.0))
-    found = assess(stiff, wing_inputs(30.0))
-    assert found.nose == "flutter"
+    assessment = assess(stiff, wing_inputs(30.0))
+    assert assessment.nose == "flutter"
     # Smooth maxima leave it at most 4 % stiffer than asked for, never softer.
-    assert 0.95 < found.torsion.flutter_flexibility_ratio <= 1.0
-    assert found.torsion.stiffness_nm2 >= found.torsion.needed_nm2
-    assert found.torsion.divergence_speed_ratio > 1.2
-    assert found.torsion.twist_at_limit_load_deg < 15.0
+    assert 0.95 < assessment.torsion.flutter_flexibility_ratio <= 1.0
+    assert assessment.torsion.stiffness_nm2 >= assessment.torsion.needed_nm2
+    assert assessment.torsion.divergence_speed_ratio > 1.2
+    assert assessment.torsion.twist_at_limit_load_deg < 15.0
     assert assess(strong, wing_inputs(30.0)).torsion is None
 
 
@@ -136,15 +136,17 @@ def test_cloth_of_the_nose_gives_what_is_missing():
 
 def test_wing_on_its_aerodynamic_centre_does_not_diverge():
     torsion = WingTorsion(elastic_axis_offset_chords=0.0)
-    found = assess(RibWingStructure(model="rib_wing", torsion=torsion), wing_inputs(20.0))
-    assert found.torsion.divergence_speed_ratio is None
-    assert found.torsion.twist_at_limit_load_deg == 0.0
+    assessment = assess(RibWingStructure(model="rib_wing", torsion=torsion), wing_inputs(20.0))
+    assert assessment.torsion.divergence_speed_ratio is None
+    assert assessment.torsion.twist_at_limit_load_deg == 0.0
 
 
 def test_divergence_at_its_own_speed_needs_the_stiffness_that_there_is():
-    found = assess(RibWingStructure(model="rib_wing", torsion=WingTorsion()), wing_inputs(30.0))
-    ratio = found.torsion.divergence_speed_ratio
+    assessment = assess(
+        RibWingStructure(model="rib_wing", torsion=WingTorsion()), wing_inputs(30.0)
+    )
+    ratio = assessment.torsion.divergence_speed_ratio
     torsion = WingTorsion(speed_margin=ratio)
     wing = RibWingStructure(model="rib_wing", torsion=torsion)
     needed = torsion.needed_nm2(wing.twisting(wing.wing(wing_inputs(30.0))))["divergence"]
-    assert float(needed) == pytest.approx(found.torsion.stiffness_nm2, rel=1e-3)
+    assert float(needed) == pytest.approx(assessment.torsion.stiffness_nm2, rel=1e-3)

@@ -89,19 +89,19 @@ def alone(aircraft, mission, values, number):
     ],
 )
 def test_draws_are_what_each_is_alone(name, spreads, model):
-    given = AGED if spreads is BATTERY else []
-    aircraft = load_aircraft(name, given)
-    cold = {"air": {"ambient_temperature_c": 10.0}} if given else {}
+    overrides = AGED if spreads is BATTERY else []
+    aircraft = load_aircraft(name, overrides)
+    cold = {"air": {"ambient_temperature_c": 10.0}} if overrides else {}
     mission = load_mission("central-europe-summer", MISSION | cold)
     values = drawn(aircraft, mission, spreads)
-    found = Propagation(aircraft, mission, SolarModel(model)).flights(values)
+    flights = Propagation(aircraft, mission, SolarModel(model)).flights(values)
     for number in range(5):
-        craft, where = alone(aircraft, mission, values, number)
-        analysis = sizing.analyse(craft, where, model=model)
+        single_aircraft, where = alone(aircraft, mission, values, number)
+        analysis = sizing.analyse(single_aircraft, where, model=model)
         # All draws have the warmth of the nominal modules above the air, a kelvin or so off.
-        assert found.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=0.02)
+        assert flights.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=0.02)
         design = analysis.performance.design
-        assert found.total_mass_kg[number] == pytest.approx(design.total_mass_kg, rel=1e-8)
+        assert flights.total_mass_kg[number] == pytest.approx(design.total_mass_kg, rel=1e-8)
 
 
 def test_endurance_is_that_of_each_alone():
@@ -109,8 +109,8 @@ def test_endurance_is_that_of_each_alone():
     values = {"mission.clearness": np.array([0.35, 0.4, 1.0])}
     hours = Propagation(aircraft, mission, SolarModel()).endurance_h(values)
     for number in (0, 1):
-        craft, where = alone(aircraft, mission, values, number)
-        flight = sizing.analyse(craft, where).endurances[0]
+        drawn, where = alone(aircraft, mission, values, number)
+        flight = sizing.analyse(drawn, where).endurances[0]
         assert hours[number] == pytest.approx(float(flight.endurance_h), abs=0.01)
     assert np.isinf(hours[2])
 
@@ -118,9 +118,9 @@ def test_endurance_is_that_of_each_alone():
 def test_the_models_error_is_a_factor_on_its_power():
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
     study = Propagation(aircraft, mission, SolarModel())
-    one = study.flights({SOLAR_MODEL: np.array([0.9])})
+    single = study.flights({SOLAR_MODEL: np.array([0.9])})
     other = study.flights({"mission.clearness": np.array([0.9])})
-    assert one.excess_time_h == pytest.approx(other.excess_time_h, abs=1e-9)
+    assert single.excess_time_h == pytest.approx(other.excess_time_h, abs=1e-9)
 
 
 def test_efficiencies_of_batteries_that_run_empty_scatter_too():
@@ -129,12 +129,12 @@ def test_efficiencies_of_batteries_that_run_empty_scatter_too():
     keys = ("battery.charge_efficiency", "battery.discharge_efficiency")
     values = {key: np.array([0.9, 0.97, 0.99]) for key in keys}
     study = Propagation(aircraft, mission, SolarModel())
-    found, endurance = study.flights(values), study.endurance_h(values)
+    flights, endurance = study.flights(values), study.endurance_h(values)
     for number in range(3):
-        craft, where = alone(aircraft, mission, values, number)
-        analysis = sizing.analyse(craft, where)
-        assert found.excess_time_h[number] < 0.0
-        assert found.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=1e-6)
+        drawn, where = alone(aircraft, mission, values, number)
+        analysis = sizing.analyse(drawn, where)
+        assert flights.excess_time_h[number] < 0.0
+        assert flights.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=1e-6)
         assert endurance[number] == pytest.approx(analysis.endurances[0].endurance_h, abs=1e-6)
 
 
@@ -146,8 +146,8 @@ def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-loiter")
     study = Propagation(aircraft, mission, SolarModel("VM"))
     values = {"modules.efficiency_stc": np.array([0.22, 0.237])}
-    craft, where = alone(aircraft, mission, values, 0)
-    alone_h = sizing.analyse(craft, where, model="VM").excess_time_h
+    drawn, where = alone(aircraft, mission, values, 0)
+    alone_h = sizing.analyse(drawn, where, model="VM").excess_time_h
     assert study.flights(values).excess_time_h[0] == pytest.approx(alone_h, abs=1e-6)
     with pytest.raises(ValueError, match="varies with CDM and CAM alone"):
         check_inputs(scattering("modules.camber_efficiency"), mission, SolarModel("VM"))
@@ -170,24 +170,24 @@ def test_what_draws_take_from_outside_is_what_each_alone_takes():
     values = drawn(aircraft, mission, spreads, count=24)
     solar = SolarModel("CAM", "report")
     study = Propagation(aircraft, mission, solar)
-    found = {one.quantity: one for one in study.extrapolations(values, study.flights(values))}
-    told = {}
+    noted = {note.quantity: note for note in study.extrapolations(values, study.flights(values))}
+    by_quantity = {}
     for number in range(24):
-        craft, where = alone(aircraft, mission, values, number)
-        for one in sizing.analyse(craft, where, correction="report").extrapolations:
-            told.setdefault(one.quantity, []).append(one)
-    assert found.keys() == told.keys() >= {"aged_capacity_fraction", "pack_temperature_c"}
-    for quantity, each in told.items():
-        worst = max(each, key=lambda one: one.distance)
-        assert found[quantity].value == pytest.approx(worst.value, rel=1e-8)
-        if found[quantity].of:  # the sun's height is one for all draws
-            assert (found[quantity].count, found[quantity].of) == (len(each), 24)
+        single_aircraft, where = alone(aircraft, mission, values, number)
+        for note in sizing.analyse(single_aircraft, where, correction="report").extrapolations:
+            by_quantity.setdefault(note.quantity, []).append(note)
+    assert noted.keys() == by_quantity.keys() >= {"aged_capacity_fraction", "pack_temperature_c"}
+    for quantity, each in by_quantity.items():
+        worst = max(each, key=lambda note: note.distance)
+        assert noted[quantity].value == pytest.approx(worst.value, rel=1e-8)
+        if noted[quantity].of:  # the sun's height is one for all draws
+            assert (noted[quantity].count, noted[quantity].of) == (len(each), 24)
 
 
 def test_error_of_the_solar_model_is_an_input_of_its_own():
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
     for name, rms in (("CDM", 0.2003), ("CAM", 0.0702)):
-        found = uncertain_inputs(aircraft, mission, SolarModel(name)).inputs
-        (error,) = (one for one in found if one.key == SOLAR_MODEL)
+        inputs = uncertain_inputs(aircraft, mission, SolarModel(name)).inputs
+        (error,) = (scattering for scattering in inputs if scattering.key == SOLAR_MODEL)
         assert error.nominal == 1.0
         assert error.values(np.array([0.8413]))[0] == pytest.approx(1.0 + rms, abs=1e-4)

@@ -14,7 +14,7 @@ JULY = load_mission("rafz-july")
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "told"),
+    ("key", "value", "noted"),
     [
         ("battery.specific_energy_wh_per_kg", 2500, True),
         ("battery.specific_energy_wh_per_kg", 1000, False),
@@ -24,14 +24,14 @@ JULY = load_mission("rafz-july")
         ("modules.temperature_coefficient_per_k", 1000, True),
     ],
 )
-def test_technology_beyond_experience_is_told(key, value, told):
+def test_technology_beyond_experience_is_noted(key, value, noted):
     aircraft = load_aircraft("atlantiksolar-design", [f"{key}={value}"])
-    found = [one for one in analyse(aircraft, JULY).extrapolations if one.model == "experience"]
-    assert [one.quantity for one in found] == ([key] if told else [])
-    if told:
-        one = catalogue()[key]
-        assert (found[0].minimum, found[0].maximum) == (one.minimum, one.maximum)
-        assert "outside the range of experience" in found[0].text
+    notes = [note for note in analyse(aircraft, JULY).extrapolations if note.model == "experience"]
+    assert [note.quantity for note in notes] == ([key] if noted else [])
+    if noted:
+        row = catalogue()[key]
+        assert (notes[0].minimum, notes[0].maximum) == (row.minimum, row.maximum)
+        assert "outside the range of experience" in notes[0].text
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from sizing.limits import DesignInFlight
 from sizing.mass_budget import closed_design
 from sizing.performance import performance, performance_of_designs
 from sizing.results.sizing import size
-from sizing.sized_structure import structure_by_both, structure_parts
+from sizing.sized_structure import structure_masses_by_model, structure_parts
 from sizing.validity.checks import flight_checks, stall_margin_within_polar
 from sizing.validity.extrapolations import (
     as_text,
@@ -54,8 +54,8 @@ UNLIMITED_DESIGN = Aircraft.model_validate(
 )
 
 
-def quantities(found):
-    return {f"{one.quantity} of {one.model}" for one in found}
+def quantities(notes):
+    return {f"{note.quantity} of {note.model}" for note in notes}
 
 
 # ---- An independent account of what must be told
@@ -67,9 +67,9 @@ def outside(value, low, high):
     return None if near < 1e-4 * abs(value) else not low <= value <= high
 
 
-def expected(craft, where, values):
+def expected(aircraft, where, values):
     """Every range of a parametric design again, from its masses and sizes alone."""
-    airframe, air = craft.airframe, where.air_state()
+    airframe, air = aircraft.airframe, where.air_state()
     assert airframe.kind == "parametric"
     polar, structure = airframe.aerodynamics, airframe.structure.model
     mass, span, ratio = values["mass"], values["span"], values["ratio"]
@@ -82,7 +82,7 @@ def expected(craft, where, values):
     rated = 5.03 * values["power"] + values["constant"]
     spans = {"rib_wing": (3.0, 8.0), "spar": (3.0, 8.0), "power_law": (1.0, 4.0)}
     ratios = {"rib_wing": (8.0, 25.0), "spar": (8.0, 25.0), "power_law": (8.0, 30.0)}
-    told = {
+    expected_notes = {
         f"wingspan_m of {structure}": outside(span, *spans[structure]),
         f"aspect_ratio of {structure}": outside(ratio, *ratios[structure]),
         f"total_mass_kg of {structure}": structure != "power_law" and outside(mass, -1.0, 5670.0),
@@ -93,7 +93,7 @@ def expected(craft, where, values):
         and outside(where.altitude_m, 12000.0, 25000.0),
         "altitude_m of model_error": outside(where.altitude_m, -math.inf, 9000.0),
         # Above 3 km a balance of heat and a heater are assumed where the file says nothing.
-        "altitude_m of module_temperature": "thermal" not in craft.modules.model_fields_set
+        "altitude_m of module_temperature": "thermal" not in aircraft.modules.model_fields_set
         and outside(where.altitude_m, -math.inf, 3000.0),
         "altitude_m of battery": outside(where.altitude_m, -math.inf, 3000.0),
         "air_temperature_c of battery": where.altitude_m <= 3000.0
@@ -105,29 +105,31 @@ def expected(craft, where, values):
         "airspeed_m_per_s of wind": outside(speed, where.wind_m_per_s, math.inf),
     }
     if structure in ("rib_wing", "spar"):
-        told[f"structure_mass_ratio of {structure}"] = outside(values["by_models"], 0.87, 1.15)
+        expected_notes[f"structure_mass_ratio of {structure}"] = outside(
+            values["by_models"], 0.87, 1.15
+        )
     if structure == "rib_wing":
         caps_m3 = values["caps"] / airframe.structure.calibration / 1600.0
         share = caps_m3 / (span * 0.06 * chord * 0.9 * 0.125 * chord)
-        told["spar_cap_depth_ratio of rib_wing"] = outside(share, -1.0, 0.1)
+        expected_notes["spar_cap_depth_ratio of rib_wing"] = outside(share, -1.0, 0.1)
     if polar.model == "parabolic":
-        told["reynolds_number of parabolic"] = outside(reynolds, 1e5, 5e5)
+        expected_notes["reynolds_number of parabolic"] = outside(reynolds, 1e5, 5e5)
         margin = math.sqrt(polar.maximum_lift_coefficient / lift)
-        told["stall_margin of parabolic"] = outside(margin, 1.1, math.inf)
+        expected_notes["stall_margin of parabolic"] = outside(margin, 1.1, math.inf)
     else:
-        told["reynolds_number of wing_polar"] = outside(reynolds, 60000.0, 600000.0)
+        expected_notes["reynolds_number of wing_polar"] = outside(reynolds, 60000.0, 600000.0)
         section = polar.polar.maximum_lift(reynolds) / 1.05
-        told["lift_coefficient of wing_polar"] = outside(
+        expected_notes["lift_coefficient of wing_polar"] = outside(
             lift, polar.polar.least_lift / 1.05, section
         )
         margin = math.sqrt(polar.maximum_lift_coefficient / lift)
         if not 60000.0 <= reynolds <= 600000.0:
-            margin = fenced_margin(craft, reynolds, lift)
-        told["stall_margin of wing_polar"] = outside(margin, 1.1, math.inf)
-    if craft.battery.charge_limit.kind == "none":
+            margin = fenced_margin(aircraft, reynolds, lift)
+        expected_notes["stall_margin of wing_polar"] = outside(margin, 1.1, math.inf)
+    if aircraft.battery.charge_limit.kind == "none":
         rate = 0.95 * max(values["peak"] - load, 0.0) / energy
-        told["charge_rate_per_h of battery"] = outside(rate, -1.0, 0.5)
-    return told
+        expected_notes["charge_rate_per_h of battery"] = outside(rate, -1.0, 0.5)
+    return expected_notes
 
 
 def fenced_margin(aircraft, reynolds, lift):
@@ -160,13 +162,13 @@ def drawn(count):
 def test_all_over_the_design_space_exactly_what_is_outside_is_told(aircraft, altitude_m):
     variables = drawn(60)
     where = mission(altitude_m=altitude_m, wind_m_per_s=9.0)
-    found = performance_of_designs(aircraft, where, variables, day=solar_day(aircraft, where))
-    texts = cell_texts(flight_checks(aircraft, found), 60)
-    peak = float(found.day.specific_power_w_per_m2.max())
-    design, compared = found.design, 0
+    flight = performance_of_designs(aircraft, where, variables, day=solar_day(aircraft, where))
+    texts = cell_texts(flight_checks(aircraft, flight), 60)
+    peak = float(flight.day.specific_power_w_per_m2.max())
+    design, compared = flight.design, 0
     with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
         parts = structure_parts(aircraft, design)
-        both = structure_by_both(aircraft, design)
+        both = structure_masses_by_model(aircraft, design)
     for number, text in enumerate(texts):
         if not np.isfinite(design.total_mass_kg[number]):
             continue
@@ -181,18 +183,18 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(aircraft, alt
             "caps": 0.0 if parts is None else float(parts.spar_caps[number]),
         }
         if both is not None:
-            own, other = (float(mass[number]) for mass in both.values())
-            values["by_models"] = own / other
-        wanted = expected(aircraft, where, values)
+            first, second = (float(mass[number]) for mass in both.values())
+            values["by_models"] = first / second
+        expected_notes = expected(aircraft, where, values)
         if aircraft is SKY_SAILOR:  # rated at the power of level flight
             rate = (values["power"] + values["constant"]) / values["energy"]
-            wanted["climb_discharge_rate_per_h of battery"] = outside(rate, -1.0, 3.0)
-        given = quantities(from_text(text))
-        for name, is_outside in wanted.items():
+            expected_notes["climb_discharge_rate_per_h of battery"] = outside(rate, -1.0, 3.0)
+        noted = quantities(from_text(text))
+        for name, is_outside in expected_notes.items():
             if is_outside is not None:
-                assert (name in given) is bool(is_outside), (name, values, text)
+                assert (name in noted) is bool(is_outside), (name, values, text)
                 compared += 1
-        assert given <= wanted.keys()
+        assert noted <= expected_notes.keys()
     assert compared > 200
 
 
@@ -215,48 +217,48 @@ def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft, where):
 def test_the_page_names_the_shipped_aircraft_that_have_a_note():
     where = shipped_mission("rafz-july")
     every = map(shipped_aircraft, shipped_names("aircraft"))
-    noted = [one.name for one in every if extrapolations(one, performance(one, where))]
+    noted = [each.name for each in every if extrapolations(each, performance(each, where))]
     assert noted == ["stratosphere-design", "twin-boom-design"]  # docs/validity.md
 
 
 def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun():
     aircraft, where = shipped_aircraft("stratosphere-design"), "stratosphere-mission"
-    found = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))
+    notes = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))
     # The two models of the structure differ by 16 %; docs/structure.md says which was checked.
     known = {"altitude_m of model_error", "structure_mass_ratio of rib_wing"}
-    assert quantities(found) == known
+    assert quantities(notes) == known
 
 
 def test_the_text_names_value_and_range_once():
     small = variables_of(DESIGN)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
-    found = performance_of_designs(POLAR_DESIGN, mission(altitude_m=16000.0), small)
-    every = extrapolations(POLAR_DESIGN, found)
-    (one,) = (one for one in every if one.quantity == "reynolds_number")
-    speed = float(found.design.airspeed_m_per_s)
-    assert one.text.endswith(f" at {speed:.1f} m/s: outside the range of polar, 60,000 to 600,000")
+    flight = performance_of_designs(POLAR_DESIGN, mission(altitude_m=16000.0), small)
+    every = extrapolations(POLAR_DESIGN, flight)
+    (note,) = (note for note in every if note.quantity == "reynolds_number")
+    speed = float(flight.design.airspeed_m_per_s)
+    assert note.text.endswith(f" at {speed:.1f} m/s: outside the range of polar, 60,000 to 600,000")
     assert len({(e.quantity, e.model) for e in every}) == len(every)
 
 
 def test_a_value_next_to_the_end_is_told_with_digits_that_tell_it_apart():
     barely = with_airframe(DESIGN, wingspan_m=8.0004)
-    (one,) = extrapolations(barely, performance(barely, mission()))
-    assert one.text == "wingspan 8.0004 m: outside the range of rib wing, 3 to 8 m"
+    (note,) = extrapolations(barely, performance(barely, mission()))
+    assert note.text == "wingspan 8.0004 m: outside the range of rib wing, 3 to 8 m"
 
 
 def test_models_of_the_structure_that_differ_are_told_with_both_masses():
     """The ratio again from the masses that the two models give the same inputs."""
     wide = with_airframe(DESIGN, wingspan_m=12.0)
-    for craft, names in (
+    for subject, names in (
         (wide, ("rib_wing", "spar")),
         (with_airframe(wide, structure={"model": "spar"}), ("spar", "rib_wing")),
     ):
-        perf = performance(craft, mission())
-        both = structure_by_both(craft, perf.design)
+        perf = performance(subject, mission())
+        both = structure_masses_by_model(subject, perf.design)
         assert tuple(both) == names
-        own, other = (float(mass) for mass in both.values())
-        (one,) = (e for e in extrapolations(craft, perf) if e.quantity == "structure_mass_ratio")
-        assert one.value == pytest.approx(own / other)
-        assert one.worth == f"{own:.3g} kg by {names[0]}, {other:.3g} kg by {names[1]}"
+        first, second = (float(mass) for mass in both.values())
+        (note,) = (e for e in extrapolations(subject, perf) if e.quantity == "structure_mass_ratio")
+        assert note.value == pytest.approx(first / second)
+        assert note.worth == f"{first:.3g} kg by {names[0]}, {second:.3g} kg by {names[1]}"
     power_law = with_airframe(wide, structure={"model": "power_law"})
     told_of = extrapolations(power_law, performance(power_law, mission()))
     assert "structure_mass_ratio" not in {e.quantity for e in told_of}
@@ -267,8 +269,8 @@ def test_wings_with_narrow_caps_and_webs_with_a_core_are_inside_up_to_75_m():
 
     def spans_told(span_m, **changes):
         wide = with_airframe(DESIGN, wingspan_m=span_m, structure=keys | changes)
-        found = extrapolations(wide, performance(wide, mission()))
-        return {one.model for one in found if one.quantity == "wingspan_m"}
+        notes = extrapolations(wide, performance(wide, mission()))
+        return {note.model for note in notes if note.quantity == "wingspan_m"}
 
     assert spans_told(70.0) == set()
     assert spans_told(76.0) == {"rib_wing_large"}
@@ -316,9 +318,9 @@ def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_poin
 
 
 def test_an_airspeed_below_the_wind_is_told_with_the_wind():
-    found = extrapolations(AS2, performance(AS2, mission(wind_m_per_s=50.0)))
-    assert [one.quantity for one in found] == ["airspeed_m_per_s"]
-    assert "outside the range of flight against the wind, from 50 m/s" in found[0].text
+    notes = extrapolations(AS2, performance(AS2, mission(wind_m_per_s=50.0)))
+    assert [note.quantity for note in notes] == ["airspeed_m_per_s"]
+    assert "outside the range of flight against the wind, from 50 m/s" in notes[0].text
 
 
 def test_a_measured_aircraft_far_from_its_measurement_is_told():
@@ -337,10 +339,10 @@ def test_a_correction_is_told_where_the_sun_stands_elsewhere_with_the_scenarios(
         for c in ("none", "report")
     )
     assert plain == ()
-    (one,) = corrected
-    assert (one.quantity, one.scenarios) == ("noon_elevation_deg", ("20° N, 15 Jul",))
+    (note,) = corrected
+    assert (note.quantity, note.scenarios) == ("noon_elevation_deg", ("20° N, 15 Jul",))
     # The sun of 15 July is 21.5 deg north of the equator.
-    assert one.value == pytest.approx(90.0 - 1.5, abs=0.1)
+    assert note.value == pytest.approx(90.0 - 1.5, abs=0.1)
 
 
 def test_a_margin_of_the_model_uses_the_same_flight():
@@ -352,8 +354,8 @@ def test_a_margin_of_the_model_uses_the_same_flight():
 
 def test_a_path_flown_at_another_airspeed_is_told():
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 12.0}
-    found = performance(AS2, mission(flight_path=path), SolarModel("VM"))
-    assert quantities(extrapolations(AS2, found)) == {"airspeed_m_per_s of flight_path"}
+    flight = performance(AS2, mission(flight_path=path), SolarModel("VM"))
+    assert quantities(extrapolations(AS2, flight)) == {"airspeed_m_per_s of flight_path"}
     assert extrapolations(AS2, performance(AS2, mission(flight_path=path))) == ()
 
 
@@ -362,31 +364,31 @@ def test_a_path_flown_at_another_airspeed_is_told():
 
 def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count():
     each = [
-        extrapolations(one, performance(one, mission()))
-        for one in (with_airframe(DESIGN, wingspan_m=span) for span in (5.65, 9.0, 10.0))
+        extrapolations(design, performance(design, mission()))
+        for design in (with_airframe(DESIGN, wingspan_m=span) for span in (5.65, 9.0, 10.0))
     ]
-    one, _ = merge_extrapolations(each, "designs")
-    assert (one.quantity, one.value, one.count, one.of) == ("wingspan_m", 10.0, 2, 3)
-    assert "(worst; 2 of 3 designs)" in one.text
+    note, _ = merge_extrapolations(each, "designs")
+    assert (note.quantity, note.value, note.count, note.of) == ("wingspan_m", 10.0, 2, 3)
+    assert "(worst; 2 of 3 designs)" in note.text
     assert merge_extrapolations([(), ()], "designs") == ()
 
 
 def test_text_and_record_keep_what_is_told():
     wide = with_airframe(DESIGN, wingspan_m=10.0)
-    found = extrapolations(wide, performance(wide, mission(wind_m_per_s=20.0)))
-    assert len(found) == 3
-    for again, one in zip(from_text(as_text(found)), found, strict=True):
-        assert again.value == pytest.approx(one.value, rel=1e-5)
+    notes = extrapolations(wide, performance(wide, mission(wind_m_per_s=20.0)))
+    assert len(notes) == 3
+    for again, note in zip(from_text(as_text(notes)), notes, strict=True):
+        assert again.value == pytest.approx(note.value, rel=1e-5)
         # The line has no room for the masses by both models.
-        assert again == dataclasses.replace(one, value=again.value, worth="")
-    assert tuple(Extrapolation.from_dict(one.to_dict()) for one in found) == found
+        assert again == dataclasses.replace(note, value=again.value, worth="")
+    assert tuple(Extrapolation.from_dict(note.to_dict()) for note in notes) == notes
 
 
 def test_text_keeps_technology_beyond_experience():
     dense = shipped_aircraft("atlantiksolar-design", "battery.specific_energy_wh_per_kg=1200")
-    found = extrapolations(dense, performance(dense, mission()))
-    assert "battery.specific_energy_wh_per_kg" in {one.quantity for one in found}
-    assert from_text(as_text(found)) == tuple(found)
+    notes = extrapolations(dense, performance(dense, mission()))
+    assert "battery.specific_energy_wh_per_kg" in {note.quantity for note in notes}
+    assert from_text(as_text(notes)) == tuple(notes)
 
 
 def test_cells_are_counted_and_the_farthest_is_told():
@@ -394,10 +396,10 @@ def test_cells_are_counted_and_the_farthest_is_told():
 
     cells = Scenarios(np.array([47.6, 20.0, 60.0]), np.array([182, 182, 355]))
     checks = list(correction_check(cells, SolarModel("FM", "report"), mission()))
-    (one,) = collect_extrapolations(checks, of=3, what="cells")
-    assert (one.count, one.of) == (2, 3)
+    (note,) = collect_extrapolations(checks, of=3, what="cells")
+    assert (note.count, note.of) == (2, 3)
     # 60° N in December: 90 - 60 - 23.4 deg.
-    assert one.value == pytest.approx(6.6, abs=0.1)
+    assert note.value == pytest.approx(6.6, abs=0.1)
 
 
 def test_every_range_of_the_catalogue_has_a_source_and_an_order():

@@ -30,30 +30,30 @@ HIGH_UP = {MODULES, BATTERY, COLD_BATTERY, ERROR, CORRECTION, RECORD}
 
 def notes(result):
     """Notes of a result on what is assumed high up."""
-    found = result if isinstance(result, tuple) else result.extrapolations
-    every = {(one.quantity, one.model): one for one in found}
-    return {key: one for key, one in every.items() if key in HIGH_UP}
+    extrapolations = result if isinstance(result, tuple) else result.extrapolations
+    every = {(note.quantity, note.model): note for note in extrapolations}
+    return {key: note for key, note in every.items() if key in HIGH_UP}
 
 
 def test_an_analysis_high_up_tells_each_assumption():
-    found = notes(analyse(DESIGN, HIGH))
-    assert set(found) == {MODULES, BATTERY, ERROR}
-    assert found[BATTERY].value == HIGH.altitude_m
-    assert "assumed heated to 25 °C with" in found[BATTERY].text
-    assert "from one morning at 0.5 km" in found[ERROR].text
+    noted = notes(analyse(DESIGN, HIGH))
+    assert set(noted) == {MODULES, BATTERY, ERROR}
+    assert noted[BATTERY].value == HIGH.altitude_m
+    assert "assumed heated to 25 °C with" in noted[BATTERY].text
+    assert "from one morning at 0.5 km" in noted[ERROR].text
 
 
 def test_the_worth_of_warm_modules_is_the_flight_with_cold_ones():
-    one = notes(analyse(DESIGN, HIGH))[MODULES]
+    note = notes(analyse(DESIGN, HIGH))[MODULES]
     cold = analyse(DESIGN, mission(**HIGH_WITH_COLD_MODULES))
-    assert one.excess_time_h == pytest.approx(cold.excess_time_h, abs=1e-9)
+    assert note.excess_time_h == pytest.approx(cold.excess_time_h, abs=1e-9)
     before = analyse(DESIGN, HIGH)
     assert before.excess_time_h < cold.excess_time_h
-    told = f"excess time is {cold.excess_time_h:.2f} h instead of {before.excess_time_h:.2f} h"
-    assert told in one.text
-    assert "by a balance of heat at most" in one.text
+    by_range = f"excess time is {cold.excess_time_h:.2f} h instead of {before.excess_time_h:.2f} h"
+    assert by_range in note.text
+    assert "by a balance of heat at most" in note.text
     wh = [float(a.performance.cycle.energy_budget.solar_wh[0]) for a in (cold, before)]
-    assert f"they would give {100 * (wh[0] / wh[1] - 1):.0f} % more solar energy" in one.text
+    assert f"they would give {100 * (wh[0] / wh[1] - 1):.0f} % more solar energy" in note.text
 
 
 # Standard air there, rounded: modules without a balance of heat.
@@ -67,12 +67,12 @@ HIGH_WITH_COLD_MODULES = {
 @pytest.mark.parametrize("aircraft", [DESIGN, AS2], ids=["parametric", "measured"])
 def test_the_worth_of_a_warm_battery_is_the_flight_with_an_unheated_one(aircraft):
     result = analyse(aircraft, HIGH)
-    one = notes(result)[BATTERY]
+    note = notes(result)[BATTERY]
     cold = shipped_aircraft(aircraft.name, "battery.temperature={}")
     unheated = analyse(cold, HIGH).excess_time_h
     assert unheated < result.excess_time_h
-    assert one.excess_time_h == pytest.approx(unheated, abs=1e-9)
-    assert f"excess time is {unheated:.2f} h instead of {result.excess_time_h:.2f} h" in one.text
+    assert note.excess_time_h == pytest.approx(unheated, abs=1e-9)
+    assert f"excess time is {unheated:.2f} h instead of {result.excess_time_h:.2f} h" in note.text
 
 
 def test_climbs_say_what_their_worth_is_of():
@@ -80,11 +80,11 @@ def test_climbs_say_what_their_worth_is_of():
     climbs = analyse(AS2, climbing)
     assert climbs.climb.altitude_m.max() == pytest.approx(10000.0)
     high = notes(analyse(AS2, mission(altitude_m=10000.0, dates={"on": "06-21"})))
-    found = notes(climbs)
-    assert set(found) == {MODULES, BATTERY, ERROR}
+    noted = notes(climbs)
+    assert set(noted) == {MODULES, BATTERY, ERROR}
     for key in (MODULES, BATTERY):
-        assert "excess time in level flight at 10000 m" in found[key].text
-        assert found[key].excess_time_h == pytest.approx(high[key].excess_time_h, abs=1e-6)
+        assert "excess time in level flight at 10000 m" in noted[key].text
+        assert noted[key].excess_time_h == pytest.approx(high[key].excess_time_h, abs=1e-6)
 
 
 def test_what_a_file_gives_is_not_assumed():
@@ -124,15 +124,15 @@ def test_each_note_begins_where_its_range_ends(altitude_m, offset_k, expected):
 
 def test_a_sizing_tells_the_worth_of_its_own_design():
     study = size(DESIGN, HIGH, "max_excess_time")
-    found = notes(study)
-    assert set(found) == {MODULES, BATTERY, ERROR}
+    noted = notes(study)
+    assert set(noted) == {MODULES, BATTERY, ERROR}
     data = study.sized_aircraft().model_dump()
     data["battery"]["temperature"] = {}
     cold = analyse(Aircraft.model_validate(data), HIGH).excess_time_h
     # The design's flow is known from three others, to 0.003 % of the sun.
-    assert found[BATTERY].excess_time_h == pytest.approx(cold, abs=1e-3)
+    assert noted[BATTERY].excess_time_h == pytest.approx(cold, abs=1e-3)
     warm = analyse(study.sized_aircraft(), mission(**HIGH_WITH_COLD_MODULES))
-    assert found[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
+    assert noted[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
 
 
 @pytest.mark.slow
@@ -144,8 +144,8 @@ def test_an_infeasible_sizing_tells_the_worth_of_its_nearest_design():
 
 def test_a_map_tells_the_worth_in_its_best_cell():
     data = feasibility_map(DESIGN, HIGH, latitudes=[35.0, 45.0], days=[80, 172])
-    found = notes(extrapolations_of(data))
-    assert set(found) == {MODULES, BATTERY, ERROR}
+    noted = notes(extrapolations_of(data))
+    assert set(noted) == {MODULES, BATTERY, ERROR}
     at = np.unravel_index(int(np.argmax(data["excess_time"].to_numpy())), (2, 2))
     best = mission(
         altitude_m=10000.0,
@@ -154,40 +154,40 @@ def test_a_map_tells_the_worth_in_its_best_cell():
     )
     cold = shipped_aircraft("atlantiksolar-design", "battery.temperature={}")
     unheated = analyse(cold, best).excess_time_h
-    assert found[BATTERY].excess_time_h == pytest.approx(unheated, abs=1e-9)
-    assert f"at {best.latitudes()[0]:g}° N, 21 Jun" in found[BATTERY].text
+    assert noted[BATTERY].excess_time_h == pytest.approx(unheated, abs=1e-9)
+    assert f"at {best.latitudes()[0]:g}° N, 21 Jun" in noted[BATTERY].text
     dark = feasibility_map(DESIGN, HIGH, latitudes=[85.0], days=[355])
     assert set(notes(extrapolations_of(dark))) == {MODULES, BATTERY, ERROR}
 
 
 def test_a_map_of_sizings_tells_the_worth_of_its_lightest_design():
     data = resized_map(DESIGN, HIGH, "min_mass", latitudes=[45.0, 50.0], days=[172])
-    found = notes(extrapolations_of(data))
-    assert set(found) == {MODULES, BATTERY, ERROR}
+    noted = notes(extrapolations_of(data))
+    assert set(noted) == {MODULES, BATTERY, ERROR}
     lightest = [45.0, 50.0][int(np.argmin(data["total_mass"].to_numpy()[:, 0]))]
     where = mission(altitude_m=10000.0, latitude_deg=lightest, dates={"on": "06-21"})
     of_one = notes(size(DESIGN, where, "min_mass"))
     # Two solvers, each to 1e-4 of the mass.
-    assert found[BATTERY].excess_time_h == pytest.approx(of_one[BATTERY].excess_time_h, abs=0.05)
+    assert noted[BATTERY].excess_time_h == pytest.approx(of_one[BATTERY].excess_time_h, abs=0.05)
 
 
 def test_captions_say_what_is_assumed_and_its_worth():
-    found = analyse(DESIGN, HIGH).extrapolations
-    caption = extrapolation_caption(found)
+    extrapolations = analyse(DESIGN, HIGH).extrapolations
+    caption = extrapolation_caption(extrapolations)
     for key, what, otherwise in (
         (MODULES, "module temperature near the ground", "modules as cold as the air"),
         (BATTERY, "battery without temperature", "unheated battery"),
     ):
-        hours = f"{notes(found)[key].excess_time_h:.2f} h"
+        hours = f"{notes(extrapolations)[key].excess_time_h:.2f} h"
         assert f"{what} ({otherwise}: excess time {hours})" in caption
 
 
 def test_records_keep_the_worth_and_those_from_before_it_are_read():
-    for one in analyse(DESIGN, HIGH).extrapolations:
-        record = one.to_dict()
-        assert Extrapolation.from_dict(record) == one
+    for note in analyse(DESIGN, HIGH).extrapolations:
+        record = note.to_dict()
+        assert Extrapolation.from_dict(record) == note
         old = {key: value for key, value in record.items() if not key.startswith(("worth", "exc"))}
-        plain = dataclasses.replace(one, worth="", excess_time_h=None)
+        plain = dataclasses.replace(note, worth="", excess_time_h=None)
         assert Extrapolation.from_dict(old) == plain
 
 
@@ -205,14 +205,14 @@ def test_commands_tell_the_worth_high_up_and_nothing_near_the_ground(command, ru
     call = (verb, "atlantiksolar-design", *options)
     high = tuple(word for value in AT_10_KM for word in ("--set", value))
     record = run(*call, *high, "--json").json()
-    told = {(one["quantity"], one["model"]): one for one in record["extrapolations"]}
-    assert {MODULES, BATTERY, ERROR} <= set(told)
+    by_range = {(note["quantity"], note["model"]): note for note in record["extrapolations"]}
+    assert {MODULES, BATTERY, ERROR} <= set(by_range)
     printed = run(*call, *high, "-v").out
     for key in (MODULES, BATTERY):
-        assert isinstance(told[key]["excess_time_h"], float)
-        assert told[key]["text"] in printed
+        assert isinstance(by_range[key]["excess_time_h"], float)
+        assert by_range[key]["text"] in printed
     low = run(*call, "--set", "mission.altitude_m=500", "--json").json()["extrapolations"]
-    assert not HIGH_UP & {(one["quantity"], one["model"]) for one in low}
+    assert not HIGH_UP & {(note["quantity"], note["model"]) for note in low}
 
 
 @pytest.mark.long
@@ -233,11 +233,11 @@ def test_a_report_tells_the_worth(run, tmp_path):
 def test_a_record_far_below_the_flight_is_told(height_m, is_told):
     record = clear_record(3, first="2001-07-14")
     where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + height_m)
-    found = notes(sizing.analyse_weather(AS2, where, record))
-    assert (RECORD in found) is is_told
+    noted = notes(sizing.analyse_weather(AS2, where, record))
+    assert (RECORD in noted) is is_told
     if is_told:
-        assert found[RECORD].value == pytest.approx(height_m)
-        assert "% of the clear sky's light" in found[RECORD].text
+        assert noted[RECORD].value == pytest.approx(height_m)
+        assert "% of the clear sky's light" in noted[RECORD].text
 
 
 def test_a_record_tells_the_cold_of_its_days():
@@ -245,14 +245,14 @@ def test_a_record_tells_the_cold_of_its_days():
     record = clear_record(40, first="2001-07-14", share=0.75, temperature_c=cold)
     where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + 3000.0)
     result = sizing.analyse_weather(AS2, where, record)
-    found = notes(result)
-    assert set(found) == {MODULES, BATTERY, RECORD}
-    assert "as cold as the air they would give +" in found[MODULES].text
+    noted = notes(result)
+    assert set(noted) == {MODULES, BATTERY, RECORD}
+    assert "as cold as the air they would give +" in noted[MODULES].text
     unheated = shipped_aircraft(AS2.name, "battery.temperature={}")
     closes = sizing.analyse_weather(unheated, where, record).to_dict()["days_that_close"]
     before = result.to_dict()["days_that_close"]
     assert closes < before
-    assert f"unheated {closes} instead of {before} days close" in found[BATTERY].text
+    assert f"unheated {closes} instead of {before} days close" in noted[BATTERY].text
 
 
 def test_a_record_of_the_ground_is_refused_in_thin_air(run, monkeypatch):

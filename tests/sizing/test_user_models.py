@@ -86,11 +86,11 @@ SHIPPED_AND_OWN = {
 
 @pytest.mark.parametrize("of", SHIPPED_AND_OWN)
 def test_a_model_written_like_a_shipped_one_gives_the_same(of):
-    shipped, own = (sizing.load_aircraft(NAME, some) for some in SHIPPED_AND_OWN[of])
-    flown, expected = (sizing.analyse(one, MISSION) for one in (own, shipped))
-    assert flown.total_mass_kg == pytest.approx(expected.total_mass_kg, rel=1e-12)
-    assert flown.power_out_w == pytest.approx(expected.power_out_w, rel=1e-12)
-    sized, best = (sizing.size(one, MISSION, "min_mass") for one in (own, shipped))
+    shipped, user_defined = (sizing.load_aircraft(NAME, changes) for changes in SHIPPED_AND_OWN[of])
+    analysis, expected = (sizing.analyse(subject, MISSION) for subject in (user_defined, shipped))
+    assert analysis.total_mass_kg == pytest.approx(expected.total_mass_kg, rel=1e-12)
+    assert analysis.power_out_w == pytest.approx(expected.power_out_w, rel=1e-12)
+    sized, best = (sizing.size(subject, MISSION, "min_mass") for subject in (user_defined, shipped))
     assert sized.feasible
     assert sized.result.objective_value == pytest.approx(best.result.objective_value, rel=1e-6)
     assert str(sized)
@@ -103,17 +103,19 @@ def test_an_own_efficiency_follows_the_load_of_each_design():
     aircraft = sizing.load_aircraft(NAME, {"airframe.propulsion.efficiency_model": "loaded"})
     for payload_kg in (0.0, 2.0):
         mission = missions.load_mission("rafz-july", {"payload.mass_kg": payload_kg})
-        flown = sizing.analyse(aircraft, mission)
-        thrust_w = flown.power_budget.watts["aerodynamic_w"]
-        efficiency = thrust_w / flown.propulsion_power_w
+        analysis = sizing.analyse(aircraft, mission)
+        thrust_w = analysis.power_budget.watts["aerodynamic_w"]
+        efficiency = thrust_w / analysis.propulsion_power_w
         assert efficiency == pytest.approx(0.7 - 0.004 * thrust_w, rel=1e-9)
 
 
 def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients():
     space = {"design_space.lift_coefficient": {"minimum": 0.7, "maximum": 1.2}}
-    shipped, own = (sizing.load_aircraft(NAME, some | space) for some in SHIPPED_AND_OWN["drag"])
-    found, best = (sizing.size(one, MISSION) for one in (own, shipped))
-    assert found.variables.lift_coefficient == pytest.approx(
+    shipped, user_defined = (
+        sizing.load_aircraft(NAME, changes | space) for changes in SHIPPED_AND_OWN["drag"]
+    )
+    sized, best = (sizing.size(subject, MISSION) for subject in (user_defined, shipped))
+    assert sized.variables.lift_coefficient == pytest.approx(
         best.variables.lift_coefficient, rel=1e-4
     )
 
@@ -177,20 +179,20 @@ def test_functions_that_give_what_cannot_be_are_named(kind):
     key = f"propulsion.{key}" if key.endswith("model") else key
     value = name if key.startswith("propulsion") else value
     aircraft = sizing.load_aircraft(NAME, {f"airframe.{key}": value})
-    told = rf"function '{name}' of sizing\.{register.__name__} gives .* must be above 0"
+    message = rf"function '{name}' of sizing\.{register.__name__} gives .* must be above 0"
     for study in (
         lambda: sizing.analyse(aircraft, MISSION),
         lambda: sizing.size(aircraft, MISSION),
         lambda: studies.sweep(aircraft, MISSION, {"battery_mass_kg": [2.0, 3.0]}),
         lambda: studies.feasibility_map(aircraft, MISSION, latitudes=[45], days=[170]),
     ):
-        with pytest.raises(ValueError, match=told):
+        with pytest.raises(ValueError, match=message):
             study()
 
 
 def test_analyses_and_sizings_have_the_same_names_for_the_design():
-    found = sizing.size(sizing.load_aircraft(NAME), MISSION)
-    flown = sizing.analyse(found.sized_aircraft(), MISSION)
+    sized = sizing.size(sizing.load_aircraft(NAME), MISSION)
+    analysis = sizing.analyse(sized.sized_aircraft(), MISSION)
     for name in ("wingspan_m", "battery_mass_kg", "module_area_m2", "total_mass_kg"):
-        assert getattr(found, name) == pytest.approx(getattr(flown, name), rel=1e-9)
-    assert found.excess_time_h == pytest.approx(flown.excess_time_h, abs=1e-6)
+        assert getattr(sized, name) == pytest.approx(getattr(analysis, name), rel=1e-9)
+    assert sized.excess_time_h == pytest.approx(analysis.excess_time_h, abs=1e-6)

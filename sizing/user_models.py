@@ -1,7 +1,7 @@
-"""Models of the user's own by name: structure, drag, mass and efficiency of the propulsion.
+"""User-defined models by name: structure, drag, mass and efficiency of the propulsion.
 
-Functions use arithmetic, or NumPy's and CasADi's functions, so that they take floats, arrays and
-symbols alike: simulator and optimiser call the same one.
+Functions use arithmetic, or functions of NumPy and CasADi, for floats, arrays and symbols:
+simulator and optimiser call the same function.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ _PROPULSION_EFFICIENCIES: dict[str, PropulsionEfficiencyFunction] = {}
 
 
 def register_structure(name: str, mass_kg: StructureFunction) -> None:
-    """Make a model of the structure known by a name, for ``structure: {model: own, name: ...}``.
+    """Register a model of the structure, for ``structure: {model: own, name: ...}``.
 
-    The name holds in this process alone, here as for the other models: the workers of a long map
-    must register it themselves.
+    Models are registered in the current process only: the workers of a long map must register them
+    themselves.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def register_structure(name: str, mass_kg: StructureFunction) -> None:
 
 
 def register_drag(name: str, drag_coefficient: DragFunction) -> None:
-    """Make a drag model known by a name, for ``aerodynamics: {model: own, name: ...}``.
+    """Register a drag model, for ``aerodynamics: {model: own, name: ...}``.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def register_drag(name: str, drag_coefficient: DragFunction) -> None:
 
 
 def register_propulsion_mass(name: str, mass_kg: PropulsionMassFunction) -> None:
-    """Make a mass model of the propulsion known by a name, for ``propulsion: {mass_model: ...}``.
+    """Register a mass model of the propulsion, for ``propulsion: {mass_model: ...}``.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def register_propulsion_mass(name: str, mass_kg: PropulsionMassFunction) -> None
 
 
 def register_propulsion_efficiency(name: str, efficiency: PropulsionEfficiencyFunction) -> None:
-    """Make an efficiency known by a name, for ``propulsion: {efficiency_model: ...}``.
+    """Register an efficiency of the propulsion, for ``propulsion: {efficiency_model: ...}``.
 
     Parameters
     ----------
@@ -103,22 +103,22 @@ def register_propulsion_efficiency(name: str, efficiency: PropulsionEfficiencyFu
 
 
 def structure_function(name: str) -> StructureFunction:
-    """Structure of that name; ValueError if there is none."""
+    """Return the structural model of a name; ValueError if there is none."""
     return _named(_STRUCTURES, "register_structure", name)
 
 
 def drag_function(name: str) -> DragFunction:
-    """Drag of that name; ValueError if there is none."""
+    """Return the drag model of a name; ValueError if there is none."""
     return _named(_DRAGS, "register_drag", name)
 
 
 def propulsion_mass_function(name: str) -> PropulsionMassFunction:
-    """Mass of the propulsion of that name; ValueError if there is none."""
+    """Return the mass model of the propulsion of a name; ValueError if there is none."""
     return _named(_PROPULSION_MASSES, "register_propulsion_mass", name)
 
 
 def propulsion_efficiency_function(name: str) -> PropulsionEfficiencyFunction:
-    """Efficiency of the propulsion of that name; ValueError if there is none."""
+    """Return the efficiency of the propulsion of a name; ValueError if there is none."""
     return _named(_PROPULSION_EFFICIENCIES, "register_propulsion_efficiency", name)
 
 
