@@ -62,7 +62,7 @@ def module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> ModuleFram
     dihedral = np.radians(surface.dihedral_deg)
     # The wing's kink is the outer edge of the central modules.
     central = [s.outline for s in geometry.surfaces if s.side == "centre"]
-    hinge = max((one.outboard_m for one in central if one is not None), default=0.0)
+    hinge = max((outline.outboard_m for outline in central if outline is not None), default=0.0)
     incidence = np.radians(geometry.wing_incidence_deg)
     in_panel = direction_cosines(0.0, np.radians(surface.pitch_deg), 0.0)
     module_to_body = direction_cosines(-side * dihedral, incidence, 0.0) @ in_panel

@@ -1,4 +1,4 @@
-"""How high an aircraft flies perpetually: the search's result as text, table, record and figure."""
+"""Ceiling of perpetual flight: the search's result as text, table, record and figure."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ class Ceiling(Result):
     aircraft: Aircraft
     mission: Mission
     solar: SolarModel
-    found: PerpetualCeiling
+    search: PerpetualCeiling
 
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
-        """What the altitudes up to the ceiling, and the best one, take from outside a model."""
-        ceiling = self.found
+        """Extrapolated quantities up to the ceiling, and at the best altitude."""
+        ceiling = self.search
         top_m = -math.inf if ceiling.highest is None else ceiling.highest.altitude_m
         claimed = [flight for flight in ceiling.flights if flight.altitude_m <= top_m]
         ends = (ceiling.best, *(() if ceiling.highest is None else (ceiling.highest,)))
@@ -64,9 +64,9 @@ class Ceiling(Result):
         return merge_extrapolations([flight.extrapolations for flight in claimed], "altitudes")
 
     def table(self, most: int = _ROWS[2]) -> Table:
-        """Altitudes from the lowest to where the day has no power, and the ceiling."""
+        """Return a table from the lowest altitude to the first without power, with the ceiling."""
         scenarios, climbs = self.mission.scenarios(), self.mission.climb is not None
-        shown = _shown_flights(self.found, most)
+        shown = _shown_flights(self.search, most)
         several, reasons = len(scenarios) > 1, any(flight.reason for flight in shown)
         altitude, *others = group(
             "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh "
@@ -81,13 +81,13 @@ class Ceiling(Result):
         return table_of("", (altitude, *others), rows)
 
     def to_frame(self) -> pd.DataFrame:
-        """All altitudes, one row each."""
-        return data_frame(plain(self.found.flights))
+        """Return a row for each altitude."""
+        return data_frame(plain(self.search.flights))
 
 
 def headline(ceiling: Ceiling) -> str:
-    """Return the ceiling and best altitude in one line."""
-    search, required = ceiling.found, ceiling.found.required_excess_time_h
+    """Return ceiling and best altitude in one line."""
+    search, required = ceiling.search, ceiling.search.required_excess_time_h
     climb = ceiling.mission.climb
     more = [] if climb is None else [f"climbs to {climb.ceiling_m:g} m"]
     more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
@@ -111,7 +111,7 @@ def headline(ceiling: Ceiling) -> str:
 
 
 def blocks(ceiling: Ceiling, level: int) -> list[Any]:
-    """Return the headline, altitudes around and below the ceiling, and what they rest on."""
+    """Return headline, a table of altitudes, extrapolations and conditions."""
     note = f"{ceiling.solar.label}; energy of the day, electric"
     if ceiling.mission.climb is not None:
         note += "; power and airspeed at the night's floor"
@@ -130,21 +130,21 @@ def perpetual_ceiling(
     step_m: float = DEFAULT_STEP_M,
     progress: Callable[[int, int], None] | None = None,
 ) -> Ceiling:
-    """Find how high an aircraft flies perpetually in all scenarios of a mission.
+    """Find the highest altitude of perpetual flight in all scenarios of a mission.
 
     Parameters
     ----------
     aircraft, mission
-        What flies, and where; the search starts at the mission's altitude, and goes down from there
-        where no altitude above is feasible. With ``climb`` it is that of the highest night's floor,
-        the ceiling of the climbs stays.
+        Aircraft and mission; the search starts at the mission's altitude, and goes down from there
+        if no altitude above is feasible. With ``climb`` it searches the highest night's floor below
+        a fixed ceiling of the climbs.
     model, correction : str
         Solar power model and its correction.
     highest_m, step_m : float
         End of the search and spacing of its altitudes [m]. Without an end it is 20,000 m, or 32,000
         m for missions above 15,000 m.
     progress : callable, optional
-        Told after every altitude how many are done, and of how many.
+        Called after every altitude with the altitudes done and in all.
 
     Returns
     -------
@@ -165,13 +165,13 @@ def perpetual_ceiling(
 
 
 def _shown_flights(ceiling: PerpetualCeiling, most: int) -> list[AltitudeFlight]:
-    """At most so many flights, at round altitudes, with the ends of the search and the ceiling."""
+    """Return at most ``most`` flights, at round altitudes, the ends and the ceiling."""
     ends, between = (ceiling.flights[0], ceiling.flights[-1]), ceiling.flights[1:-1]
     ends = (*ends, *(() if ceiling.highest is None else (ceiling.highest,)))
     altitudes = [flight.altitude_m for flight in between]
     step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0
     stride = max(math.ceil(len(between) / (most - len(ends))), 1)
-    # Multiples of a round step rather than every so many from the first.
+    # Multiples of a round step, not every n-th from the first.
     shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
     each = {flight.altitude_m: flight for flight in (*shown, *ends)}
     rows = [each[altitude_m] for altitude_m in sorted(each)]
@@ -182,7 +182,7 @@ def _shown_flights(ceiling: PerpetualCeiling, most: int) -> list[AltitudeFlight]
 
 @styled
 def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
-    """Excess time, power and daily energies over altitude, the ceiling marked.
+    """Draw excess time, power and daily energies over altitude, the ceiling marked.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     -------
     Figure
     """
-    ceiling, climb, mark = result.found, result.mission.climb, DARK_GREY
+    ceiling, climb, mark = result.search, result.mission.climb, DARK_GREY
     drawn, panels = new_figure(
         1,
         3,

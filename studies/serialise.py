@@ -111,10 +111,11 @@ RECORDS = {
     # ---- Altitudes
     "Ceiling": """
         aircraft=aircraft.name mission=mission.name model=solar.model correction=solar.correction
-        climb?=mission.climb.record required_excess_time_h=found.required_excess_time_h
-        highest_perpetual_altitude_m=found.highest.altitude_m at_search_limit=found.at_search_limit
-        best_altitude_m=found.best.altitude_m best_excess_time_h=found.best.excess_time_h
-        extrapolations altitudes=found.flights
+        climb?=mission.climb.record required_excess_time_h=search.required_excess_time_h
+        highest_perpetual_altitude_m=search.highest.altitude_m
+        at_search_limit=search.at_search_limit best_altitude_m=search.best.altitude_m
+        best_excess_time_h=search.best.excess_time_h
+        extrapolations altitudes=search.flights
         """,
     "AltitudeFlight": "+ -extrapolations -maximum_altitude_m maximum_altitude_m?",
     "Station": """

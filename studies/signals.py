@@ -1,13 +1,13 @@
-"""Ctrl-C and SIGTERM as an exception that comes soon, and comes again where it was swallowed.
+"""Ctrl-C and SIGTERM as an exception, raised again where it is swallowed.
 
-The first signal is noted and raised as :class:`Stopped`; the second ends the process at once, even
-amid a call into a library, because it finds the system's own handler.
+The first signal is raised as :class:`Stopped`; the second ends the process at once, even within a
+library, by the system's handler.
 
-An exception that a signal handler raises may be lost: CasADi swallows about half of those that come
-amid its solvers, and Python drops those of finalisers. It is therefore raised again every second
-until somebody is seen to handle it. It is not raised while a native module is initialised: some
-call Python meanwhile and, left half-made, abort the process at its end (matplotlib's ft2font:
-``Fatal Python error: PyThreadState_Get``).
+Exceptions of signal handlers may be lost: CasADi swallows about half of them within its solvers,
+and Python drops them in finalisers. The exception is therefore raised again every second until it
+is being handled, but not while a native module is initialised: some call Python meanwhile and, left
+half-made, abort the process at its end (matplotlib's ft2font: ``Fatal Python error:
+PyThreadState_Get``).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _SHOW_CURSOR = b"\x1b[?25h"
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal asked to stop; what was finished is kept in the store, if there is one."""
+    """Stop by a signal; finished work is kept in the store, if there is one."""
 
     def __init__(self, signum: int) -> None:
         super().__init__(signum)
@@ -38,10 +38,9 @@ class Stopped(KeyboardInterrupt):
 
 
 class Signals:
-    """What came while :func:`interruptible` was entered.
+    """Signals within :func:`interruptible`.
 
-    ``signum``: the first signal that came. ``held``: whether signals are noted alone, for
-    :meth:`check` to raise.
+    ``signum``: first signal. ``held``: signals are recorded alone, for :meth:`check` to raise.
     """
 
     def __init__(self) -> None:
@@ -50,12 +49,12 @@ class Signals:
         self.caught: list[int] = []
 
     def check(self) -> None:
-        """Raise for a signal that came while it was held, or was swallowed."""
+        """Raise for a signal that was held or swallowed."""
         if self.signum is not None:
             raise Stopped(self.signum)
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
-        """Note the signal, and raise it unless it is held."""
+        """Record the signal, and raise it unless held."""
         if self.signum is None:
             self.signum = signum
             for number in self.caught:
@@ -63,7 +62,7 @@ class Signals:
             if _CAN_REPEAT:
                 signal.signal(signal.SIGALRM, self._repeat)
                 signal.setitimer(signal.ITIMER_REAL, _FIRST_REPEAT_S, _REPEAT_S)
-            # A second one might leave the terminal as a progress bar has it.
+            # A second signal might leave the cursor hidden by a progress bar.
             if sys.stderr is not None and sys.stderr.isatty():
                 os.write(sys.stderr.fileno(), _SHOW_CURSOR)
         if not self.held and not (_CAN_REPEAT and _starts_native_module(frame)):
@@ -77,7 +76,7 @@ class Signals:
 
 
 def _being_handled() -> bool:
-    """Whether an ``except``, ``finally`` or ``with`` tidies up after a signal just now."""
+    """Return true while an ``except``, ``finally`` or ``with`` handles a signal."""
     error = sys.exc_info()[1]
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__context__
@@ -85,7 +84,7 @@ def _being_handled() -> bool:
 
 
 def _starts_native_module(frame: FrameType | None) -> bool:
-    """Whether a native module is being initialised where a signal came."""
+    """Return true if a frame is within the initialisation of a native module."""
     while frame is not None:
         if frame.f_code in _STARTS:
             return True
@@ -95,10 +94,7 @@ def _starts_native_module(frame: FrameType | None) -> bool:
 
 @contextmanager
 def interruptible(*, held: bool = False) -> Iterator[Signals]:
-    """Catch Ctrl-C and SIGTERM, in the main thread; elsewhere nothing is caught.
-
-    A signal that is ignored, as Ctrl-C is by jobs in the background, remains so.
-    """
+    """Catch Ctrl-C and SIGTERM in the main thread, unless ignored as by jobs in the background."""
     signals = Signals()
     signals.held = held
     if threading.current_thread() is not threading.main_thread():
@@ -126,11 +122,11 @@ def interruptible(*, held: bool = False) -> Iterator[Signals]:
 def _without_signals(
     hook: Callable[[sys.UnraisableHookArgs], object],
 ) -> Callable[[sys.UnraisableHookArgs], object]:
-    """Hook for errors that cannot be raised: those of signals are raised again by themselves."""
+    """Return a hook for unraisable errors that skips signals, which are raised again."""
 
-    def told(unraisable: sys.UnraisableHookArgs) -> object:
+    def filtered(unraisable: sys.UnraisableHookArgs) -> object:
         if isinstance(unraisable.exc_value, KeyboardInterrupt):
             return None
         return hook(unraisable)
 
-    return told
+    return filtered

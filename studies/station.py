@@ -61,9 +61,9 @@ _ROWS = {1: 14, 2: 1000}  # of the tables, by level
 class Station(Result):
     """Share of the time in which an aircraft holds its place, by row and month.
 
-    ``over``: what the rows are, ``latitude`` [deg] or ``altitude`` [m]. ``cells``: arrays of the
-    shape ``(row, month)``; the airspeed is NaN where no day is perpetual; ``chosen_altitude`` is
-    that of the largest share, where it is chosen by latitude and month.
+    ``over``: quantity of the rows, ``latitude`` [deg] or ``altitude`` [m]. ``cells``: arrays of
+    shape ``(row, month)``; airspeed NaN where no day is perpetual; ``chosen_altitude``: altitude
+    of the largest share, if chosen by latitude and month.
     """
 
     aircraft: Aircraft
@@ -95,12 +95,12 @@ class Station(Result):
         return self.cells["airspeed"].values
 
     def table(self, level: int = 2) -> Table:
-        """Share of the time [%] by row and month; empty where no day is perpetual."""
+        """Return the share of the time [%] by row and month; empty where no day is perpetual."""
         title = "share of the time on station [%]"
         return self._by_month(title, 100.0 * self.share, ".0f", level)
 
     def _by_month(self, title: str, values: FloatArray, form: str, level: int) -> Table:
-        """Values by row and month; empty where no day is perpetual."""
+        """Return a table of values by row and month; empty where no day is perpetual."""
         first = Column(self.over, to_right=True)
         months = tuple(Column(MONTH_NAMES[m - 1], form=form) for m in self.months)
         shown = np.where(np.isfinite(self.airspeed_m_per_s), values, np.nan)
@@ -123,16 +123,16 @@ class Station(Result):
 
     @property
     def columns(self) -> dict[str, FloatArray]:
-        """Values of all cells, by their names in records and tables."""
+        """Values of all cells by their names in records and tables."""
         return {name: self.cells[key].values for key, name in _NAMES.items() if key in self.cells}
 
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
-        """What the design takes from outside the range of a model."""
+        """Extrapolated quantities of the design."""
         return extrapolations_of(self.cells)
 
     def to_frame(self) -> pd.DataFrame:
-        """One row for each latitude or altitude and month."""
+        """Return a row for each latitude or altitude and month."""
         rows, months = np.meshgrid(self.rows, self.months, indexing="ij")
         unit = "deg" if self.over == "latitude" else "m"
         columns = {f"{self.over}_{unit}": rows, "month": months, **self.columns}
@@ -152,7 +152,7 @@ def headline(station: Station) -> str:
 
 
 def blocks(station: Station, level: int) -> list[Any]:
-    """Return the headline and tables, from one latitude or altitude to the next of a summary."""
+    """Return headline, tables (of round latitudes in a summary), and notes."""
     notes = [Line(f"{station.solar.label}; winds from {station.source}", "faint")]
     if not np.all(np.isfinite(station.airspeed_m_per_s)):
         notes.insert(0, Line("-: no perpetual flight", "faint"))
@@ -179,9 +179,9 @@ def station(
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Station:
-    """Share of the time in which an aircraft holds its place, by latitude or altitude and month.
+    """Compute the share of the time on station by latitude or altitude and month.
 
-    With both, each latitude and month is flown at that altitude which has the largest share.
+    With both, each latitude and month gets the altitude with the largest share.
     """
     study = prepare(aircraft, mission, latitudes, altitudes_m, SolarModel(model, correction))
     return station_of(study, study.computed(workers, scheduler, progress))
@@ -189,9 +189,9 @@ def station(
 
 @dataclass(frozen=True)
 class _Configuration:
-    """What all cells have in common; ``altitudes_m``: to choose from, for rows of latitude.
+    """Inputs common to all cells; ``altitudes_m``: to choose from, for rows of latitude.
 
-    ``chooses``: whether the user gave them.
+    ``chooses``: the altitudes are the user's, not the mission's.
     """
 
     aircraft: Aircraft
@@ -208,7 +208,7 @@ def prepare(
     altitudes_m: ArrayLike | None,
     solar: SolarModel,
 ) -> Study:
-    """Check a study over latitude or altitude and month."""
+    """Check a study over latitude or altitude and month, and return it."""
     months = np.array(winds_of(aircraft, mission).table(mission.longitude_deg).months)
     heights = np.asarray([mission.altitude_m] if altitudes_m is None else altitudes_m, float)
     over, rows = "latitude", np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
@@ -217,15 +217,19 @@ def prepare(
     if altitudes_m is not None and latitudes is None:
         over, rows, choice, chooses = "altitude", heights, None, False
     cells = np.stack(np.meshgrid(rows, months, indexing="ij"), -1).reshape(-1, 2)
-    asked = _Configuration(aircraft, mission, solar, choice, chooses)
-    for there, where in _by_altitude(asked, cells).items():  # refuses what winds do not know
-        mission.at_altitude(there).scenario_winds_m_per_s(_scenarios(asked, cells[where]))
-    extrapolated = _extrapolations([mission.at_altitude(h) for h in heights.tolist()], asked)
+    configuration = _Configuration(aircraft, mission, solar, choice, chooses)
+    for altitude_m, where in _by_altitude(configuration, cells).items():
+        # Refuses cells outside the table of winds.
+        there = mission.at_altitude(altitude_m)
+        there.scenario_winds_m_per_s(_scenarios(configuration, cells[where]))
+    extrapolated = _extrapolations(
+        [mission.at_altitude(h) for h in heights.tolist()], configuration
+    )
     units = "degrees_north" if over == "latitude" else "m"
     month = {"units": "1", "long_name": "month"}
     return Study(
         _station_cells,
-        asked,
+        configuration,
         cells,
         cell_s=_CELL_S * (1 if choice is None else len(choice)),
         described=_DESCRIBED | (_CHOSEN if chooses else {}),
@@ -239,65 +243,76 @@ def prepare(
     )
 
 
-def _by_altitude(asked: _Configuration, cells: FloatArray) -> dict[float, BoolArray]:
-    """Cells that are flown at each altitude [m]."""
-    if asked.altitudes_m is None:
+def _by_altitude(configuration: _Configuration, cells: FloatArray) -> dict[float, BoolArray]:
+    """Return flags of the cells to simulate at each altitude [m]."""
+    if configuration.altitudes_m is None:
         return {height: cells[:, 0] == height for height in np.unique(cells[:, 0]).tolist()}
-    return {height: np.ones(len(cells), bool) for height in asked.altitudes_m}
+    return {height: np.ones(len(cells), bool) for height in configuration.altitudes_m}
 
 
-def _scenarios(asked: _Configuration, cells: FloatArray) -> Scenarios:
-    """Middle of the month of each cell, at its latitude or the mission's first."""
+def _scenarios(configuration: _Configuration, cells: FloatArray) -> Scenarios:
+    """Return the middle of each cell's month, at its latitude or the mission's first."""
     days = [day_of_year(f"{int(month):02d}-{_MIDDLE}") for month in cells[:, 1]]
-    first = asked.mission.latitudes()[0]
-    north = np.full(len(cells), first) if asked.altitudes_m is None else cells[:, 0]
+    first = configuration.mission.latitudes()[0]
+    north = np.full(len(cells), first) if configuration.altitudes_m is None else cells[:, 0]
     return Scenarios(north, np.array(days))
 
 
-def _station_cells(asked: _Configuration, cells: FloatArray) -> dict[str, FloatArray]:
-    """Columns of cells of latitude or altitude and month, at the altitude of the largest share."""
-    groups = _by_altitude(asked, cells)
-    flown = {name: np.full((len(groups), len(cells)), -1.0) for name in _DESCRIBED}
+def _station_cells(configuration: _Configuration, cells: FloatArray) -> dict[str, FloatArray]:
+    """Compute columns of cells, each at the altitude of the largest share."""
+    groups = _by_altitude(configuration, cells)
+    results = {name: np.full((len(groups), len(cells)), -1.0) for name in _DESCRIBED}
     for row, (height, where) in enumerate(groups.items()):
-        mission, scenarios = asked.mission.at_altitude(height), _scenarios(asked, cells[where])
-        found = station_keeping(asked.aircraft, mission, asked.solar, scenarios=scenarios)
-        flown["share"][row, where], flown["at_end"][row, where] = found.share, found.at_end
-        flown["airspeed"][row, where] = found.airspeed_m_per_s
-        flown["wind"][row, where] = found.wind_m_per_s
-    best = flown["share"].argmax(axis=0)
-    columns = {name: values[best, np.arange(len(cells))] for name, values in flown.items()}
+        mission = configuration.mission.at_altitude(height)
+        flights = station_keeping(
+            configuration.aircraft,
+            mission,
+            configuration.solar,
+            scenarios=_scenarios(configuration, cells[where]),
+        )
+        results["share"][row, where], results["at_end"][row, where] = flights.share, flights.at_end
+        results["airspeed"][row, where] = flights.airspeed_m_per_s
+        results["wind"][row, where] = flights.wind_m_per_s
+    best = results["share"].argmax(axis=0)
+    columns = {name: values[best, np.arange(len(cells))] for name, values in results.items()}
     chosen_m = np.array(list(groups))[best]
-    return columns | (dict.fromkeys(_CHOSEN, chosen_m) if asked.chooses else {})
+    return columns | (dict.fromkeys(_CHOSEN, chosen_m) if configuration.chooses else {})
 
 
 def station_of(study: Study, data: Gridded) -> Station:
-    """Result of a study."""
-    asked: _Configuration = study.configuration
-    winds = winds_of(asked.aircraft, asked.mission).table(asked.mission.longitude_deg)
+    """Make the result of a study."""
+    configuration: _Configuration = study.configuration
+    winds = winds_of(configuration.aircraft, configuration.mission).table(
+        configuration.mission.longitude_deg
+    )
     variables = dict(data.variables)
     return Station(
-        *(asked.aircraft, asked.mission, asked.solar),
-        over="altitude" if asked.altitudes_m is None else "latitude",
+        configuration.aircraft,
+        configuration.mission,
+        configuration.solar,
+        over="altitude" if configuration.altitudes_m is None else "latitude",
         source=winds.source,
         at_end=bool(np.any(variables.pop("at_end").values == 1.0)),
         cells=Gridded(variables, data.coordinates, data.attrs),
     )
 
 
-def _extrapolations(places: Sequence[Mission], asked: _Configuration) -> tuple[Extrapolation, ...]:
-    """What the design takes from outside the range of a model, at all altitudes."""
-    aircraft, solar = asked.aircraft, asked.solar
-    calm = [one.in_wind(0.0) for one in places]  # the share says what the wind does
+def _extrapolations(
+    places: Sequence[Mission], configuration: _Configuration
+) -> tuple[Extrapolation, ...]:
+    """Return where the design leaves the range of a model, at all altitudes."""
+    aircraft, solar = configuration.aircraft, configuration.solar
+    calm = [place.in_wind(0.0) for place in places]  # the share says what the wind does
     each = [
-        collect_extrapolations(design_checks(aircraft, one, design_of(aircraft, one), solar))
-        for one in calm
+        collect_extrapolations(design_checks(aircraft, place, design_of(aircraft, place), solar))
+        for place in calm
     ]
     return each[0] if len(each) == 1 else merge_extrapolations(each, "altitudes")
 
 
 @styled
 def plot_station(result: Station, *, figure: Canvas = DEFAULT) -> Figure:
-    """Share of the time on station over the months, blank where no day is perpetual."""
+    """Draw the share of the time on station over the months, blank where no day is perpetual."""
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{result.aircraft.name} on {result.mission.name}: time on station",

@@ -1,7 +1,7 @@
-"""One study: cells, a function of them, and what its columns are called and mean.
+"""Study: cells, the function that computes them, and names and units of its columns.
 
-Maps, trade studies and station keeping are such studies: the engine computes the cells in chunks,
-and the columns become one result, on a dimension for each coordinate or all along one.
+Maps, trade studies and station keeping are studies: the engine computes the cells in chunks, and
+the columns become one result, on a dimension for each coordinate or all along one.
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ VARIED = "varied"  # a coordinate that no cell has a value of
 # Columns of text; the others are numbers.
 _TEXTS = ("violated_requirement", "message", "extrapolations")
 
-# A chunk takes so long [s], of small studies less, so that there is work for many workers. Neither
-# depends on how many there are, or results would.
+# Time of a chunk [s], less in small studies, so that there is work for many workers. Independent of
+# their number, or results would depend on it.
 _LEAST_CHUNK_S, _CHUNK_S = 0.1, 0.5
 _CHUNKS = 128
 
 
 class ComputationError(RuntimeError):
-    """Every cell of a computation failed."""
+    """Failure of every cell of a computation."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study, ready to be computed.
+    """Checked study, ready to be computed.
 
-    ``function``, ``configuration``, ``cells``: see :class:`studies.engine.run.Job`; of cells on a
-    grid the last coordinate changes first. ``cell_s``: time of a cell on one core, roughly [s]: it
-    decides the size of chunks, and whether processes pay. ``described``: unit and long name of
-    every column. ``statuses``: what ``status`` may be, ``failed`` among them. ``coordinates``: on a
-    dimension each, or all on one. ``attributes``: of the result. ``extrapolated``: what the columns
-    take from outside the range of a model. ``order``: numbers of the cells in the order in which
-    they are computed. ``unit``: what cells are called, in the plural. ``together``: cells that a
-    chunk has at least, where they are quicker computed together.
+    ``function``, ``configuration``, ``cells``: see :class:`studies.engine.run.Job`; on a grid the
+    last coordinate changes first. ``cell_s``: rough time of a cell on one core [s], for the size of
+    chunks and the choice of processes. ``described``: unit and long name of every column.
+    ``statuses``: values of ``status``, ``failed`` included. ``coordinates``: on a dimension each,
+    or all on one. ``attributes``: of the result. ``extrapolated``: function of the columns that
+    returns values outside a model's range. ``order``: indices of the cells in the order of
+    computation. ``unit``: name of cells, in the plural. ``together``: least cells in a chunk, for
+    cells that are faster together.
     """
 
     function: ChunkFunction
@@ -66,12 +66,12 @@ class Study:
 
     @cached_property
     def job(self) -> Job:
-        """What the engine computes."""
+        """Job of the engine."""
         count = len(self.cells)
         chunk_s = min(max(count * self.cell_s / _CHUNKS, _LEAST_CHUNK_S), _CHUNK_S)
         order = np.arange(count) if self.order is None else self.order
         each = max(round(chunk_s / self.cell_s), self.together)
-        chunks = [order[some] for some in pieces(count, each)]
+        chunks = [order[part] for part in pieces(count, each)]
         blanks = blanks_of(self.described)
         return Job(self.function, self.configuration, self.cells, chunks, blanks)
 
@@ -81,11 +81,11 @@ class Study:
         scheduler: str | None,
         tell: Callable[[str], None] | None = None,
     ) -> Pool:
-        """Who computes the study, see :func:`studies.engine.run.pool_of`."""
+        """Return the pool that computes the study, see :func:`studies.engine.run.pool_of`."""
         return pool_of(workers, scheduler, tell, self.cell_s * len(self.cells))
 
     def trouble(self, outcome: Outcome) -> str | None:
-        """How many cells failed and why the first did; none if none did."""
+        """Return the number of failed cells and the first reason, None without failures."""
         if not outcome.failures:
             return None
         first = outcome.failures[min(outcome.failures)]
@@ -100,10 +100,9 @@ class Study:
     ) -> Gridded:
         """Compute the study in memory, for callers in Python.
 
-        ``workers``: processes that compute: 1 starts none, None as many as there are cores where
-        that pays. ``scheduler``: that of dask, with the workers that were started for it, or
-        ``local-cluster``. ``progress``: called with the cells done and the cells in all. A warning
-        tells how many cells failed, if any did.
+        ``workers``: number of processes; 1 starts none, None as many as cores where that pays.
+        ``scheduler``: address of dask's scheduler, or ``local-cluster``. ``progress``: called with
+        the cells done and the cells in all. A warning counts failed cells.
         """
         if workers is not None and workers < 1:
             raise ValueError(f"workers must be at least 1, or None (got {workers})")
@@ -119,11 +118,11 @@ class Study:
         return self.gridded(outcome)
 
     def gridded(self, outcome: Outcome) -> Gridded:
-        """Result with CF attributes, as plain arrays: for those who need no more."""
-        sizes = {one.dims[0]: len(one.values) for one in self.coordinates.values()}
+        """Return the result with CF attributes, as plain arrays."""
+        sizes = {c.dims[0]: len(c.values) for c in self.coordinates.values()}
         columns = {
             name: values.reshape(tuple(sizes.values()))
-            # What is varied is no result.
+            # Varied columns are coordinates, not results.
             for name, values in _with_reasons(outcome).items()
             if name not in self.coordinates
         }
@@ -138,14 +137,14 @@ class Study:
         )
 
     def _failed_cells(self, outcome: Outcome, sizes: Mapping[str, int]) -> dict[str, str]:
-        """Attribute that says which cells failed, and why, a line for each; none if none did."""
+        """Return an attribute with a line for each failed cell and its reason, empty without."""
         lines = []
         for number, reason in sorted(outcome.failures.items()):
             place = np.unravel_index(number, tuple(sizes.values()))
             where = dict(zip(sizes, place, strict=True))
             values = {
-                name: one.values[where[one.dims[0]]]
-                for name, one in self.coordinates.items()
+                name: coordinate.values[where[coordinate.dims[0]]]
+                for name, coordinate in self.coordinates.items()
                 if name != VARIED
             }
             texts = (
@@ -157,7 +156,7 @@ class Study:
 
 
 def _with_reasons(outcome: Outcome) -> dict[str, NDArray[Any]]:
-    """Columns with the reason of a cell that failed as its message."""
+    """Return the columns with the reasons of failed cells as their messages."""
     if "message" not in outcome.columns or not outcome.failures:
         return outcome.columns
     messages = outcome.columns["message"].astype(object)
@@ -166,7 +165,7 @@ def _with_reasons(outcome: Outcome) -> dict[str, NDArray[Any]]:
 
 
 def blanks_of(described: Mapping[str, Any]) -> dict[str, Any]:
-    """What stands in every column for a cell without a result."""
+    """Return the blank value of every column, for cells without a result."""
     blanks: dict[str, Any] = {name: np.float64("nan") for name in described}
     blanks |= {name: np.str_("") for name in _TEXTS if name in described}
     return blanks | ({"status": np.int8(-1)} if "status" in described else {})
@@ -175,10 +174,7 @@ def blanks_of(described: Mapping[str, Any]) -> dict[str, Any]:
 def merged(
     chosen: BoolArray, there: Mapping[str, Any], elsewhere: Mapping[str, Any]
 ) -> dict[str, NDArray[Any]]:
-    """Columns of all cells from those of the chosen ones and of the others.
-
-    A column that one side lacks is blank there.
-    """
+    """Merge columns of chosen cells and of the others, blank where a side lacks one."""
     columns = {}
     for name in {**there, **elsewhere}:
         known = [
@@ -194,10 +190,7 @@ def merged(
 
 
 def pieces(count: int, each: int) -> list[slice]:
-    """Slices of at most ``each`` that cover ``count``, as even as possible.
-
-    ``each``: largest number in a slice; less than 1 counts as 1. Returns in order, without gaps.
-    """
+    """Return slices of at most ``each`` (at least 1) that cover ``count``, as even as possible."""
     number = -(-count // max(each, 1))
     edges = np.linspace(0, count, number + 1).round().astype(int)
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]

@@ -36,13 +36,12 @@ _LINES = {"p90": ":", "p50": "-", "p10": "--"}
 
 @styled
 def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
-    """Draw how the excess time scatters, and which inputs make it scatter.
+    """Draw the distribution of the excess time, and the inputs that cause it.
 
-    On the left a histogram of the draws with P90, P50 and P10; P90 is exceeded in 90 % of
-    them. On the right a tornado: the range of the excess time's mean from the lowest fifth of an
-    input's draws to the highest, and the share of the
-    variance that the input explains together with all others. Of a single input, which explains
-    all, the histogram alone.
+    On the left a histogram of the draws with P90, P50 and P10; P90 is exceeded in 90 % of them. On
+    the right a tornado: mean excess time from the lowest to the highest fifth of an input's draws,
+    and the share of the variance that the input explains together with all others. The histogram
+    alone for a single input.
 
     Parameters
     ----------
@@ -109,7 +108,7 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
 
 
 def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
-    """Style, name and value of what is marked: percentiles, or the medians of two lobes."""
+    """Yield style, name and value of marks: percentiles, or the medians of two lobes."""
     excess = analysis.flights.excess_time_h
     styles = tuple(_LINES.values())
     for style, (name, chosen) in zip(styles, analysis.lobes.items(), strict=False):
@@ -121,17 +120,17 @@ def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
 
 
 def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
-    """Bars from the mean excess time of each input's lowest draws to that of its highest."""
+    """Draw bars between mean excess times of each input's lowest and highest draws."""
     excess = analysis.flights.excess_time_h
     finite = np.isfinite(excess)
     rows: list[tuple[UncertainInput, float, float]] = []
-    for one in analysis.inputs.inputs:
-        value = analysis.values[one.key]
+    for source in analysis.inputs.inputs:
+        value = analysis.values[source.key]
         low, high = (
             float(np.mean(excess[finite & side])) if np.any(finite & side) else np.nan
             for side in (value <= np.percentile(value, 20.0), value >= np.percentile(value, 80.0))
         )
-        rows.append((one, low, high))
+        rows.append((source, low, high))
     rows.sort(key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
     rows = rows[-_MOST_BARS:]
     centre = float(np.mean(excess[finite])) if np.any(finite) else 0.0
@@ -156,9 +155,9 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     axes.set_xlabel("mean excess time [h]")
 
 
-def _input_label(analysis: UncertaintyAnalysis, one: UncertainInput) -> str:
-    """Input in words, with the share of the variance that it explains with all others."""
-    index = analysis.sobol.get(one.key)
+def _input_label(analysis: UncertaintyAnalysis, source: UncertainInput) -> str:
+    """Return an input in words, with its share of the variance."""
+    index = analysis.sobol.get(source.key)
     if index is None:
-        return one.label
-    return f"{one.label}, {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"
+        return source.label
+    return f"{source.label}, {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"

@@ -1,8 +1,8 @@
 """Geometry of an aircraft for AeroSandbox, AVL and OpenVSP.
 
 AeroSandbox, the extra ``exchange``, writes the files of AVL and OpenVSP. AVL is Mark Drela's vortex
-lattice code (Drela, M., and Youngren, H., AVL User Primer); its sections are given the lift slope
-of thin airfoils, 2 pi, which the models of this package take as well.
+lattice code (Drela, M., and Youngren, H., AVL User Primer); its sections get the lift slope of thin
+airfoils, 2 pi, as in this package's models.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ _NEUTRAL_SLOPE = 1.0  # factor on a section's slope of 2 pi
 
 
 def missing_library() -> str | None:
-    """What to install before an airplane can be made; None where nothing is missing."""
+    """Return the missing library and how to install it, None if installed."""
     if find_spec("aerosandbox") is not None:
         return None
     return "needs AeroSandbox: pip install aerosandbox (the extra 'exchange')"
 
 
 def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Airplane:
-    """Aircraft as an airplane of AeroSandbox: wing and tail planes, in its axes and units.
+    """Convert wing and tail planes to an airplane of AeroSandbox, in its axes and units.
 
     Parameters
     ----------
     aircraft : Aircraft
-        Parametric or measured; without its section in AeroSandbox's database the wing has a
-        symmetric one.
+        Parametric or measured; the wing gets a symmetric section if AeroSandbox's database lacks
+        its airfoil.
     gravity_m : float, optional
         Centre of gravity behind the leading edge of the wing root [m], such as
         ``analysis.balance.gravity_m``.
@@ -73,18 +73,14 @@ def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Ai
 
 
 def _library() -> Any:
-    """AeroSandbox, whose import takes seconds."""
+    """Import AeroSandbox on demand, which takes seconds."""
     import aerosandbox
 
     return aerosandbox
 
 
 def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None = None) -> str:
-    """Content of a file that holds the geometry of an aircraft.
-
-    ``file_format``: AVL with the coordinates of its airfoils, OpenVSP, or a script that makes the
-    airplane of :func:`to_aerosandbox`.
-    """
+    """Return the text of a geometry file: ``avl``, ``vspscript``, or ``py`` for a script."""
     return _WRITERS[file_format](aircraft, gravity_m)
 
 
@@ -94,8 +90,7 @@ def _avl(aircraft: Aircraft, gravity_m: float | None) -> str:
         target = Path(folder) / "wing.avl"
         asb.AVL(to_aerosandbox(aircraft, gravity_m), asb.OperatingPoint()).write_avl(target)
         text = target.read_text(encoding="utf-8")
-        # AVL looks for files of airfoils in its own folder, and goes on without a camber where it
-        # finds none: their coordinates go into the file.
+        # AVL ignores camber without the airfoils' files in its folder: put coordinates in the text.
         for file in sorted(Path(folder).glob("wing.avl.*")):
             _, _, points = file.read_text(encoding="utf-8").partition("\n")
             text = text.replace(f"AFIL\n{file}\n", f"AIRFOIL\n{points.strip()}\n")
@@ -110,7 +105,7 @@ def _vspscript(aircraft: Aircraft, gravity_m: float | None) -> str:
 
 
 def _script(aircraft: Aircraft, gravity_m: float | None) -> str:
-    """Python that makes the airplane: for those who go on from there."""
+    """Return a Python script that makes the airplane."""
     surfaces = lifting_surfaces(aircraft, gravity_m)
     lines = [
         f"# {note}"
@@ -202,7 +197,7 @@ def _airfoil(shape: SectionShape) -> asb.Airfoil:
 
 
 def _drag_options(surface: LiftingSurface) -> dict[str, Any]:
-    """Profile drag as AVL takes it; a drag of none is given at lift coefficients in order."""
+    """Return the profile drag as AVL takes it; zeros without."""
     lift, drag = (-1.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     if surface.drag is not None:
         lift, drag = surface.drag
@@ -213,12 +208,12 @@ def _drag_options(surface: LiftingSurface) -> dict[str, Any]:
 
 
 def _commented(text: str, mark: str, lines: Sequence[str]) -> str:
-    """Text with notes behind its first line, which in AVL is the title."""
+    """Insert notes as comments, in AVL behind the title."""
     first, _, rest = text.partition("\n")
     notes = "".join(f"{mark} {note}\n" for note in lines)
     return f"{first}\n{notes}{rest}" if mark == "!" else f"{notes}{text}"
 
 
 def _script_name(name: str) -> str:
-    """Name without characters that mean something in a script."""
+    """Replace characters of a name that mean something in a script."""
     return re.sub(r"[^A-Za-z0-9 _.-]", "_", name).strip() or "aircraft"

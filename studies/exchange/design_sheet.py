@@ -1,4 +1,4 @@
-"""Quantities of a design as one table: for a paper, a workbook, or beside another design."""
+"""Quantities of a design as one table, for a paper, a workbook, or a comparison of designs."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ _TECHNOLOGY = (
 
 @dataclass(frozen=True)
 class Entry:
-    """A quantity of a design, with its value.
+    """Quantity of a design with its value.
 
-    ``group``: what it is about: ``geometry``, ``masses``, ``balance``, ``flight``, ``power``,
-    ``energy`` or ``technology``. ``key``: name in files and JSON, with its unit. ``label``,
-    ``symbol``, ``unit``: in words; in LaTeX, empty where there is none; ``1`` for no unit.
-    ``value``: none where the aircraft has none; infinite where it is unlimited.
+    ``group``: ``geometry``, ``masses``, ``balance``, ``flight``, ``power``, ``energy`` or
+    ``technology``. ``key``: name in files and JSON, with its unit. ``label``: words. ``symbol``:
+    LaTeX, empty without. ``unit``: ``1`` without. ``value``: None if the aircraft has none,
+    infinite if unlimited.
     """
 
     group: str
@@ -55,7 +55,7 @@ class Entry:
     value: float | str | None
 
     def text(self) -> str:
-        """Value as people read it: results with four digits, inputs as they were given.
+        """Return the value for people: results with four digits, inputs as in the file.
 
         Quantities of results have the digits of their table.
         """
@@ -69,10 +69,9 @@ class Entry:
 
 @dataclass(frozen=True)
 class DesignSheet:
-    """A design on a mission, quantity by quantity.
+    """Quantities of a design on a mission.
 
-    ``title``: aircraft and mission. ``notes``: model, correction and scenario that the energy
-    belongs to.
+    ``title``: aircraft and mission. ``notes``: model, correction and scenario of the energy.
     """
 
     title: str
@@ -80,29 +79,31 @@ class DesignSheet:
     notes: tuple[str, ...]
 
     def table(self) -> Table:
-        """Table for people, with a line between the groups."""
+        """Return a table for people, with a line between the groups."""
         columns = (Column("quantity"), Column("value", to_right=True), Column("unit"))
-        rows = tuple((one.label, one.text(), unit_text(one.unit)) for one in self.quantities)
+        rows = tuple(
+            (entry.label, entry.text(), unit_text(entry.unit)) for entry in self.quantities
+        )
         sections = group_starts(self.quantities)
         return Table(self.title, columns, rows, self.notes, sections=sections)
 
     def to_frame(self) -> pd.DataFrame:
-        """Quantities as a pandas frame, all digits."""
+        """Return the quantities as a pandas frame, all digits."""
         return data_frame([vars(quantity) for quantity in self.quantities])
 
     def to_dict(self) -> dict[str, Any]:
-        """Values by key, JSON-ready."""
-        return finite_values({one.key: one.value for one in self.quantities})
+        """Return values by key, JSON-ready."""
+        return finite_values({entry.key: entry.value for entry in self.quantities})
 
 
 def group_starts(entries: Sequence[Entry]) -> tuple[int, ...]:
-    """Places at which another group begins, but for the first."""
+    """Return the indices at which a new group begins, except the first."""
     pairs = enumerate(pairwise(entries), start=1)
-    return tuple(place for place, (one, two) in pairs if one.group != two.group)
+    return tuple(place for place, (entry, following) in pairs if entry.group != following.group)
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
-    """Quantities of an aircraft on a mission."""
+    """Return the quantities of an aircraft on a mission."""
     worst = analysis.performance.day.scenarios.label(analysis.worst)
     solar = analysis.performance.solar
     quantities = (
@@ -118,13 +119,13 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
     notes = (f"Energy: {worst}; {solar.label}.",)
     return DesignSheet(
         f"{analysis.aircraft.name} on {analysis.mission.name}",
-        tuple(one for one in quantities if one.value is not None),
+        tuple(entry for entry in quantities if entry.value is not None),
         notes,
     )
 
 
 def number_text(value: float | str | None) -> str:
-    """Value with four significant digits, without an exponent where it can be."""
+    """Return a value with four significant digits, if possible without an exponent."""
     if value is None:
         return MISSING
     if isinstance(value, str):
@@ -137,17 +138,17 @@ def number_text(value: float | str | None) -> str:
 
 
 def _of_catalogue(group: str, names: tuple[str, ...], analysis: Analysis) -> list[Entry]:
-    """Quantities that the catalogue of parameters knows."""
+    """Return quantities that the catalogue of parameters describes."""
     values = _values(analysis)
     known = [(parameter(name), values.get(name)) for name in names]
     return [Entry(group, p.name, p.label, p.symbol, p.unit, value) for p, value in known]
 
 
 def _values(analysis: Analysis) -> dict[str, float | None]:
-    """Quantities of the design by name; those that only a parametric aircraft has are left out."""
+    """Return quantities of the design by name, more for a parametric aircraft."""
     aircraft, design = analysis.aircraft, analysis.performance.design
     known = (*q.CHOSEN, q.WING_AREA, q.AIRSPEED, q.PROPULSION_POWER, q.BATTERY_ENERGY)
-    values = {one.name: _as_float(one.of(design)) for one in known}
+    values = {quantity.name: _as_float(quantity.of(design)) for quantity in known}
     load_w, area_m2 = float(design.nominal_load_w(analysis.mission)), float(design.wing_area_m2)
     values |= {
         "chord_m": area_m2 / float(design.variables.wingspan_m),
@@ -156,9 +157,9 @@ def _values(analysis: Analysis) -> dict[str, float | None]:
         "cruise_discharge_rate_per_h": load_w / float(design.battery_energy_wh),
     }
     if isinstance(aircraft.airframe, ParametricAirframe):
-        it = DesignInFlight(aircraft, design)
+        flight = DesignInFlight(aircraft, design)
         names = (*_FLIGHT, *_POWER)
-        values |= {name: _as_float(QUANTITIES[name](it)) for name in names}  # type: ignore[index]  # all are quantities
+        values |= {name: _as_float(QUANTITIES[name](flight)) for name in names}  # type: ignore[index]  # all are quantities
     return values
 
 
@@ -167,7 +168,7 @@ def _as_float(value: Any) -> float | None:
 
 
 def _masses(analysis: Analysis) -> list[Entry]:
-    """Parts of the mass that there are, and their sum."""
+    """Return the parts of the mass above zero, and the total mass."""
     design = analysis.performance.design
     measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)
     masses = []
@@ -181,31 +182,33 @@ def _masses(analysis: Analysis) -> list[Entry]:
             )
     mass_kg = float(design.total_mass_kg)
     values = ((q.TOTAL_MASS, mass_kg), (q.WING_LOADING, mass_kg / float(design.wing_area_m2)))
-    return [*masses, *(_entry("masses", one, value) for one, value in values)]
+    return [*masses, *(_entry("masses", quantity, value) for quantity, value in values)]
 
 
 def _balance(analysis: Analysis) -> list[Entry]:
-    """Centre of gravity and static margin, where the file has a balance."""
-    found = analysis.balance
-    if found is None:
+    """Return centre of gravity, neutral point and static margin, empty without a balance."""
+    balance = analysis.balance
+    if balance is None:
         return []
     place = "behind the leading edge of the wing root"
     values = (
-        ("centre_of_gravity_m", f"centre of gravity {place}", "x_g", "m", found.gravity_m),
-        ("neutral_point_m", f"neutral point {place}", "x_n", "m", float(found.neutral_point.x_m)),
-        ("static_margin", "static margin", r"\sigma_s", "1", found.static_margin),
+        ("centre_of_gravity_m", f"centre of gravity {place}", "x_g", "m", balance.gravity_m),
+        ("neutral_point_m", f"neutral point {place}", "x_n", "m", float(balance.neutral_point.x_m)),
+        ("static_margin", "static margin", r"\sigma_s", "1", balance.static_margin),
     )
-    return [Entry("balance", *one) for one in values]
+    return [Entry("balance", *row) for row in values]
 
 
 def _energy(analysis: Analysis) -> list[Entry]:
-    """Metrics of the worst scenario."""
-    values = ((one, float(analysis.scenario()[one.name])) for one in q.SHEET_ENERGY)
-    return [_entry("energy", one, None if isnan(value) else value) for one, value in values]
+    """Return the metrics of the worst scenario."""
+    values = ((quantity, float(analysis.scenario()[quantity.name])) for quantity in q.SHEET_ENERGY)
+    return [
+        _entry("energy", quantity, None if isnan(value) else value) for quantity, value in values
+    ]
 
 
-def _entry(group: str, one: q.Quantity, value: float | None) -> Entry:
-    return Entry(group, one.name, one.label, one.symbol, one.unit or "1", value)
+def _entry(group: str, quantity: q.Quantity, value: float | None) -> Entry:
+    return Entry(group, quantity.name, quantity.label, quantity.symbol, quantity.unit or "1", value)
 
 
 def _technology_quantities(analysis: Analysis) -> list[Entry]:

@@ -17,20 +17,20 @@ from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet
 from studies.output.formats import missing_writer, table_bytes, workbook_bytes
 from studies.render.tables import UNLIMITED
 
-# Geometry alone needs no mission; tables hold what the aircraft does on one.
+# Geometry needs no mission; tables hold results on one.
 GEOMETRY_FORMATS = ("avl", "vspscript", "py")
 _TABLE_FORMATS = ("tex", "xlsx", "csv", "parquet")
 DESIGN_FORMATS = (*GEOMETRY_FORMATS, *_TABLE_FORMATS)
 
 
 def design_format(path: str) -> str | None:
-    """Format of a file name, none if it is not one that can be written."""
+    """Return the format of a file name, None if it cannot be written."""
     suffix = Path(path).suffix.lstrip(".").lower()
     return suffix if suffix in DESIGN_FORMATS else None
 
 
 def missing_for(path: str) -> str | None:
-    """What to install before a file can be written; None where nothing is missing."""
+    """Return the missing library of a file's format and how to install it, else None."""
     if design_format(path) in ("avl", "vspscript"):
         missing = missing_library()
         return None if missing is None else f".{design_format(path)} {missing}"
@@ -51,8 +51,7 @@ def export_design(
     ----------
     aircraft : Aircraft
     mission : Mission
-        Where its flight and energy are those of; geometry alone does not depend on it but for the
-        centre of gravity.
+        Mission of its flight and energy; of the geometry, only the centre of gravity depends on it.
     path : str or path-like
         Ends in ``.avl`` (AVL), ``.vspscript`` (OpenVSP), ``.py`` (a
         script for AeroSandbox), ``.tex`` (a table of LaTeX), ``.xlsx`` (a workbook of the design,
@@ -81,7 +80,7 @@ def export_design(
 
 
 def design_bytes(analysis: Analysis, path: str) -> bytes:
-    """Content of a file of a design."""
+    """Return the content of a design's file."""
     ending = design_format(path)
     if ending is not None and ending in GEOMETRY_FORMATS:
         gravity_m = None if analysis.balance is None else analysis.balance.gravity_m
@@ -110,10 +109,7 @@ _ESCAPES = {
 
 
 def latex_table(sheet: DesignSheet) -> str:
-    """Table of a design: quantity, symbol, value and unit, a rule between its groups.
-
-    Returns a ``table`` environment with caption and label, which needs ``booktabs``.
-    """
+    """Return a design as a LaTeX ``table`` with caption and label, which needs ``booktabs``."""
     label = re.sub(r"[^a-z0-9]+", "-", sheet.title.lower()).strip("-") or "design"
     lines = [
         r"% \usepackage{booktabs}",
@@ -125,15 +121,15 @@ def latex_table(sheet: DesignSheet) -> str:
         r"    \toprule",
         r"    Quantity & Symbol & Value & Unit \\",
     ]
-    for _, some in groupby(sheet.quantities, key=lambda quantity: quantity.group):
+    for _, entries in groupby(sheet.quantities, key=lambda quantity: quantity.group):
         lines.append(r"    \midrule")
-        lines += [f"    {_latex_row(quantity)}" for quantity in some]
+        lines += [f"    {_latex_row(quantity)}" for quantity in entries]
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}"]
     return "\n".join(lines) + "\n"
 
 
 def escaped(text: str) -> str:
-    """Text whose characters mean nothing to LaTeX."""
+    """Escape characters that mean something to LaTeX."""
     return "".join(_ESCAPES.get(character, character) for character in text)
 
 
@@ -145,12 +141,12 @@ def _latex_row(quantity: Entry) -> str:
 
 
 def _power(number: str) -> str:
-    """Number with its exponent as a power of ten."""
+    """Write a number's exponent as a power of ten."""
     return re.sub(r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", number)
 
 
 def _latex_unit(unit: str) -> str:
-    """Unit in upright letters, exponents raised."""
+    """Return a unit in upright letters, exponents raised."""
     if unit == "1":
         return ""
     raised = re.sub(r"([A-Za-z])([23])", r"\1^\2", unit)

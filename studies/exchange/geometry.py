@@ -1,9 +1,8 @@
-"""Lifting surfaces of an aircraft, as other tools for aerodynamics describe them.
+"""Lifting surfaces of an aircraft, as other aerodynamic tools describe them.
 
-Axes are those of AeroSandbox and AVL: x aft, y to the right, z up, from the leading edge of the
-wing root [m]. The planform is what the models of this package take: a rectangle, or the panels of
-``airframe.planform``, with the dihedral and the incidence of the module geometry where the file has
-one, and rectangular tail planes.
+Axes as in AeroSandbox and AVL: x aft, y to the right, z up, from the leading edge of the wing root
+[m]. The planform is this package's: a rectangle, or the panels of ``airframe.planform``, with
+dihedral and incidence of the module geometry if there is one, and rectangular tail planes.
 """
 
 from __future__ import annotations
@@ -35,14 +34,14 @@ class Section(NamedTuple):
 
 
 class SectionShape(NamedTuple):
-    """Shape of the sections: an airfoil by its name, or a symmetric one of a thickness ratio."""
+    """Shape of the sections: an airfoil by name, or symmetric with a thickness ratio."""
 
     airfoil: str | None
     thickness_ratio: float
 
 
 class ProfileDrag(NamedTuple):
-    """Profile drag of a section at three lift coefficients, in ascending order, as AVL takes it."""
+    """Profile drag of a section at three ascending lift coefficients, as AVL takes it."""
 
     lift_coefficients: tuple[float, float, float]
     drag_coefficients: tuple[float, float, float]
@@ -52,7 +51,7 @@ class ProfileDrag(NamedTuple):
 class LiftingSurface:
     """Wing or tail plane.
 
-    ``symmetric``: whether the sections are those of the right half. ``sections``: from root to tip.
+    ``symmetric``: the sections describe the right half alone. ``sections``: from root to tip.
     """
 
     name: str
@@ -64,9 +63,9 @@ class LiftingSurface:
 
 @dataclass(frozen=True)
 class Surfaces:
-    """All lifting surfaces, what coefficients refer to, and where the numbers come from.
+    """Lifting surfaces, reference quantities of coefficients, and notes on sources.
 
-    ``reference_x_m``: centre of gravity, or else quarter chord of the wing, which moments refer to.
+    ``reference_x_m``: reference of moments, the centre of gravity, else the wing's quarter chord.
     ``chord_m``: mean aerodynamic chord.
     ``other_drag_coefficient``: drag of everything but the wing, on the wing area [-].
     """
@@ -81,9 +80,9 @@ class Surfaces:
 
 
 def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surfaces:
-    """Wing and tail planes of an aircraft.
+    """Return wing and tail planes of an aircraft.
 
-    ``gravity_m``: centre of gravity behind the leading edge of the wing root; None: not known.
+    ``gravity_m``: centre of gravity behind the leading edge of the wing root, None if unknown.
     """
     drawing = aircraft_drawing(aircraft)
     shape, shape_note = _wing_shape(aircraft, drawing)
@@ -121,7 +120,7 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
 
 
 def _wing_sections(drawing: Drawing) -> list[Section]:
-    """Root, where the dihedral begins, and tip; the chord line is set at its incidence."""
+    """Return the sections at root, planform breaks, begin of the dihedral, and tip."""
     half = drawing.wingspan_m / 2.0
     places = {0.0, half, *(y for y, _ in drawing.chords)}
     if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
@@ -153,7 +152,7 @@ def _tail_surfaces(drawing: Drawing, shape: SectionShape) -> list[LiftingSurface
 
 
 def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str]:
-    """Airfoil of the polar; else a symmetric section, for the files have no camber."""
+    """Return the airfoil of the polar, else a symmetric section, and a note."""
     airframe = aircraft.airframe
     polar = airframe.aerodynamics if isinstance(airframe, ParametricAirframe) else None
     thickness = drawing.thickness_ratio
@@ -168,18 +167,18 @@ def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str
 
 
 def _tail_thickness(aircraft: Aircraft) -> float:
-    own = getattr(aircraft.airframe, "tail", None)
-    if own is not None:
-        return float(own.thickness_ratio)
+    tail = getattr(aircraft.airframe, "tail", None)
+    if tail is not None:
+        return float(tail.thickness_ratio)
     polar = getattr(aircraft.airframe, "aerodynamics", None)
     return polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
 
 
 def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
-    """Profile drag of the wing's section; none for a measured aircraft or a drag of the user's own.
+    """Return the wing section's profile drag, None for measured aircraft or user-defined drag.
 
-    A parabolic polar has one for all lift, taken at its reference Reynolds number; a wing's polar
-    is taken at zero lift, at its least drag and at the stall, at the design's Reynolds number.
+    Of a parabolic polar at its reference Reynolds number, for all lift; of a wing's polar at zero
+    lift, least drag and stall, at the design's Reynolds number.
     """
     polar = getattr(aircraft.airframe, "aerodynamics", None)
     if polar is None or isinstance(polar, UserDragPolar):
@@ -198,7 +197,7 @@ def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
 
 
 def _other_drag(aircraft: Aircraft) -> float:
-    """Drag coefficient of everything but the wing, on the wing area [-]; 0 where unknown."""
+    """Return the drag coefficient of all but the wing, on the wing area [-]; 0 if unknown."""
     polar = getattr(aircraft.airframe, "aerodynamics", None)
     if polar is None or isinstance(polar, UserDragPolar):
         return 0.0
@@ -216,5 +215,5 @@ def _other_drag(aircraft: Aircraft) -> float:
 
 
 def _reynolds(polar: WingPolar) -> float:
-    """Reynolds number of level flight at the design point [-]."""
+    """Return the Reynolds number of level flight at the design point [-]."""
     return float(polar.design_reynolds * polar.flight_lift_coefficient**-0.5)

@@ -1,8 +1,7 @@
 """JSON Schema of aircraft and mission files, for completion and checks in an editor.
 
-The schema is that of the classes that read the files, with labels and units of the catalogue of
-parameters. It refuses nothing that ``solar-uav validate`` accepts; the reverse does not hold, as
-rules between keys have no place in it.
+Made of the classes that read the files, with labels and units of the catalogue of parameters. It
+refuses nothing that ``solar-uav validate`` accepts, but lacks rules between keys.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _FROM_CELLS = (("modules", "area_m2", "layout"), ("battery", "mass_kg", "pack"))
 
 
 def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
-    """JSON Schema, draft 2020-12, of a file.
+    """Return the JSON Schema, draft 2020-12, of a file.
 
     Parameters
     ----------
@@ -49,13 +48,13 @@ def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
         for node in _alternatives(schema, schema["properties"][name]):
             if key in node.get("required", ()):
                 node["required"].remove(key)
-                node["anyOf"] = [{"required": [one]} for one in (key, instead)]
+                node["anyOf"] = [{"required": [required]} for required in (key, instead)]
     text = f"{kind.capitalize()} file of solar-uav {__version__}."
     return {"$schema": _DIALECT, **schema, "title": f"solar-uav {kind}", "description": text}
 
 
 def _describe_node(root: Mapping[str, Any], node: Any, parts: list[str], known: Parameter) -> None:
-    """Give a key its label and unit wherever it stands among the alternatives."""
+    """Set a key's label and unit in all alternatives of a node."""
     for part in _alternatives(root, node):
         place = part.get("properties", {}).get(parts[0])
         if place is None:
@@ -68,10 +67,10 @@ def _describe_node(root: Mapping[str, Any], node: Any, parts: list[str], known: 
 
 
 def _alternatives(root: Mapping[str, Any], node: Any) -> list[dict[str, Any]]:
-    """Objects that a part of the schema stands for, references followed."""
+    """Return the objects that a part of the schema stands for, references resolved."""
     if not isinstance(node, dict):
         return []
     if "$ref" in node:
         return _alternatives(root, root["$defs"][node["$ref"].rsplit("/", 1)[-1]])
-    some = [*node.get("anyOf", ()), *node.get("oneOf", ()), *node.get("allOf", ())]
-    return [node, *(one for other in some for one in _alternatives(root, other))]
+    choices = [*node.get("anyOf", ()), *node.get("oneOf", ()), *node.get("allOf", ())]
+    return [node, *(choice for other in choices for choice in _alternatives(root, other))]

@@ -61,7 +61,7 @@ def parse_window(text: str) -> Window:
 
 @dataclass(frozen=True)
 class ModelErrors:
-    """Errors of one model [W]: average, RMS and largest; relative ones by ``measured_mean_w``."""
+    """Errors of a model [W]: average, RMS and largest."""
 
     modelled_mean_w: float
     measured_mean_w: float
@@ -70,7 +70,7 @@ class ModelErrors:
     maximum_w: float
 
     def relative(self, error_w: float) -> float | None:
-        """Error over the mean measured power, none if nothing was measured."""
+        """Return an error over the mean measured power, None if that is zero."""
         return error_w / self.measured_mean_w if self.measured_mean_w > 0.0 else None
 
 
@@ -78,7 +78,7 @@ class ModelErrors:
 class Section:
     """Errors over a window or day without ``excluded`` samples; ``filter_s`` to either side.
 
-    ``mask``: which samples are in it; ``clock``: of its label.
+    ``mask``: flags of its samples; ``clock``: clock of its label.
     """
 
     label: str
@@ -95,7 +95,7 @@ class Section:
 def moving_average(
     values: FloatArray, run: IntArray, time_s: FloatArray, semi_s: float
 ) -> FloatArray:
-    """Average over ``semi_s`` to either side, the end included, cut at the ends of a run."""
+    """Average over ``semi_s`` to either side, both ends included, cut at the ends of a run."""
     width = pd.Timedelta(seconds=2.0 * (semi_s + _TOLERANCE_S))
     runs = pd.Series(values, pd.to_datetime(time_s, unit="s")).groupby(run)
     return np.asarray(runs.rolling(width, center=True, closed="both").mean(), float)
@@ -108,7 +108,7 @@ def _iso_date(day: int) -> str:
 def filtered(
     samples: Samples, excluded: BoolArray, filter_s: float, modelled_w: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Errors of a power in the samples that count, and their moving averages."""
+    """Return the errors [W] of a power in samples not excluded, and their moving average."""
     used = ~excluded
     run = numbered_runs(np.flatnonzero(used), samples.run[used])
     raw = (modelled_w - samples.measured_w)[used]
@@ -118,7 +118,7 @@ def filtered(
 def in_windows(
     samples: Samples, windows: Iterable[Window], source: str
 ) -> Iterator[tuple[str, BoolArray]]:
-    """Windows and the samples in each, of which there must be some."""
+    """Yield windows with flags of their samples; refuse a window without samples."""
     hours, days = samples.time_solar_h, samples.solar_day
     for window in windows:
         mask = (hours >= window.start_h) & (hours <= window.end_h)
@@ -126,14 +126,14 @@ def in_windows(
             mask &= days == window.day
         if not mask.any():
             by_day = ((_iso_date(int(day)), hours[days == day]) for day in np.unique(days))
-            spans = (f"{date} {own.min():.2f} to {own.max():.2f} h" for date, own in by_day)
+            spans = (f"{date} {h.min():.2f} to {h.max():.2f} h" for date, h in by_day)
             message = f"no sample with the sun up lies in the window {window.label} (solar time)"
             raise file_error(source, f"{message}; allowed: {', '.join(spans)}")
         yield window.label, mask
 
 
 def on_days(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
-    """The log's days (UTC) and the samples on each."""
+    """Yield the log's days (UTC) with flags of their samples."""
     days = np.floor(samples.time_s / SECONDS_PER_DAY).astype(int)
     for day in np.unique(days).tolist():
         yield _iso_date(day), days == day
@@ -146,10 +146,7 @@ def sections(
     clock: str,
     masks: Iterable[tuple[str, BoolArray]],
 ) -> tuple[Section, ...]:
-    """Errors of all models in several parts of a log, by name and samples of each.
-
-    Averages are those of all samples, RMS and maximum those of the filtered ones.
-    """
+    """Return the errors of all models in parts of a log; RMS and maximum are of filtered errors."""
     used, models = ~excluded, samples.modelled_w.items()
     every = {m: filtered(samples, excluded, filter_s, power) for m, power in models}
     result = []

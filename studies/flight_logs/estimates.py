@@ -1,4 +1,4 @@
-"""Four numbers that a log tells, each with its interval and what applies it: no verdict."""
+"""Estimates of clock, heading and powers of a log, with intervals and the options to apply them."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from studies.flight_logs.fit import CONFIDENCE, Fit, correlation_time
 from studies.flight_logs.forward import Forward
 from studies.render.tables import Column, Table
 
-# Half-widths of intervals beyond which nothing is said to be known [min, deg].
+# Half-widths of intervals beyond which a value counts as unknown [min, deg].
 _UNKNOWN_MIN, _UNKNOWN_DEG = 120.0, 45.0
 _LEVEL_DEG = 3.0  # bank below which circles do not turn the modules through the light
-# What a factor on power this far from one is by: a unit, and no sensor or module.
+# Factors on power that are due to a unit, not to a sensor or module.
 _UNITS = ((1e-3, "kW"), (1e3, "mW"))
 _EFFICIENCY, _DRAG = "modules.efficiency_stc", "airframe.aerodynamics"
-# Faster climbs need power of their own; 0.1 m/s of an aircraft of 7 kg takes 11 W; assumption.
+# Faster climbs need extra power: 11 W for 0.1 m/s at 7 kg; assumption.
 _FASTEST_CLIMB_M_PER_S = 0.05
 _BIN_S, _SHORTEST_NIGHT_S, _LEAST_BINS = 300.0, 3600.0, 6
 _LABELS = {
@@ -43,9 +43,9 @@ _LABELS = {
 
 
 class Estimate(NamedTuple):
-    """A number with the ends of its interval; None with ``why`` where the log does not tell it.
+    """Estimated number with the ends of its interval; None and ``why`` if unknown.
 
-    ``apply``: options that apply it, empty where none does.
+    ``apply``: options that apply it, empty without.
     """
 
     name: str
@@ -58,22 +58,22 @@ class Estimate(NamedTuple):
 
 
 class Applied(NamedTuple):
-    """Offsets that were taken off the log already: minutes, degrees."""
+    """Offsets that were subtracted from the log: minutes, degrees."""
 
     clock_min: float = 0.0
     heading_deg: float = 0.0
 
 
 def estimates(
-    forward: Forward, lit: IntArray, fit: Fit | None, applied: Applied
+    forward: Forward, daylight: IntArray, fit: Fit | None, applied: Applied
 ) -> tuple[Estimate, ...]:
-    """Clock, heading, factor on solar power, power of level flight; ``lit``: samples by day."""
-    return (*_of_fit(forward, fit, applied), _of_load(forward, lit))
+    """Estimate clock, heading, factor on solar power, and power of level flight."""
+    return (*_of_fit(forward, fit, applied), _of_load(forward, daylight))
 
 
-def _estimate(name: str, *found: float, apply: tuple[str, ...] = (), why: str = "") -> Estimate:
-    """Estimate of a value and the ends of its interval, or of none."""
-    value, low, high = found or (None, None, None)
+def _estimate(name: str, *interval: float, apply: tuple[str, ...] = (), why: str = "") -> Estimate:
+    """Make an estimate of a value and the ends of its interval, or of none."""
+    value, low, high = interval or (None, None, None)
     return Estimate(name, value, low, high, _LABELS[name][1], apply, why)
 
 
@@ -85,7 +85,7 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
             why = "the power is negative: give its column a factor of -1 (--columns)"
         yield from (_estimate(name, why=why) for name in list(_LABELS)[:3])
         return
-    value, wide = (one / 60.0 for one in fit.of("clock_s"))
+    value, wide = (number / 60.0 for number in fit.of("clock_s"))
     if wide > _UNKNOWN_MIN:
         hours = (log.time_s[-1] - log.time_s[0]) / 3600.0
         why = f"known to ± {wide:.0f} min only: the power of these {hours:.1f} h does not tell it"
@@ -95,7 +95,7 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
         yield _estimate("clock_offset", value, value - wide, value + wide, apply=option)
     yield _heading(forward, fit, applied)
     factor, *ends = fit.factor
-    other = next((name for one, name in _UNITS if 0.1 < factor / one < 10.0), None)
+    other = next((name for number, name in _UNITS if 0.1 < factor / number < 10.0), None)
     apply: tuple[str, ...] = ()
     why = f"as if the power was logged in {other}: --column 'solar_power_w=NAME [{other}]'"
     if other is None:
@@ -110,7 +110,7 @@ def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
     if attitude is None or "heading" not in fit.names:
         lacking = "the log has no attitude" if attitude is None else "no modules.geometry"
         return _estimate("heading_offset", why=lacking)
-    value, wide = (float(np.degrees(one)) for one in fit.of("heading"))
+    value, wide = (float(np.degrees(angle)) for angle in fit.of("heading"))
     if wide > _UNKNOWN_DEG:
         bank = float(np.degrees(np.sqrt(np.mean(attitude.roll_rad**2))))
         why = "the power hardly changes with the heading"
@@ -123,11 +123,11 @@ def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
     return _estimate("heading_offset", value, value - wide, value + wide, apply=option)
 
 
-def _of_load(forward: Forward, lit: IntArray) -> Estimate:
-    """Power of level flight by the load, less that of avionics and payload [W].
+def _of_load(forward: Forward, daylight: IntArray) -> Estimate:
+    """Estimate the power of level flight [W]: the load without avionics and payload.
 
-    By night if there is one: thermals and work are of the day. At the density of the mission's air:
-    the power of level flight falls with its square root.
+    At night if there is one, without thermals and work of the day. Converted to the density of the
+    mission's air, with whose square root the power falls.
     """
     log, mission, name = forward.log, forward.mission, "level_power"
     if log.load_w is not None:
@@ -138,7 +138,7 @@ def _of_load(forward: Forward, lit: IntArray) -> Estimate:
         return _estimate(name, why="neither load_w nor battery_power_w is logged")
     slot = np.floor((log.time_s - log.time_s[0]) / _BIN_S).astype(int)
     use, night = np.isfinite(load), np.ones(len(log), bool)
-    night[lit] = False
+    night[daylight] = False
     if np.count_nonzero(use & night) * log.step_s >= _SHORTEST_NIGHT_S:
         use &= night
     # Samples in slots over which the altitude changes no faster than in level flight.
@@ -170,7 +170,7 @@ def _of_load(forward: Forward, lit: IntArray) -> Estimate:
 
 
 def _means(values: FloatArray, slot: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean of the values in each slot that has some, and these slots."""
+    """Return the mean of the values in each slot that has some, and these slots."""
     slots, number = np.unique(slot, return_inverse=True)
     return np.bincount(number, values) / np.bincount(number), slots
 
@@ -178,7 +178,7 @@ def _means(values: FloatArray, slot: FloatArray) -> tuple[FloatArray, FloatArray
 def level_power_key(
     aircraft: Aircraft, mission: Mission, power_w: float
 ) -> tuple[str, float] | str:
-    """Key of the aircraft's file, and its value that gives a power of level flight; or why none."""
+    """Return a key and its value for a power of level flight, or why there is none."""
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
         key = "airframe.level_flight.electric_power_w"
@@ -201,20 +201,20 @@ def level_power_key(
 
 
 def estimates_table(every: tuple[Estimate, ...], before: list[str], after: list[str]) -> Table:
-    """The four numbers with their intervals, and notes before and after those of their own."""
+    """Return a table of the estimates, with notes before and after their reasons."""
     columns = (
         Column("estimate"),
         Column("value", to_right=True),
         Column("interval", f"{CONFIDENCE:.0%} interval", to_right=True),
     )
     rows, notes = [], []
-    for one in every:
-        label, unit, form = _LABELS[one.name]
-        if one.value is None:
+    for estimate in every:
+        label, unit, form = _LABELS[estimate.name]
+        if estimate.value is None:
             rows.append((label, "-", "-"))
         else:
-            value = f"{one.value:{form}} {unit}".strip()
-            rows.append((label, value, f"{one.low:{form}} to {one.high:{form}}"))
-        notes += [f"{label}: {one.why}"] if one.why else []
+            value = f"{estimate.value:{form}} {unit}".strip()
+            rows.append((label, value, f"{estimate.low:{form}} to {estimate.high:{form}}"))
+        notes += [f"{label}: {estimate.why}"] if estimate.why else []
     notes = [*before, *notes, *after]
     return Table("estimates, none of them applied", columns, tuple(rows), notes=tuple(notes))

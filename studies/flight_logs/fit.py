@@ -1,11 +1,10 @@
-"""What a log says of its clock, its heading and the solar power, with intervals; no judgement.
+"""Fit of a log's clock, heading and factor on solar power, with intervals; no judgement.
 
 ``P = factor * P_FM(t - clock, yaw - heading)`` is fitted by :func:`scipy.optimize.least_squares`,
 reweighted for Cauchy's loss (Holland, P. W., Welsch, R. E. (1977), Communications in Statistics
-A6(9), 813-827). What every log and model may be off by looks much like a clock or a heading, and is
-fitted along within its standard deviation. Intervals are those of the sandwich estimator (White, H.
-(1980), Econometrica 48, 817-838): what the samples of ten minutes contribute to an estimate is
-summed, and counts by the autocorrelation time of these sums.
+A6(9), 813-827). Errors of log and model that look like a clock or a heading are fitted along within
+their standard deviations. Intervals are by the sandwich estimator (White, H. (1980), Econometrica
+48, 817-838), over sums of ten minutes, weighted by the autocorrelation time of these sums.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from studies.flight_logs.forward import Forward, Offsets
 
 CONFIDENCE = 0.95
 WIDE = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))  # half-width in standard errors
-# Standard deviation of what is known beforehand, and step of the fit; docs/verify.md gives sources.
+# Prior standard deviation, and step of the fit; docs/verify.md gives sources.
 _UNKNOWNS = {
     "factor": (np.inf, 0.05),
     "clock_s": (np.inf, 60.0),
@@ -67,20 +66,20 @@ class Fit:
     level: tuple[float, float] = (0.0, 0.0)
 
     def of(self, name: str) -> tuple[float, float]:
-        """Value and half-width of its interval."""
+        """Return a fitted value and the half-width of its interval."""
         place = self.names.index(name)
         return float(self.values[place]), WIDE * float(np.sqrt(self.covariance[place, place]))
 
     @property
     def factor(self) -> tuple[float, float, float]:
-        """Measured over modelled energy, and the ends of its interval."""
+        """Measured over modelled energy, and the ends of its interval [-]."""
         level, error = self.level
         low, middle, high = np.exp(level + WIDE * error * np.array([-1.0, 0.0, 1.0])).tolist()
         return middle, low, high
 
     @property
     def correlation(self) -> float | None:
-        """Correlation of the errors of clock and heading, if both are fitted."""
+        """Correlation of the errors of clock and heading, None unless both are fitted."""
         if "heading" not in self.names:
             return None
         i, j = self.names.index("clock_s"), self.names.index("heading")
@@ -88,38 +87,38 @@ class Fit:
         return float(c[i, j] / np.sqrt(c[i, i] * c[j, j]))
 
     def applied_w(self, forward: Forward) -> FloatArray:
-        """Power with clock, heading and factor alone [W]."""
+        """Return the power with the fitted clock, heading and factor alone [W]."""
         moved = np.where(np.isin(self.names, ("clock_s", "heading")), self.values, 0.0)
         return self.factor[0] * _power_w(forward, self.names, moved)
 
     def expected_w(self, forward: Forward) -> FloatArray:
-        """Power with all that was fitted [W]."""
+        """Return the power with all fitted values [W]."""
         return _power_w(forward, self.names, self.values)
 
 
 def _power_w(forward: Forward, names: tuple[str, ...], values: FloatArray) -> FloatArray:
-    """Modelled power [W] with some values of what is fitted."""
+    """Return the modelled power [W] at values of ``names``."""
     offsets = Offsets(**dict(zip(names[1:], values[1:].tolist(), strict=True)))
     return np.asarray(np.exp(values[0]) * forward.power_w(offsets))
 
 
 def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
-    """Fit clock, heading and factor to samples of a log; None where there are too few."""
+    """Fit clock, heading and factor to samples of a log; None for too few samples."""
     angles = forward.knows_angles
     names = tuple(name for name in _UNKNOWNS if angles or name not in _OF_ATTITUDE)
-    data = _Data(forward, measured_w, names).some(_SAMPLES)
+    data = _Data(forward, measured_w, names).thinned(_SAMPLES)
     if len(measured_w) < _LEAST_SAMPLES or not measured_w.sum() > 0.0:
         return None
     starts = list(data.starts())
     start = starts[0]
-    if len(starts) > 1:  # without what is known beforehand: that is small
-        few = replace(data.some(_FEW), names=data.names[: len(start)])
+    if len(starts) > 1:  # without the prior errors: these are small
+        few = replace(data.thinned(_FEW), names=data.names[: len(start)])
         start = min(
-            (few.fit(one, rounds=1) for one in starts), key=lambda one: one.scatter_w
+            (few.fit(start, rounds=1) for start in starts), key=lambda fit: fit.scatter_w
         ).values
     fit = data.fit(np.append(start, np.zeros(len(names) - len(start))))
 
-    # The other errors move the factor of the fit, and whoever applies it does not apply them.
+    # The other errors shift the fit's factor, which users apply without them.
     def level(values: FloatArray) -> float:
         moved = np.where(np.isin(names, ("clock_s", "heading")), values, 0.0)
         whole, part = (_power_w(data.forward, names, v).sum() for v in (values, moved))
@@ -127,20 +126,20 @@ def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
 
     steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in names])
     middle = level(fit.values)
-    slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
+    slopes = np.array([level(fit.values + step) - middle for step in np.diag(steps)]) / steps
     return replace(fit, level=(middle, float(np.sqrt(slopes @ fit.covariance @ slopes))))
 
 
 @dataclass(frozen=True)
 class _Data:
-    """Samples that are fitted."""
+    """Samples of a fit."""
 
     forward: Forward
     measured_w: FloatArray
     names: tuple[str, ...]
 
-    def some(self, most: int) -> _Data:
-        """At most so many, spread evenly but not regularly: a stride could meet the circles."""
+    def thinned(self, most: int) -> _Data:
+        """Return at most so many samples, at random in even cells: a stride could match circles."""
         count = len(self.measured_w)
         if count <= most:
             return self
@@ -151,7 +150,7 @@ class _Data:
         return _Data(chosen, self.measured_w[places], self.names)
 
     def blocks(self) -> tuple[IntArray, IntArray]:
-        """Block of ten minutes of each sample, and the uninterrupted stretch of each block."""
+        """Return the block of ten minutes of each sample, and the stretch of each block."""
         log, index = self.forward.log, self.forward.index
         slot, run = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
         block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(run) != 0))))
@@ -160,8 +159,8 @@ class _Data:
         return block, np.concatenate(([0], np.cumsum(apart)))
 
     def starts(self) -> Iterator[FloatArray]:
-        """Factor, clock and heading: as logged, and the best of a grid if they fit better."""
-        few = self.some(_COARSE)
+        """Yield start values: factor, clock and heading as logged, and better ones of a grid."""
+        few = self.thinned(_COARSE)
         count, turned = len(few.measured_w), "heading" in self.names
         turns = 2.0 * np.pi * np.arange(_TURNS if turned else 1) / _TURNS
         every = few.forward.of(np.tile(few.forward.index, len(turns)))
@@ -174,13 +173,13 @@ class _Data:
                 misfit = float(np.abs(few.measured_w - factor * power).mean())
                 angle = float((turn + np.pi) % (2.0 * np.pi) - np.pi)
                 tried.append((misfit, max(factor, 1e-9), shift_s, angle))
-        as_logged = next(one for one in tried if one[2:] == (0.0, 0.0))
-        better = [one for one in sorted(tried) if one[0] < as_logged[0]]
+        as_logged = next(trial for trial in tried if trial[2:] == (0.0, 0.0))
+        better = [trial for trial in sorted(tried) if trial[0] < as_logged[0]]
         for _, factor, shift_s, turn in (as_logged, *better[:_STARTS]):
             yield np.array([np.log(factor), shift_s, turn][: 3 if turned else 2])
 
     def fit(self, values: FloatArray, rounds: int = _ROUNDS) -> Fit:
-        """Fit with weights that follow from the residuals, and these from the weights."""
+        """Fit in rounds: weights from residuals, then values from weights."""
         sigmas, steps = np.array([_UNKNOWNS[name] for name in self.names]).T
 
         def residual_w(values: FloatArray) -> FloatArray:
@@ -218,13 +217,12 @@ class _Data:
 
 
 def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:
-    """Integrated autocorrelation time of residuals, in bins, at least 1.
+    """Return the integrated autocorrelation time of residuals, in bins, at least 1.
 
-    The fit takes some of the correlation away with what it explains: estimates are too low by about
-    the time over the number of residuals for each fitted value (Marriott, F. H. C. & Pope, J. A.
-    (1954), Biometrika 41, 390-402). That is added back. The time is at least that of the process of
-    first order that the correlations of the next two bins belong to. Pairs across the ends of a
-    ``run`` do not count.
+    Each of ``unknown`` fitted values lowers correlations by about the time over the number of
+    residuals (Marriott, F. H. C. & Pope, J. A. (1954), Biometrika 41, 390-402); that is added back.
+    At least the time of a first-order process through the correlations of the first two lags. Pairs
+    across the ends of a ``run`` do not count.
     """
     count = len(residual)
     raw = _autocorrelation(residual, run)
@@ -243,10 +241,10 @@ def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float
 
 
 def _mixed_time(raw: FloatArray, lost: float) -> float:
-    """Autocorrelation time of a process of the first order, averaged or with white noise on it.
+    """Return the autocorrelation time of a first-order process, averaged or with white noise.
 
-    Its correlations are ``r_1 rho^(lag - 1)``, their sum ``1 + 2 r_1/(1 - rho)``; ``lost`` of each
-    was taken away by the fit, and is added back [-].
+    Its correlations are ``r_1 rho^(lag - 1)``, their sum ``1 + 2 r_1/(1 - rho)``; ``lost``: part of
+    each that the fit removed, which is added back [-].
     """
     first, second = ((float(value) + lost) / (1.0 + lost) for value in raw[:2])
     if first <= 0.0:
@@ -256,7 +254,7 @@ def _mixed_time(raw: FloatArray, lost: float) -> float:
 
 
 def _autocorrelation(residual: FloatArray, run: IntArray) -> FloatArray:
-    """Autocorrelation at lags of 1, 2, ... bins, up to a third of them."""
+    """Return the autocorrelation at lags of 1, 2, ... bins, up to a third of all."""
     count = len(residual)
     variance = float(np.mean(residual**2))
     if variance == 0.0 or count < 6:
@@ -267,7 +265,7 @@ def _autocorrelation(residual: FloatArray, run: IntArray) -> FloatArray:
         if np.count_nonzero(same) < 5:
             break
         correlations.append(float(np.mean((residual[lag:] * residual[:-lag])[same])) / variance)
-        # Beyond the first that are none, only noise is summed up.
+        # Beyond five below zero there is only noise.
         if len(correlations) > 10 and max(correlations[-5:]) < 0.0:
             break
     return np.array(correlations)

@@ -1,4 +1,4 @@
-"""Solar power models on the samples of a flight log, also if clock, attitude or sky were different.
+"""Solar power models at the samples of a log, also with offsets of clock, attitude and sky.
 
 Every sample with the sun above the horizon gets the power of all models that the log and the
 aircraft allow: VM and FM need the attitude and the module surfaces.
@@ -30,18 +30,18 @@ _LEAST_ELEVATION_DEG = 1.0
 # Of the light that haze takes from the beam, 0.9 are scattered, and 0.84 of that forwards: Bird,
 # R. E., Hulstrom, R. L. (1981), SERI/TR-642-761.
 _SCATTERED_DOWN = 0.9 * 0.84
-# Samples handled at once: a long log times its surfaces would fill the memory.
+# Samples computed at once: a long log times its surfaces would fill the memory.
 _CHUNK = 16_384
 _LEAST_COSINE = 0.17  # 80 deg: beyond, hardly any direct light is left
 
 
 class Offsets(NamedTuple):
-    """How much the logged clock is ahead [s] and the logged angles are too large [rad].
+    """Errors of the log, clock ahead [s] and angles too large [rad], and of the model [-].
 
-    What the model may be off by: ``haze``: extinction per air mass beyond the sky's [-].
-    ``diffuse``: logarithm of diffuse light over the sky's. ``incidence``: direct light lost per
-    ``1/cos(angle of incidence) - 1``. ``low_light``: power gained per logarithm of the light over
-    1000 W/m2. ``drift``: of the power sensor from the middle of the log to its end.
+    ``haze``: extinction per air mass beyond the sky's. ``diffuse``: logarithm of diffuse light over
+    the sky's. ``incidence``: direct light lost per ``1/cos(angle of incidence) - 1``.
+    ``low_light``: power gained per logarithm of the light over 1000 W/m2. ``drift``: of the power
+    sensor from the middle of the log to its end.
     """
 
     clock_s: float | FloatArray = 0.0
@@ -59,7 +59,7 @@ AS_LOGGED = Offsets()
 
 
 class Sunlight(NamedTuple):
-    """Sun, clear sky, sine of elevation (zero by night) and rotation from body axes of samples."""
+    """Sun, clear sky, sine of elevation (zero at night) and rotation from body axes, by sample."""
 
     sun: SunPosition
     light: Irradiance
@@ -69,7 +69,7 @@ class Sunlight(NamedTuple):
 
 @dataclass(frozen=True)
 class Forward:
-    """The Full Model, or CAM without attitude or module surfaces, at some samples of a log."""
+    """Full Model, or CAM without attitude or module surfaces, at some samples of a log."""
 
     log: FlightLog
     aircraft: Aircraft
@@ -78,32 +78,32 @@ class Forward:
 
     @property
     def geometry(self) -> ModuleGeometry | None:
-        """Module surfaces of the aircraft, where it has such."""
+        """Module surfaces of the aircraft, None without."""
         return self.aircraft.modules.geometry
 
     def of(self, index: IntArray) -> Forward:
-        """The same at other samples."""
+        """Return the model at other samples."""
         return replace(self, index=index)
 
     @property
     def knows_angles(self) -> bool:
-        """Whether the power depends on the attitude."""
+        """True if the power depends on the attitude."""
         return self.geometry is not None and self.log.attitude is not None
 
     def chunks(self) -> Iterator[Forward]:
-        """The same in parts that fit into the memory."""
+        """Yield the model at parts of the samples that fit into the memory."""
         for start in range(0, len(self.index), _CHUNK):
             yield self.of(self.index[start : start + _CHUNK])
 
     def ambient_c(self) -> tuple[FloatArray, str]:
-        """Air temperature: of the log, else of the mission, else standard; and which it is."""
-        air, altitude = self.mission.air, self.log.altitude_m[self.index]
-        flown = np.clip(altitude, MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
+        """Return the air temperature [C], of the log, else the mission, and its source."""
+        air, logged_m = self.mission.air, self.log.altitude_m[self.index]
+        altitude_m = np.clip(logged_m, MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
         if air.ambient_temperature_c is not None:
-            other = np.full(len(flown), air.ambient_temperature_c)
+            other = np.full(len(altitude_m), air.ambient_temperature_c)
             name = f"{air.ambient_temperature_c:g} C of the mission"
         else:
-            other = standard_air(flown, air.temperature_offset_k or 0.0).temperature_c
+            other = standard_air(altitude_m, air.temperature_offset_k or 0.0).temperature_c
             name = "standard air"
         if self.log.ambient_temperature_c is None:
             return other, f"ambient temperature: {name}"
@@ -113,15 +113,15 @@ class Forward:
         return np.where(missing, other, logged), f"ambient temperature: logged{rest}"
 
     def module_c(self) -> tuple[float, str]:
-        """Constant module temperature of CDM, CAM and VM, and where it is from."""
-        given = self.mission.air.module_temperature_c
-        if given is not None:
-            return given, f"constant module temperature: {given:g} C of the mission"
+        """Return the constant module temperature [C] of CDM, CAM and VM, and its source."""
+        mission_c = self.mission.air.module_temperature_c
+        if mission_c is not None:
+            return mission_c, f"constant module temperature: {mission_c:g} C of the mission"
         mean = float(self.ambient_c()[0].mean())
         return mean, f"constant module temperature: mean of the ambient one, {mean:.1f} C"
 
     def sunlight(self, offsets: Offsets = AS_LOGGED) -> Sunlight:
-        """Sun, sky and attitude without some offsets of the log."""
+        """Compute sun, sky and attitude with offsets of the log subtracted."""
         log, index = self.log, self.index
         time_s, latitude = log.time_s[index] - offsets.clock_s, log.latitude_deg[index]
         sun = sun_position(time_s, latitude, log.longitude_deg[index])
@@ -130,9 +130,9 @@ class Forward:
         years = instants.astype("datetime64[Y]").astype("datetime64[s]").astype(np.int64)
         day_of_year = 1.0 + (time_s - years) / SECONDS_PER_DAY  # 1.0 at the start of 1 January
         sky = self.mission.sky(day_of_year, latitude, sine, log.altitude_m[index])
-        light = Irradiance(*(self.mission.clearness * part for part in sky))
+        light = Irradiance(self.mission.clearness * sky.dni, self.mission.clearness * sky.dhi)
         if offsets.haze or offsets.diffuse:
-            # More haze: most of what the beam loses comes down diffuse.
+            # Most of the direct light lost by more haze comes down diffuse.
             height = np.maximum(np.degrees(sun.elevation_rad), _LEAST_ELEVATION_DEG)
             mass = 1.0 / (np.sin(np.radians(height)) + 0.50572 * (height + 6.07995) ** -1.6364)
             dni = light.dni * np.exp(-offsets.haze * mass)
@@ -144,32 +144,36 @@ class Forward:
         angles = (roll - offsets.roll, pitch - offsets.pitch, yaw - offsets.heading)
         return Sunlight(sun, light, sine, direction_cosines(*angles))
 
-    def full(self, given: Sunlight) -> ModulePower:
-        """The Full Model in some sunlight."""
+    def full(self, sunlight: Sunlight) -> ModulePower:
+        """Compute the Full Model."""
         assert self.geometry is not None
-        assert given.to_ned is not None  # the caller checked
+        assert sunlight.to_ned is not None  # the caller checked
         return full_model(
-            *(given.light, given.sun.vector_ned, given.to_ned, self.geometry),
-            *(self.aircraft.modules, self.ambient_c()[0]),
+            sunlight.light,
+            sunlight.sun.vector_ned,
+            sunlight.to_ned,
+            self.geometry,
+            self.aircraft.modules,
+            self.ambient_c()[0],
             shading=self.aircraft.modules.shading,
         )
 
     def power_w(self, offsets: Offsets = AS_LOGGED) -> FloatArray:
-        """Power of all modules without some offsets of the log [W]."""
+        """Compute the power of all modules with offsets of the log subtracted [W]."""
         if len(self.index) > _CHUNK:
             return np.concatenate([part.power_w(offsets) for part in self.chunks()])
-        modules, given = self.aircraft.modules, self.sunlight(offsets)
-        if given.to_ned is None:
+        modules, sunlight = self.aircraft.modules, self.sunlight(offsets)
+        if sunlight.to_ned is None:
             module_c = self.module_c()[0]
-            specific = conceptual_analysis_model(given.light, given.sine, modules, module_c)
-            cosine, falling = given.sine, given.light.dni * given.sine + given.light.dhi
+            specific = conceptual_analysis_model(sunlight.light, sunlight.sine, modules, module_c)
+            cosine, falling = sunlight.sine, sunlight.light.dni * sunlight.sine + sunlight.light.dhi
         else:
             assert self.geometry is not None
-            full = self.full(given)
+            full = self.full(sunlight)
             specific, falling = full.specific_power_w_per_m2, full.irradiance_w_per_m2
             cosine = full.cos_aoi_by_surface @ self.geometry.area_shares
         if offsets.incidence or offsets.low_light:
-            beam = given.light.dni * cosine / np.maximum(falling, 1e-9)
+            beam = sunlight.light.dni * cosine / np.maximum(falling, 1e-9)
             lost = offsets.incidence * (1.0 / np.maximum(cosine, _LEAST_COSINE) - 1.0) * beam
             gained = offsets.low_light * np.log(np.maximum(falling, 1.0) / 1000.0)
             specific = specific * (1.0 - lost + gained)
@@ -177,13 +181,13 @@ class Forward:
             start_s, end_s = self.log.time_s[[0, -1]]
             course = 2.0 * (self.log.time_s[self.index] - start_s) / (end_s - start_s) - 1.0
             specific = specific * (1.0 + offsets.drift * course)
-        return np.where(given.sun.elevation_rad > 0.0, modules.area_m2 * specific, 0.0)
+        return np.where(sunlight.sun.elevation_rad > 0.0, modules.area_m2 * specific, 0.0)
 
     def power_by_surface_w(self) -> FloatArray:
-        """Power of each module surface, by the light that becomes power [W]."""
+        """Compute the power of each module surface [W], shape ``(sample, surface)``."""
         assert self.geometry is not None
-        modules, given = self.aircraft.modules, self.sunlight()
-        full, diffuse = self.full(given), np.asarray(given.light.dhi)[:, np.newaxis]
+        modules, sunlight = self.aircraft.modules, self.sunlight()
+        full, diffuse = self.full(sunlight), np.asarray(sunlight.light.dhi)[:, np.newaxis]
         beam = (full.irradiance_by_surface_w_per_m2 - diffuse) * modules.camber_efficiency
         useful = beam * full.incidence_efficiency_by_surface + diffuse * modules.diffuse_efficiency
         useful = useful * full.low_light_efficiency_by_surface * self.geometry.area_shares
@@ -195,12 +199,12 @@ class Forward:
 class Samples:
     """Samples of a log with the sun above the horizon, and all models on them.
 
-    ``index``: their places in the log. ``time_s``, ``time_solar_h``: universal time [s since 1970]
-    and true solar time [h]. ``solar_day``: day by local solar time, days since 1970-01-01. ``run``:
-    number of the uninterrupted stretch; neither gap nor night lies within one. ``elevation_deg``,
-    ``bearing_deg``: the sun's elevation, and its bearing from the nose, clockwise, 0 to 360; the
-    latter zero without attitude. ``modelled_w``: power of each model that could be computed.
-    ``detail``: more of the Full Model by name and unit, averaged over the surfaces; empty without.
+    ``index``: indices in the log. ``time_s``, ``time_solar_h``: universal time [s since 1970] and
+    true solar time [h]. ``solar_day``: day by local solar time, days since 1970-01-01. ``run``:
+    number of the stretch without gap or night. ``elevation_deg``, ``bearing_deg``: the sun's
+    elevation, and its bearing from the nose, clockwise, 0 to 360, zero without attitude.
+    ``modelled_w``: power of each computed model. ``detail``: mean angle of incidence, light and
+    module temperature of the Full Model; empty without it.
     """
 
     index: IntArray
@@ -216,12 +220,12 @@ class Samples:
 
     @property
     def best_model(self) -> ModelName:
-        """The most detailed model of those that could be computed."""
+        """Most detailed of the computed models."""
         return list(self.modelled_w)[-1]
 
 
-def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
-    """Sunlit samples with all models on them; what is not modelled, where temperatures are from."""
+def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:
+    """Compute all models at samples with the sun up; return them and notes on the models."""
     log = forward.log
     sun = sun_position(log.time_s, log.latitude_deg, log.longitude_deg)
     index = np.flatnonzero(sun.elevation_rad > 0.0)
@@ -232,9 +236,9 @@ def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
             f"the sun never rises in this log (highest {highest:.1f} deg): there is no solar power "
             "to verify; are time_utc and longitude_deg right? --clock-offset corrects a clock",
         )
-    lit = forward.of(index)
-    module_c, of_modules = lit.module_c()  # of all chunks
-    powers, details = zip(*(_of_chunk(chunk, module_c) for chunk in lit.chunks()), strict=True)
+    daylight = forward.of(index)
+    module_c, of_modules = daylight.module_c()  # of all chunks
+    powers, details = zip(*(_of_chunk(chunk, module_c) for chunk in daylight.chunks()), strict=True)
     # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
     mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
     bearing = np.zeros(len(index))
@@ -260,7 +264,7 @@ def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
         missing = [f"VM and FM are not computed: {name} has no modules.geometry"]
     elif modules.tail is None:
         missing = [f"shading is not modelled: {name} has no modules.tail"]
-    return samples, [*missing, lit.ambient_c()[1], of_modules]
+    return samples, [*missing, daylight.ambient_c()[1], of_modules]
 
 
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
@@ -270,24 +274,24 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
 
 
 def _joined(parts: Sequence[Mapping[Any, FloatArray]]) -> dict[Any, FloatArray]:
-    """Columns of chunks put together."""
+    """Concatenate the columns of chunks."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _of_chunk(
-    lit: Forward, module_c: float
+    chunk: Forward, module_c: float
 ) -> tuple[dict[ModelName, FloatArray], dict[str, FloatArray]]:
-    """Power of the models [W], and more of the Full Model."""
-    modules, geometry, given = lit.aircraft.modules, lit.geometry, lit.sunlight()
+    """Compute the power of the models [W], and details of the Full Model."""
+    modules, geometry, sunlight = chunk.aircraft.modules, chunk.geometry, chunk.sunlight()
     power: dict[ModelName, FloatArray] = {
-        name: modules.area_m2 * model(given.light, given.sine, modules, module_c)
+        name: modules.area_m2 * model(sunlight.light, sunlight.sine, modules, module_c)
         for name, model in HORIZONTAL_MODELS.items()
     }
-    if geometry is None or given.to_ned is None:
+    if geometry is None or sunlight.to_ned is None:
         return power, {}
-    full = lit.full(given)
+    full = chunk.full(sunlight)
     level = verification_model(
-        *(given.light, given.sun.vector_ned, given.to_ned), geometry, modules, module_c
+        sunlight.light, sunlight.sun.vector_ned, sunlight.to_ned, geometry, modules, module_c
     )
     power |= {"VM": modules.area_m2 * level, "FM": modules.area_m2 * full.specific_power_w_per_m2}
     angles = np.degrees(np.arccos(np.clip(full.cos_aoi_by_surface, -1.0, 1.0)))

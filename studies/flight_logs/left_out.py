@@ -1,4 +1,4 @@
-"""Stretches of a log that say nothing of modules and models, and why."""
+"""Stretches of a log that tell nothing about modules and models, and why."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ _OF_VALUES: Mapping[Kind, Reason] = {
     "frozen": "frozen", "saturated": "frozen", "excluded": "excluded",
 }  # fmt: skip
 
-# Of all thresholds docs/verify.md has the reason. State of charge from which a battery may take
-# less, and share of what load and battery take from which they may limit the power.
+# docs/verify.md has the reasons of all thresholds. State of charge from which a battery may take
+# less, and share of the power of load and battery from which they may limit the modules.
 _NEAR_FULL, _OF_LIMIT = 0.85, 0.8
-# Without a charge: power that is the load, as a share of rated power, and how long before that the
-# charging power may have been falling.
+# Without a logged charge: largest difference of power and load, as a share of rated power, and the
+# time before in which the charging power may have been falling.
 _AS_LOAD, _TAPER_S, _TAPER_MEAN_S = 0.05, 3.0 * 3600.0, 600.0
-# Share of the expected power that is left where a battery limits it, with and without attitude, and
-# from which it is whole; load of the modules from which that is judged.
+# Share of the expected power below which a battery limits it, with and without attitude, and from
+# which nothing does; share of the highest power from which samples are judged.
 _LIMITED, _LIMITED_CAM, _WHOLE, _BRIGHT = 0.90, 0.75, 0.97, 0.25
 _LEAST_S, _MERGE_S, _SMOOTH_S = 120.0, 600.0, 60.0
 _DARK = 0.02  # share of the peak below which there is nothing to fit
-# Share of the peak below which there is none, and that which no dusk has a minute before.
+# Shares of the peak: below the first there is no power; no dusk has the second a minute before.
 _NONE, _ABRUPT = 0.02, 0.25
 
 
@@ -51,7 +51,7 @@ class Stretch:
 
 
 def _may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
-    """Samples in which the battery may hold power back, by what is logged; no model decides."""
+    """Flag samples in which the battery may limit the power, by logged values alone."""
     battery = aircraft.battery
     power = _smooth(log, log.solar_power_w)
     load = None if log.load_w is None else _smooth(log, np.nan_to_num(log.load_w))
@@ -60,7 +60,7 @@ def _may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
             return np.zeros(len(log), bool)
         rated_w = aircraft.modules.full_load_w_per_m2 * aircraft.modules.area_m2
         as_load = (np.abs(power - load) < _AS_LOAD * rated_w) & (power > 0.0)
-        # And before, from the highest charging power in three hours, while that falls to the load.
+        # From the highest charging power in three hours on, while it falls to the load.
         surplus = log.solar_power_w - np.nan_to_num(log.load_w)
         surplus, result = _smooth(log, surplus, _TAPER_MEAN_S), as_load.copy()
         for part in _clusters(as_load, log.time_s):
@@ -83,7 +83,7 @@ def _may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
 
 
 def _without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
-    """Samples of stretches in which bright power vanishes, or comes back, at once; and these."""
+    """Return flags and stretches of samples without power right after or before bright power."""
     power, time_s = log.solar_power_w, log.time_s
     peak = float(np.quantile(power, 0.98))
     none, mask = power < _NONE * peak, np.zeros(len(log), bool)
@@ -93,8 +93,8 @@ def _without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
             continue
         before = int(np.searchsorted(time_s, time_s[start] - _SMOOTH_S))
         after = int(np.searchsorted(time_s, time_s[stop - 1] + _SMOOTH_S, side="right"))
-        beside = np.concatenate((power[before:start], power[stop:after]))
-        mask[start:stop] = beside.max(initial=0.0) > _ABRUPT * peak
+        neighbours = np.concatenate((power[before:start], power[stop:after]))
+        mask[start:stop] = neighbours.max(initial=0.0) > _ABRUPT * peak
     text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
     every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, time_s))
     return mask, [_stretch("no_power", time_s, inside & mask, text) for inside in every]
@@ -103,9 +103,9 @@ def _without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
 def _battery_full(
     log: FlightLog, samples: Samples, limited: BoolArray, expected_w: FloatArray
 ) -> Iterator[tuple[Stretch, BoolArray]]:
-    """Periods in which the battery limits the power, and which samples are in each.
+    """Yield periods in which the battery limits the power, with a flag per sample.
 
-    ``limited``: samples in which that may be. ``expected_w``: power if nothing limits it.
+    ``limited``: flags of samples in which it may. ``expected_w``: power without that limit.
     """
     run, time_s, charge = samples.run, samples.time_s, log.state_of_charge
     expected, measured = (
@@ -117,7 +117,7 @@ def _battery_full(
     for period in _clusters(flagged, time_s):
         if flagged[period].sum() * log.step_s < _LEAST_S:
             continue
-        # To where the power is whole, and what the average hides.
+        # Until nothing limits the power, plus the width of the average.
         whole_s = time_s[~not_whole]
         start = whole_s[whole_s < time_s[period.start]].max(initial=-np.inf)
         end = whole_s[whole_s > time_s[period.stop - 1]].min(initial=np.inf)
@@ -132,7 +132,7 @@ def _battery_full(
 
 
 def _of_values(log: FlightLog) -> Iterator[Stretch]:
-    """Yield stretches of impossible values, and joined daylight gaps outside of them."""
+    """Yield stretches of impossible values, and other gaps in daylight, close gaps joined."""
     spans = [span for omission in log.left_out for span in omission.periods]
     for omission in log.left_out:
         yield Stretch(
@@ -159,9 +159,10 @@ def _of_values(log: FlightLog) -> Iterator[Stretch]:
 
 
 def what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
-    """Fit, what is left out, and which samples are.
+    """Return the fit, the stretches left out, and a flag per sample that is left out.
 
-    Where the battery may limit the power, nothing is fitted until that expects as much.
+    The first fit is without samples in which the battery may limit the power; it decides whether
+    the battery does.
     """
     log, index, aircraft = forward.log, samples.index, forward.aircraft
     modelled, measured, (dead, gone) = forward.power_w(), log.solar_power_w, _without_power(log)
@@ -186,11 +187,10 @@ def what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[St
 
 
 def left_out_table(stretches: tuple[Stretch, ...]) -> Table:
-    """All stretches that are left out, with their evidence."""
+    """Return a table of the stretches that are left out, with their evidence."""
     columns = (Column("why"), Column("UTC"), Column("evidence"))
     rows = [
-        (one.reason.replace("_", " "), span_text(one.start_s, one.end_s), one.evidence)
-        for one in stretches
+        (s.reason.replace("_", " "), span_text(s.start_s, s.end_s), s.evidence) for s in stretches
     ]
     return Table("left out", columns, tuple(rows))
 
@@ -205,7 +205,8 @@ def _smooth(log: FlightLog, values: FloatArray, semi_s: float = _SMOOTH_S) -> Fl
 
 
 def _clusters(flagged: BoolArray, time_s: FloatArray) -> list[slice]:
-    """Stretches of samples from the first to the last of those that are flagged and close."""
+    """Return slices from the first to the last of flagged samples close to each other."""
     places = np.flatnonzero(flagged)
     cuts = np.flatnonzero(np.diff(time_s[places]) > _MERGE_S) + 1
-    return [slice(int(one[0]), int(one[-1]) + 1) for one in np.split(places, cuts) if len(one)]
+    clusters = np.split(places, cuts)
+    return [slice(int(part[0]), int(part[-1]) + 1) for part in clusters if len(part)]

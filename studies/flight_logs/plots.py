@@ -55,7 +55,7 @@ _BRIGHT = 0.1  # of the peak: below, shares of MPPTs are noise
 def figures(
     result: Verification, *, figure: FigureOptions = DEFAULT
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Functions that draw residuals and windows, each with a name for its file."""
+    """Yield functions that draw residuals and windows, each with a name for its file."""
     yield "residuals", partial(residual_figure, result, figure=figure)
     for number in range(len(result.windows)):
         yield f"window-{number + 1}", partial(window_figure, result, number, figure=figure)
@@ -63,7 +63,7 @@ def figures(
 
 @styled
 def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
-    """Measured and modelled power in one window, and errors of all models."""
+    """Draw measured and modelled power in a window, and errors of all models."""
     section = result.windows[number]
     page = _Page(result, 2, section.label, section.mask, section.filter_s, figure)
     power, error = page.panels
@@ -77,9 +77,9 @@ def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT
 
 @styled
 def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure:
-    """Power, and residuals over time, the sun's elevation and its azimuth, and by MPPTs."""
-    samples, found = result.samples, result.residuals
-    panels = 3 + bool(found.bearing) + (result.trackers is not None)
+    """Draw power and residuals over time, the sun's elevation and azimuth, and by MPPT."""
+    samples, bins = result.samples, result.residuals
+    panels = 3 + bool(bins.bearing) + (result.mppts is not None)
     every, filter_s = np.ones(len(samples.time_s), bool), result.days[0].filter_s
     page = _Page(result, panels, "models against flight", every, filter_s, figure)
     power, error, elevation, *rest = page.panels
@@ -92,31 +92,31 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
             left = page.smooth(modelled - samples.measured_w)
             page.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
     error.set_ylabel(f"{result.best_model} − measured [W]")
-    _draw_bins(elevation, found.morning, "morning", "o")
-    _draw_bins(elevation, found.afternoon, "afternoon", "^")
+    _draw_bins(elevation, bins.morning, "morning", "o")
+    _draw_bins(elevation, bins.afternoon, "afternoon", "^")
     elevation.set(ylabel="error [%]", xlabel="elevation of the sun [deg]")
     zero = [error, elevation]
-    if found.bearing:
+    if bins.bearing:
         zero.append(rest[0])
-        _draw_bins(rest[0], found.bearing, "", "o")
+        _draw_bins(rest[0], bins.bearing, "", "o")
         rest[0].set(ylabel="error [%]", xlabel="azimuth of the sun from the nose, clockwise [deg]")
         rest[0].set(xlim=(0, 360), xticks=range(0, 361, 45))
-    if result.trackers is not None:
-        bright = result.trackers.modelled_w.sum(axis=1)
+    if result.mppts is not None:
+        bright = result.mppts.modelled_w.sum(axis=1)
         bright = bright > _BRIGHT * bright.max()
-        powers = result.trackers.measured_w.T, result.trackers.modelled_w.T
+        powers = result.mppts.measured_w.T, result.mppts.modelled_w.T
         colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
-        columns = zip(result.trackers.each, *powers, colours, strict=False)
-        for tracker, measured, modelled, colour in columns:
+        columns = zip(result.mppts.each, *powers, colours, strict=False)
+        for mppt, measured, modelled, colour in columns:
             share = page.smooth(measured) / np.maximum(page.smooth(modelled), 1e-9)
             percent = np.where(bright, 100.0 * share, np.nan)
-            page.line(rest[-1], percent, label=tracker.name, color=colour)
+            page.line(rest[-1], percent, label=mppt.name, color=colour)
         rest[-1].set_ylabel("measured / FM [%]")
-    return page.finished([power, error, *rest[bool(found.bearing) :]], zero)
+    return page.finished([power, error, *rest[bool(bins.bearing) :]], zero)
 
 
 class _Page:
-    """Panels for some samples of a flight, over the hours of its first day, universal time."""
+    """Panels for samples of a flight, over the hours of its first day, universal time."""
 
     def __init__(
         self,
@@ -140,7 +140,7 @@ class _Page:
         midnight_s = float(samples.time_s[places[0]] // SECONDS_PER_DAY * SECONDS_PER_DAY)
         self.midnight_s, self.date = midnight_s, utc_text(midnight_s)[:10]
         self.hours = (samples.time_s - midnight_s) / 3600.0
-        # As in the errors, what is left out does not leak into the averages beside it.
+        # As in the errors, samples that are left out do not enter averages around them.
         self.run = samples.run + np.cumsum(np.abs(np.diff(result.excluded.astype(int), prepend=0)))
 
     def smooth(self, values: FloatArray) -> FloatArray:
@@ -148,14 +148,14 @@ class _Page:
         return moving_average(values, self.run, self.result.samples.time_s, self.filter_s)
 
     def line(self, axes: Axes, values: FloatArray, **style: Any) -> None:
-        """Line that is broken between uninterrupted stretches."""
+        """Draw a line, broken between uninterrupted stretches."""
         hours, shown = self.hours[self.chosen], values[self.chosen]
         breaks = np.flatnonzero(np.diff(self.run[self.chosen])) + 1
         points = np.insert(hours, breaks, np.nan), np.insert(shown, breaks, np.nan)
         axes.plot(*points, **{"linewidth": 1.0, **style})
 
     def draw_power(self, axes: Axes) -> None:
-        """Measured and modelled power."""
+        """Draw measured and modelled power."""
         samples = self.result.samples
         for model, modelled in samples.modelled_w.items():
             style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
@@ -165,7 +165,7 @@ class _Page:
         axes.set_ylabel("solar power [W]")
 
     def finished(self, by_time: list[Axes], with_zero: list[Axes]) -> Figure:
-        """Figure with lines at zero, hatches on what is left out, legends beside its panels."""
+        """Add lines at zero, hatches on stretches left out, and legends; return the figure."""
         for axes in with_zero:
             axes.axhline(0.0, color=ink(), linewidth=0.8)
         shown = self.hours[self.chosen]
@@ -173,9 +173,10 @@ class _Page:
         named = set()
         for axes in by_time:
             axes.set_xlabel(f"time of {self.date} [h UTC]")
-            for one in self.result.left_out:
-                label, hatch = _LEFT_OUT[one.reason]
-                start, end = ((t - self.midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
+            for stretch in self.result.left_out:
+                label, hatch = _LEFT_OUT[stretch.reason]
+                start = (stretch.start_s - self.midnight_s) / 3600.0
+                end = (stretch.end_s - self.midnight_s) / 3600.0
                 if min(end, last) > max(start, first):
                     axes.axvspan(
                         max(start, first), min(end, last), hatch=hatch, zorder=0.5, linewidth=0.0,
@@ -191,7 +192,7 @@ class _Page:
 
 
 def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -> None:
-    """Errors of bins, at the middle of each, as logged and with the estimates."""
+    """Draw errors at the middle of each bin, as logged and with the estimates."""
     middle = [0.5 * (row.low + row.high) for row in rows]
     for name, style in (("as_logged", _LOGGED), ("estimated", _ESTIMATED)):
         values = [getattr(row, name) for row in rows]

@@ -27,7 +27,7 @@ class Residual(NamedTuple):
     """Errors of the model in a bin, relative to its mean measured power: modelled less measured.
 
     ``low``, ``high``: ends of the bin, in seconds since 1970 or in degrees. ``estimated``: with
-    clock, heading and factor as they are estimated.
+    the estimated clock, heading and factor.
     """
 
     low: float
@@ -48,7 +48,7 @@ class Residuals(NamedTuple):
 
 
 def residuals(samples: Samples, counts: BoolArray, estimated_w: FloatArray | None) -> Residuals:
-    """Errors of samples that count, in bins that have enough samples and power."""
+    """Compute errors in bins with enough samples and power."""
     powers = [samples.measured_w, samples.modelled_w[samples.best_model]]
     powers += [] if estimated_w is None else [estimated_w]
     least_w = max(_LEAST_SHARE * float(samples.measured_w.max()), 0.0)
@@ -79,34 +79,34 @@ def residuals(samples: Samples, counts: BoolArray, estimated_w: FloatArray | Non
     )
 
 
-def residual_tables(found: Residuals, model: str) -> list[Table]:
-    """The same as tables."""
+def residual_tables(bins: Residuals, model: str) -> list[Table]:
+    """Return tables of the residuals."""
     numbers = (
         Column("measured_w", "measured", "W", ".1f"),
         Column("as_logged_percent", "as logged", "%", "+.1f"),
         Column("estimated_percent", "estimated", "%", "+.1f"),
     )
-    halves = (("morning", found.morning), ("afternoon", found.afternoon))
+    halves = (("morning", bins.morning), ("afternoon", bins.afternoon))
     tables = (
         ("time", Column("UTC"),
-         [(f"{utc_text(r.low)[5:16]} to {utc_text(r.high)[11:16]}", r) for r in found.time]),
+         [(f"{utc_text(r.low)[5:16]} to {utc_text(r.high)[11:16]}", r) for r in bins.time]),
         ("the sun's elevation", Column("elevation", "elevation [deg]"),
          [(f"{r.low:.0f} to {r.high:.0f} {when}", r) for when, half in halves for r in half]),
         ("the sun's azimuth from the nose, clockwise", Column("bearing", "azimuth [deg]"),
-         [(f"{r.low:.0f} to {r.high:.0f}", r) for r in found.bearing]),
+         [(f"{r.low:.0f} to {r.high:.0f}", r) for r in bins.bearing]),
     )  # fmt: skip
     every = []
-    for what, head, bins in tables:
+    for what, head, labelled in tables:
         rows = [
             (label, r.measured_w, 100 * r.as_logged, r.estimated and 100 * r.estimated)
-            for label, r in bins
+            for label, r in labelled
         ]
         every += [Table(f"{model} by {what}", (head, *numbers), tuple(rows))] if rows else []
     return every
 
 
-class TrackerPower(NamedTuple):
-    """Mean power of an MPPT [W] and what its modules should give."""
+class MpptPower(NamedTuple):
+    """Mean power of an MPPT [W], measured and modelled for its modules."""
 
     name: str
     modules: tuple[str, ...]
@@ -119,16 +119,16 @@ class TrackerPower(NamedTuple):
         return self.measured_w / max(self.modelled_w, 1e-9)
 
 
-class Trackers(NamedTuple):
-    """MPPTs in the mean and at every sample, shape (samples, MPPTs); ``how`` modules are known."""
+class MpptPowers(NamedTuple):
+    """Power of MPPTs, mean and by sample, shape (samples, MPPTs); ``how``: source of the wiring."""
 
-    each: tuple[TrackerPower, ...]
+    each: tuple[MpptPower, ...]
     measured_w: FloatArray
     modelled_w: FloatArray
     how: str
 
     def table(self) -> Table:
-        """Power of each MPPT over that of its modules, and that over the median of all."""
+        """Return a table of measured over modelled power by MPPT."""
         columns = (
             Column("MPPT"),
             Column("modules"),
@@ -137,30 +137,30 @@ class Trackers(NamedTuple):
             Column("ratio_percent", "ratio", "%", ".1f"),
             Column("of_usual_percent", "of the median", "%", ".1f"),
         )
-        usual = max(float(np.median([one.ratio for one in self.each])), 1e-9)
+        usual = max(float(np.median([mppt.ratio for mppt in self.each])), 1e-9)
         rows = [
-            (one.name, ", ".join(one.modules), *one[2:], 100 * one.ratio, 100 * one.ratio / usual)
-            for one in self.each
+            (m.name, ", ".join(m.modules), *m[2:], 100 * m.ratio, 100 * m.ratio / usual)
+            for m in self.each
         ]
         return Table(f"power of the MPPTs; their modules {self.how}", columns, tuple(rows))
 
 
 def surfaces_of(log: FlightLog, geometry: ModuleGeometry | None) -> tuple[BoolArray | None, str]:
-    """Surfaces of each MPPT and how that is known, or why not; no words without several MPPTs."""
+    """Return the wiring, shape (MPPTs, surfaces), and its source; None and the reason without."""
     names = tuple(log.mppt_power_w)
     if not names:
         return None, ""
     if geometry is None or log.attitude is None:
         return None, "MPPTs are not compared one by one: that needs VM and FM"
     surfaces = geometry.surfaces
-    found = np.array(
+    named = np.array(
         [[_words(name) <= _words(f"{s.name} {s.side}") for s in surfaces] for name in names]
     )
-    if all(_words(name) for name in names) and np.all(found.sum(axis=0) == 1):
-        return found, "by name"
+    if all(_words(name) for name in names) and np.all(named.sum(axis=0) == 1):
+        return named, "by name"
     wired = sorted({s.mppt for s in surfaces if s.mppt is not None})
     if len(wired) == len(names) and all(s.mppt is not None for s in surfaces):
-        return np.array([[s.mppt == one for s in surfaces] for one in wired]), (
+        return np.array([[s.mppt == number for s in surfaces] for number in wired]), (
             "by the surfaces' mppt"
         )
     if len(names) == len(surfaces) and not wired:
@@ -171,19 +171,19 @@ def surfaces_of(log: FlightLog, geometry: ModuleGeometry | None) -> tuple[BoolAr
     )
 
 
-def compared(lit: Forward, own: BoolArray, how: str, counts: BoolArray) -> Trackers:
-    """Each MPPT beside the Full Model of its modules, in the mean of the samples that count."""
-    assert lit.geometry is not None  # so are its surfaces
-    power, surfaces = lit.log.mppt_power_w, lit.geometry.surfaces
-    measured = np.stack([one[lit.index] for one in power.values()], axis=1)
-    modelled = np.concatenate([part.power_by_surface_w() @ own.T for part in lit.chunks()])
-    modules = [tuple(s.name for s, is_own in zip(surfaces, row, strict=True) if is_own)
-               for row in own]  # fmt: skip
+def compared(forward: Forward, wiring: BoolArray, how: str, counts: BoolArray) -> MpptPowers:
+    """Compute each MPPT's mean power and the Full Model of its modules."""
+    assert forward.geometry is not None  # so are its surfaces
+    power, surfaces = forward.log.mppt_power_w, forward.geometry.surfaces
+    measured = np.stack([power_w[forward.index] for power_w in power.values()], axis=1)
+    modelled = np.concatenate([part.power_by_surface_w() @ wiring.T for part in forward.chunks()])
+    modules = [tuple(s.name for s, connected in zip(surfaces, row, strict=True) if connected)
+               for row in wiring]  # fmt: skip
     means = (values[counts].mean(axis=0).tolist() for values in (measured, modelled))
-    return Trackers(tuple(map(TrackerPower, power, modules, *means)), measured, modelled, how)
+    return MpptPowers(tuple(map(MpptPower, power, modules, *means)), measured, modelled, how)
 
 
 def _words(name: str) -> set[str]:
-    """Words of a name that say where on the wing something is."""
-    found = re.findall(r"left|right|cent(?:re|er)|middle|front|rear|inner|outer", name.lower())
-    return {_PLACES.get(word, word) for word in found}
+    """Return the words of a name that say where on the wing something is."""
+    words = re.findall(r"left|right|cent(?:re|er)|middle|front|rear|inner|outer", name.lower())
+    return {_PLACES.get(word, word) for word in words}

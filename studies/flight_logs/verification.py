@@ -1,6 +1,6 @@
-"""Solar power models against a flight log: errors, residuals, estimates, and what is left out.
+"""Solar power models against a flight log: errors, residuals, estimates, and samples left out.
 
-Nothing is judged and nothing corrected: offsets are taken off the log on request.
+Nothing is judged or corrected; offsets are subtracted from the log on request.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from studies.flight_logs.errors import (
     sections,
 )
 from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
-from studies.flight_logs.forward import Forward, Samples, lit_samples
+from studies.flight_logs.forward import Forward, Samples, daylight_samples
 from studies.flight_logs.left_out import Stretch, left_out_table, what_counts
 from studies.flight_logs.residuals import (
+    MpptPowers,
     Residuals,
-    Trackers,
     compared,
     residual_tables,
     residuals,
@@ -58,7 +58,7 @@ _ERRORS = (
     Column("maximum_error_w", "maximum", "W", ".2f"),
     Column("maximum_error_percent", "%", form=".2f"),
 )
-# Of a large aircraft whole watts are enough, and 80 columns wide.
+# Whole watts are enough for a large aircraft, and fit into 80 columns.
 _MANY_W = 1000.0
 _WHOLE_WATTS = tuple(
     replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
@@ -71,14 +71,14 @@ _DECIMALS = 5  # of hours: a twentieth of a second
 class Verification(Result):
     """Solar power models against a flight log.
 
-    ``log``: without the offsets ``applied``. ``excluded``: samples that are left out of errors,
-    residuals and estimates; ``left_out`` says why. ``correlation``: of the errors of clock and
-    heading. ``rms_w``: RMS error of the most detailed model as logged and with the estimates.
-    ``estimated_w``: power with clock, heading and factor as estimated. ``days``, ``windows``:
-    errors of all models. ``trackers``: power of each of several MPPTs beside that of its modules.
+    ``log``: without the offsets ``applied``. ``excluded``: flags of samples left out of errors,
+    residuals and estimates; ``left_out``: stretches with reasons. ``correlation``: of the errors of
+    clock and heading. ``rms_w``: RMS error of the most detailed model as logged and with the
+    estimates. ``estimated_w``: power with the estimated clock, heading and factor. ``days``,
+    ``windows``: errors of all models. ``mppts``: measured and modelled power of several MPPTs.
     """
 
-    craft: Aircraft
+    aircraft: str
     mission: str
     log: FlightLog
     applied: Applied
@@ -93,20 +93,15 @@ class Verification(Result):
     windows: tuple[Section, ...]
     days: tuple[Section, ...]
     notes: tuple[str, ...]
-    trackers: Trackers | None = None
-
-    @property
-    def aircraft(self) -> str:
-        """Name of the aircraft."""
-        return self.craft.name
+    mppts: MpptPowers | None = None
 
     @property
     def best_model(self) -> ModelName:
-        """Model whose residuals are shown: the most detailed of those that could be computed."""
+        """Model of the residuals: the most detailed of the computed ones."""
         return self.samples.best_model
 
     def overview(self) -> Table:
-        """Errors of the most detailed model in every window and on every day."""
+        """Return a table of the most detailed model's errors by window and day."""
         columns = (Column("period"), *_ERRORS[1:])
         rows = [
             (section.label, *_error_cells(section.errors[self.best_model]))
@@ -117,7 +112,7 @@ class Verification(Result):
         return Table(title, columns, tuple(rows))
 
     def estimates_table(self, level: int = ALL) -> Table:
-        """Clock, heading and powers, as the log has them."""
+        """Return a table of clock, heading and powers."""
         correlated, misfit = [], []
         if self.correlation is not None and level >= ALL:
             text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
@@ -128,15 +123,15 @@ class Verification(Result):
         return estimates_table(self.estimates, misfit, correlated)
 
     def tables(self) -> list[Table]:
-        """Errors of every window and day, estimates, residuals, what is left out."""
+        """Return tables of errors, estimates, residuals and stretches left out."""
         tables = [_error_table(section) for section in (*self.windows, *self.days)]
         tables.append(self.estimates_table())
         tables += residual_tables(self.residuals, self.best_model)
-        tables += [] if self.trackers is None else [self.trackers.table()]
+        tables += [] if self.mppts is None else [self.mppts.table()]
         return [*tables, left_out_table(self.left_out)] if self.left_out else tables
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the samples, JSON-ready."""
+        """Return everything but the samples, JSON-ready."""
         log = self.log
         return {
             "aircraft": self.aircraft,
@@ -151,8 +146,9 @@ class Verification(Result):
                 "step_s": log.step_s,
                 "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
                 "left_out": [
-                    _without(one._asdict(), "example", "periods") | _span_record(*one.ends)
-                    for one in log.left_out
+                    _without(omission._asdict(), "example", "periods")
+                    | _span_record(*omission.ends)
+                    for omission in log.left_out
                 ],
             },
             "applied": self.applied._asdict(),
@@ -160,27 +156,28 @@ class Verification(Result):
             "excluded_samples": int(self.excluded.sum()),
             "windows": [_section_record(section) for section in self.windows],
             "days": [_section_record(section) for section in self.days],
-            "estimates": {one.name: _without(one._asdict(), "name") for one in self.estimates},
+            "estimates": {e.name: _without(e._asdict(), "name") for e in self.estimates},
             "clock_heading_correlation": self.correlation,
             "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
             "residuals": {
                 name: [
-                    (_span_record(one.low, one.high) if name == "time" else {})
-                    | _without(one._asdict(), *(("low", "high") if name == "time" else ()))
-                    for one in rows
+                    (_span_record(row.low, row.high) | _without(row._asdict(), "low", "high"))
+                    if name == "time"
+                    else row._asdict()
+                    for row in rows
                 ]
                 for name, rows in self.residuals._asdict().items()
             },
-            "mppts": [] if self.trackers is None else [m._asdict() for m in self.trackers.each],
+            "mppts": [] if self.mppts is None else [m._asdict() for m in self.mppts.each],
             "left_out": [
-                _without(vars(one), "start_s", "end_s") | _span_record(one.start_s, one.end_s)
-                for one in self.left_out
+                _without(vars(s), "start_s", "end_s") | _span_record(s.start_s, s.end_s)
+                for s in self.left_out
             ],
             "notes": list(self.notes),
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """Samples with models and errors, one row each."""
+        """Return a row per sample with models and errors."""
         samples, log = self.samples, self.log
         columns = {
             "time_utc_s": samples.time_s,
@@ -201,12 +198,12 @@ class Verification(Result):
         return pd.DataFrame(columns).assign(excluded=self.excluded.astype(int))
 
     def to_csv(self) -> str:
-        """Samples as CSV text."""
+        """Return the samples as CSV text."""
         return str(self.to_frame().round(_DECIMALS).to_csv(index=False))
 
 
 def headline(verification: Verification) -> str:
-    """Return the aircraft, log and its length in one line."""
+    """Return aircraft, log and its length in one line."""
     start, end = utc_label(verification.log.time_s[0]), utc_label(verification.log.time_s[-1])
     return (
         f"{verification.aircraft} against {verification.log.source}: {start} to {end}, "
@@ -215,7 +212,7 @@ def headline(verification: Verification) -> str:
 
 
 def blocks(verification: Verification, level: int) -> list[Any]:
-    """Return errors and estimates, then those of all models, residuals and what is left out."""
+    """Return errors and estimates, with all models and residuals at the last level."""
     shown: list[Any] = [Line(headline(verification), "strong")]
     units = zip(("clock", "heading"), verification.applied, ("min", "deg"), strict=True)
     if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
@@ -225,7 +222,9 @@ def blocks(verification: Verification, level: int) -> list[Any]:
         if level >= ALL
         else [verification.overview(), verification.estimates_table(level)]
     )
-    if options := [" ".join(one.apply) for one in verification.estimates if one.apply]:
+    if options := [
+        " ".join(estimate.apply) for estimate in verification.estimates if estimate.apply
+    ]:
         shown += ["to apply an estimate, add its option:", *options]
     if verification.excluded.any():
         shown.append(f"{verification.excluded.sum()} samples are left out of errors and residuals")
@@ -241,12 +240,12 @@ def blocks(verification: Verification, level: int) -> list[Any]:
 
 
 def utc_label(time_s: float) -> str:
-    """Universal time as ISO 8601, to the second."""
+    """Return universal time as ISO 8601, to the second."""
     return f"{utc_text(time_s).replace(' ', 'T')}Z"
 
 
 def _span_record(start_s: float, end_s: float) -> dict[str, str]:
-    """Start and end of a stretch, nothing where they are not known."""
+    """Return start and end of a stretch, empty where unknown."""
     ends = {"start": start_s, "end": end_s}
     return {name: utc_label(t) for name, t in ends.items() if np.isfinite(start_s)}
 
@@ -256,14 +255,14 @@ def _without(record: dict[str, Any], *names: str) -> dict[str, Any]:
 
 
 def _section_record(section: Section) -> dict[str, Any]:
-    some = next(iter(section.errors.values()), None)
+    first = next(iter(section.errors.values()), None)
     return {
         "label": section.label,
         **_span_record(section.start_s, section.end_s),
         "samples": section.samples,
         "excluded_samples": section.excluded,
         "filter_s": section.filter_s,
-        "measured_mean_w": None if some is None else some.measured_mean_w,
+        "measured_mean_w": None if first is None else first.measured_mean_w,
         "models": {m: _errors_record(e) for m, e in section.errors.items()},
     }
 
@@ -277,14 +276,14 @@ def _errors_record(errors: ModelErrors) -> dict[str, float | None]:
 
 
 def _error_cells(errors: ModelErrors) -> tuple[float | None, ...]:
-    """Errors in watts and in per cent."""
+    """Return errors in watts and in per cent."""
     record = _errors_record(errors).items()
     percent = (100.0 if key.endswith("relative") else 1.0 for key, _ in record)
     return tuple(None if v is None else by * v for by, (_, v) in zip(percent, record, strict=True))
 
 
 def _error_table(section: Section) -> Table:
-    """Errors of all models in a window or on a day."""
+    """Return a table of the errors of all models in a window or on a day."""
     name = f"{section.label} ({section.clock})"
     if not section.errors:
         return Table(f"{name}: all samples are excluded", _ERRORS, ())
@@ -307,7 +306,7 @@ def verify(
     clock_offset_min: float = 0.0,
     heading_offset_deg: float = 0.0,
 ) -> Verification:
-    """Compare all models with a log, and estimate what it says of clock, heading and powers.
+    """Compare all models with a log, and estimate its clock, heading and powers.
 
     Parameters
     ----------
@@ -352,19 +351,19 @@ def verify(
             attitude=attitude,
             gaps=tuple(Gap(gap.start_s - ahead_s, gap.end_s - ahead_s) for gap in log.gaps),
             left_out=tuple(
-                one._replace(periods=tuple((a - ahead_s, b - ahead_s) for a, b in one.periods))
-                for one in log.left_out
+                o._replace(periods=tuple((a - ahead_s, b - ahead_s) for a, b in o.periods))
+                for o in log.left_out
             ),
         )
     forward = Forward(log, aircraft, mission, np.arange(len(log)))
-    own, how = surfaces_of(log, forward.geometry)
-    samples, remarks = lit_samples(forward)
+    wiring, how = surfaces_of(log, forward.geometry)
+    samples, remarks = daylight_samples(forward)
     fit, stretches, excluded = what_counts(forward, samples)
     inside = list(in_windows(samples, periods, log.source))
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
-    lit, applied = forward.of(samples.index), Applied(clock_offset_min, heading_offset_deg)
-    estimated = None if fit is None else fit.applied_w(lit)
+    daylight, applied = forward.of(samples.index), Applied(clock_offset_min, heading_offset_deg)
+    estimated = None if fit is None else fit.applied_w(daylight)
 
     def rms_w(modelled_w: FloatArray | None) -> float | None:
         if modelled_w is None or excluded.all():
@@ -373,13 +372,13 @@ def verify(
         return float(np.sqrt(np.mean(smooth**2)))
 
     return Verification(
-        craft=aircraft,
+        aircraft=aircraft.name,
         mission=mission.name,
         log=log,
         applied=applied,
         samples=samples,
         excluded=excluded,
-        left_out=tuple(sorted(stretches, key=lambda one: one.start_s)),
+        left_out=tuple(sorted(stretches, key=lambda stretch: stretch.start_s)),
         estimates=estimates(forward, samples.index, fit, applied),
         correlation=None if fit is None else fit.correlation,
         rms_w=(rms_w(samples.modelled_w[samples.best_model]), rms_w(estimated)),
@@ -387,6 +386,6 @@ def verify(
         residuals=residuals(samples, ~excluded, estimated),
         windows=sections(samples, excluded, window_s, "solar time", inside),
         days=sections(samples, excluded, day_s, "UTC", on_days(samples)),
-        trackers=None if own is None else compared(lit, own, how, ~excluded),
-        notes=(*log.notes, *([how] if how and own is None else []), *remarks),
+        mppts=None if wiring is None else compared(daylight, wiring, how, ~excluded),
+        notes=(*log.notes, *([how] if how and wiring is None else []), *remarks),
     )

@@ -1,4 +1,4 @@
-"""Cells of a map of a fixed aircraft: what becomes of its day at each latitude and date."""
+"""Cells of a map of a fixed aircraft: metrics of its day at each latitude and date."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at 
 
 @dataclass(frozen=True)
 class MapConfiguration:
-    """What all cells of a map have in common; ``objective``: what they are sized for, if so."""
+    """Inputs common to all cells of a map; ``objective``: of sized maps."""
 
     aircraft: Aircraft
     mission: Mission
@@ -50,14 +50,14 @@ class MapConfiguration:
 
 
 def scenarios_of(cells: FloatArray) -> Scenarios:
-    """Cells of latitude [deg] and day, shape ``(cell, 2)``, as scenarios."""
+    """Convert cells of latitude [deg] and day, shape ``(cell, 2)``, to scenarios."""
     return Scenarios(cells[:, 0], cells[:, 1].astype(int))
 
 
 def fixed_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
-    """Metrics of cells, as the columns of :func:`studies.maps.study.feasibility_map`.
+    """Compute metrics of cells, columns of :func:`studies.maps.study.feasibility_map`.
 
-    A cell does not depend on the others: a map may be computed in parts of any size.
+    Cells do not depend on each other: a map may be computed in parts of any size.
     """
     climbs = configuration.mission.climb is not None
     at_once = _CLIMBING_AT_ONCE if climbs else _CELLS_AT_ONCE
@@ -67,17 +67,17 @@ def fixed_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
 
 
 def _cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
-    """Metrics of cells; none where the wind is too strong for a path that the model needs."""
+    """Compute metrics of cells; blank where the wind is too strong for the model's path."""
     if not configuration.solar.needs_path:
-        return _flown_cells(configuration, cells)
+        return _metrics_of(configuration, cells)
     troubles = path_troubles(configuration.aircraft, configuration.mission, scenarios_of(cells))
     able = np.array([trouble is None for trouble in troubles])
     if able.all():
-        return _flown_cells(configuration, cells)
+        return _metrics_of(configuration, cells)
     windy = cells[~able]
     return merged(
         able,
-        _flown_cells(configuration, cells[able]) if able.any() else {},
+        _metrics_of(configuration, cells[able]) if able.any() else {},
         {
             "status": np.full(len(windy), Status.infeasible, np.int8),
             "wind": _known_winds(configuration.mission, scenarios_of(windy)),
@@ -85,33 +85,33 @@ def _cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDAr
     )
 
 
-def _flown_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
+def _metrics_of(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
     scenarios = scenarios_of(cells)
-    mission, flight = configuration.mission, _fly(configuration, scenarios)
+    mission, result = configuration.mission, _simulated(configuration, scenarios)
     quantities = [*MAP, *([ENDURANCE] if configuration.endurance else [])]
     if mission.climb is not None:
         quantities.append(MAXIMUM_ALTITUDE)
     columns: dict[str, NDArray[Any]] = {
-        **{one.variable: one.of(flight) for one in quantities},
-        "status": flight.cycle.status.astype(np.int8),
+        **{quantity.variable: quantity.of(result) for quantity in quantities},
+        "status": result.cycle.status.astype(np.int8),
     }
     if mission.wind_statistics is not None:
         columns["wind"] = _known_winds(mission, scenarios)
-    most_w = flight.solar_power_w.max(axis=-1)
-    for check in charge_rate_check(configuration.aircraft, mission, flight.design, most_w):
+    most_w = result.solar_power_w.max(axis=-1)
+    for check in charge_rate_check(configuration.aircraft, mission, result.design, most_w):
         columns["charge_rate"] = check.value
     return columns
 
 
-def _fly(configuration: MapConfiguration, cells: Scenarios) -> Performance:
+def _simulated(configuration: MapConfiguration, cells: Scenarios) -> Performance:
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     design = design_of(aircraft, mission)
-    sunlit = solar_day(aircraft, mission, solar, scenarios=cells, design=design)
-    return performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False, design=design)
+    day = solar_day(aircraft, mission, solar, scenarios=cells, design=design)
+    return performance(aircraft, mission, solar, day=day, keep_trajectory=False, design=design)
 
 
 def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:
-    """Wind of each cell [m/s]; NaN where the table of winds ends, as it changes nothing else."""
+    """Return the wind of each cell [m/s]; NaN outside the table of winds, which only informs."""
     try:
         return mission.scenario_winds_m_per_s(cells)
     except InputError:
@@ -120,23 +120,23 @@ def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:
     _, first, place = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
     winds = np.full(len(first), np.nan)
     for number, i in enumerate(first.tolist()):
-        one = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
+        scenario = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
         with suppress(InputError):
-            winds[number] = mission.scenario_winds_m_per_s(one)[0]
+            winds[number] = mission.scenario_winds_m_per_s(scenario)[0]
     return winds[place.ravel()]
 
 
 def extrapolations_of_cells(
     configuration: MapConfiguration, cells: FloatArray, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
-    """What the map takes from outside the range of a model: one design in all cells."""
+    """Return where the map leaves the range of a model; all cells share one design."""
     columns = {name: values.ravel() for name, values in columns.items()}
     known = np.isin(columns["status"], ENDS)
     if not known.any():
         return ()
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     design, calm, in_wind = design_of(aircraft, mission), mission, []
-    if "wind" in columns:  # of each cell; that of the mission's own latitudes plays no part
+    if "wind" in columns:  # the wind of each cell replaces the mission's
         calm, winds = mission.in_wind(0.0), columns["wind"][known]
         in_wind = [] if mission.holds_station else list(wind_check(design, winds))
     of_design = list(design_checks(aircraft, calm, design, solar))
@@ -150,4 +150,4 @@ def extrapolations_of_cells(
     extrapolations = collect_extrapolations(checks, of=int(known.sum()), what="cells")
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = scenarios_of(cells[[int(np.argmax(excess_h))]])
-    return add_effects(extrapolations, aircraft, lambda: _fly(configuration, best))
+    return add_effects(extrapolations, aircraft, lambda: _simulated(configuration, best))

@@ -47,7 +47,7 @@ _DATES = 6  # along an axis of less than two months
 
 @styled
 def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
-    """Excess time over season and latitude, with the edge of perpetual flight drawn as a line.
+    """Draw excess time over season and latitude, with the edge of perpetual flight as a line.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _continued(excess_h: FloatArray) -> FloatArray:
 
 @styled
 def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
-    """Objective of the best design over season and latitude.
+    """Draw the objective of the best design over season and latitude.
 
     Lines lead from cell to cell where both have a design.
 
@@ -143,7 +143,7 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
 
 
 def _map_axes(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
-    """Figure with its heading."""
+    """Return a figure with its heading, and its axes."""
     drawn, (axes,) = new_figure(
         canvas=canvas,
         title=f"{data.attrs['title']} on {json.loads(data.attrs['mission'])['name']}",
@@ -155,7 +155,7 @@ def _map_axes(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
 
 
 def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
-    """Hatches with their legend, and months."""
+    """Add hatches with their legend, and months."""
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     entries = hatch_reasons(axes, days, latitudes, data)
     if entries:
@@ -164,7 +164,7 @@ def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
 
 
 def _season_axes(axes: Axes, days: FloatArray) -> None:
-    """Months along the axis of days, and the name of the other one."""
+    """Label months along the axis of days, and latitudes along the other."""
     if sum(days.min() <= start <= days.max() for start in MONTH_STARTS) > 1:
         axes.set_xticks(MONTH_STARTS, MONTH_NAMES, ha="left")
         axes.set_xlim(days.min(), days.max())

@@ -1,4 +1,4 @@
-"""A map by latitude: the days with a flight or a design, and the range of their numbers."""
+"""Map by latitude: days with a flight or a design, and the range of their numbers."""
 
 from __future__ import annotations
 
@@ -41,21 +41,21 @@ Ends = tuple[NDArray[Any], NDArray[Any]]
 
 @dataclass(frozen=True, repr=False)
 class MapResult(Result):
-    """A map of a fixed aircraft or of sized designs, with a row for each latitude."""
+    """Map of a fixed aircraft or of sized designs, with a row for each latitude."""
 
     data: OnGrid
 
     @property
     def objective(self) -> str:
-        """What each cell is sized for; empty for a fixed aircraft."""
+        """Objective of each cell's sizing; empty for a fixed aircraft."""
         return str(self.data.attrs.get("objective", ""))
 
     def to_dict(self) -> dict[str, Any]:
-        """Days that end in each way and ranges of numbers, lists over the latitudes."""
+        """Return the days by outcome and ranges of numbers, lists over the latitudes."""
         numbers = self._days_of_designs() if self.objective else self._days_of_flights()
-        for one in self._ranged:
-            for word, values in zip(("least", "largest"), self._ends(one), strict=True):
-                numbers[f"{word}_{one.name}"] = values
+        for quantity in self._ranged:
+            for word, values in zip(("least", "largest"), self._ends(quantity), strict=True):
+                numbers[f"{word}_{quantity.name}"] = values
         record: dict[str, Any] = serialise(
             {"latitude_deg": self._latitudes, "days": self.data["day"].to_numpy()}
             | numbers
@@ -63,16 +63,16 @@ class MapResult(Result):
         )
         return record
 
-    # ---- Of a fixed aircraft
+    # ---- Fixed aircraft
 
     @property
     def _goal(self) -> str:
-        """What is to become of a cell, in words."""
+        """Flight that a cell is to have, in words."""
         landed = np.any(self.data["status"].to_numpy() == Status.lands)
         return "flights that land" if landed else "perpetual flight"
 
     def _days_of_flights(self) -> dict[str, Any]:
-        # Of models that need a path in winds, with which it may be too strong for the path.
+        # Models that need a path in winds have cells too windy for the path.
         windy = Status.infeasible in status_names(self.data)
         return {
             "perpetual_days": feasible(self.data).sum(axis=1),
@@ -81,31 +81,32 @@ class MapResult(Result):
         }
 
     def _seasons(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
-        """Season of each latitude, and the largest excess time."""
+        """Return the season of each latitude, and the largest excess time."""
         days, excess = (
             self.data["day"].to_numpy(),
             replace(q.EXCESS_TIME, label="largest excess time"),
         )
-        # A number of mapped days says little where they are not all.
+        # The number of perpetual days means little unless all days are mapped.
         counted = [Column("perpetual_days", "days")] if len(days) == _DAYS else []
         columns = [Column("season", self._goal), *counted, excess]
         rows: list[dict[str, Any]] = [
-            {"season": season_text(days, flown), excess.name: most, "perpetual_days": count}
-            for flown, most, count in zip(
+            {"season": season_text(days, perpetual), excess.name: most, "perpetual_days": count}
+            for perpetual, most, count in zip(
                 feasible(self.data),
                 self._ends(excess)[1].tolist(),
                 record["perpetual_days"],
                 strict=True,
             )
         ]
-        for one in self._ranged:
-            columns.append(replace(one, label="endurance on the other days", to_right=True))
+        for quantity in self._ranged:
+            columns.append(replace(quantity, label="endurance on the other days", to_right=True))
             rows = [
-                row | {one.name: text} for row, text in zip(rows, self._texts(one), strict=True)
+                row | {quantity.name: text}
+                for row, text in zip(rows, self._texts(quantity), strict=True)
             ]
         return columns, rows
 
-    # ---- Of sized designs
+    # ---- Sized designs
 
     def _days_of_designs(self) -> dict[str, Any]:
         ends = {f"{end.name}_days": self._days_of(end) for end in SizingStatus}
@@ -114,7 +115,7 @@ class MapResult(Result):
         return {"objective": self.objective} | ends | more
 
     def _designs(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
-        """Days with a design, and the range of its size."""
+        """Return the days with a design, and the range of its size."""
         groups = {
             f"designs on {len(record['days'])} days": SIZED,
             "none": (SizingStatus.infeasible, SizingStatus.invalid),
@@ -124,16 +125,17 @@ class MapResult(Result):
             head: np.sum([record[f"{kind.name}_days"] for kind in kinds], axis=0).tolist()
             for head, kinds in groups.items()
         }
-        shown = [
-            one for one in self._ranged if one is not q.EXCESS_TIME or "excess" in self.objective
-        ]
-        texts = {one.name: self._texts(one) for one in shown}
+        shown = list(self._ranged)
+        if "excess" not in self.objective:
+            shown.remove(q.EXCESS_TIME)
+        texts = {quantity.name: self._texts(quantity) for quantity in shown}
         every = days | texts
         rows = [dict(zip(every, row, strict=True)) for row in zip(*every.values(), strict=True)]
-        heads = (replace(one, label="mass") if one is q.TOTAL_MASS else one for one in shown)
-        return [*map(Column, days), *(replace(one, to_right=False) for one in heads)], rows
+        short = {q.TOTAL_MASS: "mass"}
+        heads = (replace(c, label=short.get(c, c.label), to_right=False) for c in shown)
+        return [*map(Column, days), *heads], rows
 
-    # ---- Of both
+    # ---- Both
 
     @property
     def _latitudes(self) -> NDArray[Any]:
@@ -141,23 +143,23 @@ class MapResult(Result):
 
     @property
     def _ranged(self) -> tuple[q.Quantity, ...]:
-        """Quantities whose range over the days of a latitude is reported."""
+        """Quantities reported by their range over the days of a latitude."""
         if not self.objective:
             return (q.ENDURANCE,) if q.ENDURANCE.variable in self.data else ()
         largest = Objective(self.objective).column
-        payload = (one for one in (q.PAYLOAD_MASS, q.PAYLOAD_POWER) if one.variable == largest)
+        payload = (p for p in (q.PAYLOAD_MASS, q.PAYLOAD_POWER) if p.variable == largest)
         return (q.WINGSPAN, q.TOTAL_MASS, q.EXCESS_TIME, *payload)
 
     def _ends(self, quantity: q.Quantity) -> Ends:
-        """Least and largest value of each latitude; NaN where there is none on any day."""
+        """Return least and largest value of each latitude; NaN without any."""
         values = self.data[quantity.variable].to_numpy()
-        if quantity is q.ENDURANCE:  # of the days on which it is limited
+        if quantity is q.ENDURANCE:  # on days with limited flight
             values = np.where(np.isposinf(values), np.nan, values)
         # No warning for a latitude without a value, as nanmin has one.
         return np.fmin.reduce(values, axis=1), np.fmax.reduce(values, axis=1)
 
     def _texts(self, quantity: q.Quantity) -> list[str]:
-        """Range of each latitude in words."""
+        """Return the range of each latitude in words."""
         form, ends = replace(quantity, form=".2f"), self._ends(quantity)
         return [
             " to ".join(dict.fromkeys(map(form.text, (low, high))))
@@ -167,12 +169,12 @@ class MapResult(Result):
         ]
 
     def _days_of(self, status: int) -> IntArray:
-        """On how many days each latitude ends in a way."""
+        """Count the days of each latitude with a status."""
         return np.asarray(np.sum(self.data["status"].to_numpy() == status, axis=1))
 
 
 def headline(result: MapResult) -> str:
-    """Return the aircraft, mission and what is mapped."""
+    """Return aircraft, mission and the mapped quantity."""
     names = (json.loads(result.data.attrs[key])["name"] for key in ("aircraft", "mission"))
     what = (
         f"best designs for {result.objective}" if result.objective else f"seasons of {result._goal}"
@@ -181,7 +183,7 @@ def headline(result: MapResult) -> str:
 
 
 def blocks(result: MapResult, level: int) -> list[Any]:
-    """Return the headline and table, round latitudes in a summary, and how it was computed."""
+    """Return headline, table (round latitudes in a summary), and conditions."""
     data, days = result.data, result.data["day"].to_numpy()
     record, latitudes = result.to_dict(), result._latitudes
     columns, rows = (result._designs if result.objective else result._seasons)(record)
@@ -190,7 +192,7 @@ def blocks(result: MapResult, level: int) -> list[Any]:
     places = shown_places(latitudes.tolist(), _ROWS[level])
     table = q.table_of(
         "",
-        (q.TABLE["latitude"], *columns, *(Column(*one) for one in lacking.items())),
+        (q.TABLE["latitude"], *columns, *(Column(*item) for item in lacking.items())),
         (
             {"latitude": latitude_label(latitudes[i])}
             | rows[i]
@@ -208,7 +210,7 @@ def blocks(result: MapResult, level: int) -> list[Any]:
 
 
 def season_text(days: IntArray, perpetual: BoolArray) -> str:
-    """First and last of the mapped days with perpetual flight; the year is a circle if mapped."""
+    """Return first and last mapped day with perpetual flight; a full year is a circle."""
     if perpetual.all() or not perpetual.any():
         return "on all mapped days" if perpetual.all() else "none"
     starts, stops = runs_of(perpetual)

@@ -1,12 +1,11 @@
 """Season of perpetual flight: the days of the year on which it is possible at a latitude.
 
-Every eighth day is looked at, and between two of these that differ the edge is found by halving,
-which takes for granted that there is one. A gap or a spell that lies wholly between two equal ones
-is not seen.
+Every eighth day is simulated, and edges between two that differ are bisected, on the assumption
+that there is one. Changes wholly between two equal days are missed.
 
-VM, FM and the loiter correction take milliseconds for each day. They are simulated on every 32nd
-day, and of the eighth days on those alone of which CAM, scaled to their energy, leaves it in doubt.
-By them a day whose wind is too strong for the flight path is no day of perpetual flight.
+VM, FM and the loiter correction take milliseconds a day: they are simulated on every 32nd day, and
+on those eighth days that CAM, scaled to their energy, leaves in doubt. A day whose wind is too
+strong for the flight path counts as not perpetual.
 """
 
 from __future__ import annotations
@@ -29,9 +28,9 @@ from solar.names import MODELS, ModelName
 from solar.types import FloatArray
 
 _STRIDE, _FAR_STRIDE = 8, 32
-# By so much, relative, may power be missed that is CAM's times a ratio of energies, interpolated
-# between every 32nd day: the ratio by 1.5 % (of atlantiksolar-as2 on its circle, from 0 to 80
-# degrees), and about as much as the power is otherwise spread over the day.
+# Relative error of power estimated as CAM's times a ratio of energies, interpolated between every
+# 32nd day: 1.5 % by the ratio (atlantiksolar-as2 on its circle, from 0 to 80 degrees), and about as
+# much by the distribution over the day.
 _DOUBT = 0.03
 
 Flags = NDArray[np.bool_]
@@ -40,11 +39,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Season:
-    """Days of perpetual flight in a year: all of them, and those around the summer solstice.
+    """Number of days of perpetual flight in a year, and the window around the summer solstice.
 
-    ``first`` and ``last`` are the ends of the unbroken window of ``window_days`` around the summer
-    solstice; the window may cross the year's end. They are none where the solstice itself is not
-    flown perpetually, and the year's ends where every day is.
+    ``first`` and ``last``: ends of the unbroken window of ``window_days``, which may cross the
+    year's end; None if flight is not perpetual on the solstice, the year's ends if it is on all
+    days.
     """
 
     days: int
@@ -54,11 +53,7 @@ class Season:
 
 
 def season_of(perpetual: Flags, latitude_deg: float) -> Season:
-    """Season from a flag for each day of the year; the solstice is that of the hemisphere.
-
-    ``perpetual``: whether the flight is perpetual on each day of the year. Returns days in all, and
-    of the window around the summer solstice.
-    """
+    """Return the season of flags of perpetual flight by day of year, shape ``(365,)``."""
     total = int(perpetual.sum())
     if total == DAYS_PER_YEAR:
         return Season(total, total, 1, DAYS_PER_YEAR)
@@ -75,26 +70,25 @@ def season_of(perpetual: Flags, latitude_deg: float) -> Season:
 def perpetual_flags(
     aircraft: Aircraft, mission: Mission, latitude_deg: float, models: Sequence[SolarModel]
 ) -> dict[SolarModel, Flags]:
-    """For each model, on which of the 365 days of the year the aircraft can fly perpetually.
+    """Flag days of perpetual flight by model, each of shape ``(365,)``.
 
-    ``latitude_deg``: latitude [deg], north positive, instead of the mission's own. Returns for each
-    model an array of bool, shape ``(365,)``.
+    ``latitude_deg``: replaces the mission's latitude [deg], north positive.
     """
     year = _Year(aircraft, mission, latitude_deg)
     known: dict[SolarModel, dict[int, bool]] = {model: {} for model in models}
 
-    def fly(wanted: Mapping[SolarModel, Iterable[int]]) -> None:
-        days = {model: sorted({*of} - known[model].keys()) for model, of in wanted.items()}
+    def simulate(days_of: Mapping[SolarModel, Iterable[int]]) -> None:
+        days = {model: sorted({*of} - known[model].keys()) for model, of in days_of.items()}
         suns = {model: year.sun(model, of) for model, of in days.items() if of}
         for model, flags in year.perpetual(suns).items():
             known[model].update(zip(days[model], flags, strict=True))
 
     near, far = ({*range(1, DAYS_PER_YEAR + 1, n), *SOLSTICES} for n in (_STRIDE, _FAR_STRIDE))
     slow = [model for model in models if model.needs_path]
-    fly({model: far if model in slow else near for model in models})
-    fly(_in_doubt(year, slow, sorted(near), sorted(far)))
-    while any((halves := {one: _middles_of_edges(days) for one, days in known.items()}).values()):
-        fly(halves)
+    simulate({model: far if model in slow else near for model in models})
+    simulate(_in_doubt(year, slow, sorted(near), sorted(far)))
+    while any((halves := {m: _middles_of_edges(days) for m, days in known.items()}).values()):
+        simulate(halves)
     return {model: _filled(days) for model, days in known.items()}
 
 
@@ -110,31 +104,31 @@ class _Year:
         return Scenarios(np.full(len(days), self.latitude_deg), np.array(days, int))
 
     def sun(self, model: SolarModel, days: Sequence[int]) -> SolarDay:
-        """Sun of some days by a model."""
-        return _SomeDays(self, days).day(model)
+        """Compute the sun of some days by a model."""
+        return _CachedSunlight(self, days).day(model)
 
     def perpetual(self, suns: Mapping[T, SolarDay]) -> dict[T, list[bool]]:
-        """Whether flight is perpetual under each sun; one march for all of them."""
+        """Flag perpetual flight under each sun; a single march simulates all."""
         if not suns:
             return {}
-        # The simulator sees nothing of a model but its power.
+        # A model matters to the simulator by its power alone, so all share one march.
         together = SolarDay.joined(list(suns.values()))
         flags, mission = np.zeros(len(together.scenarios), bool), self.mission
         if mission.climb is not None:  # level flight is one of the schedules, and known at once
-            flags |= self._flown(mission.at_altitude(mission.altitude_m), together)
+            flags |= self._perpetual(mission.at_altitude(mission.altitude_m), together)
         if not flags.all():
-            flags[~flags] = self._flown(mission, together.at(np.flatnonzero(~flags)))
+            flags[~flags] = self._perpetual(mission, together.at(np.flatnonzero(~flags)))
         ends = np.cumsum([len(sun.scenarios) for sun in suns.values()])
         parts = np.split(flags, ends[:-1])
         return {name: part.tolist() for name, part in zip(suns, parts, strict=True)}
 
-    def _flown(self, mission: Mission, day: SolarDay) -> Flags:
-        flown = performance(self.aircraft, mission, day=day, keep_trajectory=False)
-        return flown.cycle.flown
+    def _perpetual(self, mission: Mission, day: SolarDay) -> Flags:
+        result = performance(self.aircraft, mission, day=day, keep_trajectory=False)
+        return result.cycle.flown
 
 
-class _SomeDays(Sunlight):
-    """Sunlight on some days of a year, which keeps their power."""
+class _CachedSunlight(Sunlight):
+    """Sunlight on some days of a year that keeps their power."""
 
     def __init__(self, year: _Year, days: Sequence[int]) -> None:
         super().__init__(year.aircraft, year.mission, year.scenarios(days))
@@ -160,44 +154,44 @@ class _SomeDays(Sunlight):
 def _in_doubt(
     year: _Year, models: Sequence[SolarModel], near: Sequence[int], far: Sequence[int]
 ) -> dict[SolarModel, set[int]]:
-    """Days among ``near`` that each model, known on those ``far``, is to be simulated on.
+    """Return the days among ``near`` on which each model, known on days ``far``, is in doubt.
 
-    Those of which an estimate of its power does not tell whether they are flown perpetually, and
-    both sides of an edge. The estimate: power of CAM, times the ratio of daily energies.
+    Days on which an estimate, CAM's power times the ratio of daily energies, does not decide, and
+    both sides of an edge.
     """
     cam = year.sun(UNCORRECTED_CAM, near)
     energy_wh = np.asarray(np.trapezoid(cam.specific_power_w_per_m2, cam.time_h, axis=-1))
     of_cam_wh = energy_wh[np.isin(near, far)]
     suns: dict[tuple[SolarModel, float], SolarDay] = {}
     for model in models:
-        own_wh = np.trapezoid(year.sun(model, far).specific_power_w_per_m2, cam.time_h, axis=-1)
-        ratio = np.divide(own_wh, of_cam_wh, out=np.ones(len(far)), where=of_cam_wh > 0.0)
+        model_wh = np.trapezoid(year.sun(model, far).specific_power_w_per_m2, cam.time_h, axis=-1)
+        ratio = np.divide(model_wh, of_cam_wh, out=np.ones(len(far)), where=of_cam_wh > 0.0)
         of_day = np.reshape(np.interp(near, far, ratio, period=DAYS_PER_YEAR), (-1, 1))
         for sign in (-1.0, 1.0):
             suns[model, sign] = cam.scaled(of_day * (1.0 + sign * _DOUBT))
-    flown = year.perpetual(suns)
-    found = {}
+    perpetual = year.perpetual(suns)
+    doubtful = {}
     for model in models:
-        low, high = (dict(zip(near, flown[model, sign], strict=True)) for sign in (-1.0, 1.0))
+        low, high = (dict(zip(near, perpetual[model, sign], strict=True)) for sign in (-1.0, 1.0))
         unclear = {day for day in near if low[day] != high[day]}
-        found[model] = unclear.union(*(pair for flags in (low, high) for pair in _edges(flags)))
-    return found
+        doubtful[model] = unclear.union(*(pair for flags in (low, high) for pair in _edges(flags)))
+    return doubtful
 
 
-def _edges(flown: Mapping[int, bool]) -> list[tuple[int, int]]:
-    """Neighbours of which one is flown perpetually and the other not, across the year's end too."""
-    days = sorted(flown)
-    return [(a, b) for a, b in zip(days, [*days[1:], days[0]], strict=True) if flown[a] != flown[b]]
+def _edges(flags: Mapping[int, bool]) -> list[tuple[int, int]]:
+    """Return neighbouring days, also across the year's end, with different flags."""
+    days = sorted(flags)
+    return [(a, b) for a, b in zip(days, [*days[1:], days[0]], strict=True) if flags[a] != flags[b]]
 
 
-def _middles_of_edges(flown: Mapping[int, bool]) -> set[int]:
-    """Days half-way between the two sides of every edge; none where they are neighbours."""
-    apart = [(day, (after - day) % DAYS_PER_YEAR) for day, after in _edges(flown)]
+def _middles_of_edges(flags: Mapping[int, bool]) -> set[int]:
+    """Return the days half-way between the sides of every edge, unless adjacent."""
+    apart = [(day, (after - day) % DAYS_PER_YEAR) for day, after in _edges(flags)]
     return {(day + days // 2 - 1) % DAYS_PER_YEAR + 1 for day, days in apart if days > 1}
 
 
-def _filled(flown: Mapping[int, bool]) -> Flags:
-    """Flag of every day: that of the last known one."""
-    days = np.array(sorted(flown))
-    flags = np.array([flown[day] for day in days.tolist()], bool)
-    return flags[np.searchsorted(days, np.arange(1, DAYS_PER_YEAR + 1), side="right") - 1]
+def _filled(flags: Mapping[int, bool]) -> Flags:
+    """Return a flag for every day, by the last known day before."""
+    days = np.array(sorted(flags))
+    filled = np.array([flags[day] for day in days.tolist()], bool)
+    return filled[np.searchsorted(days, np.arange(1, DAYS_PER_YEAR + 1), side="right") - 1]

@@ -1,4 +1,4 @@
-"""Cells of a map that is sized anew in each: the best design, and why there is none."""
+"""Cells of a map that is sized anew in each: the best design, or the reason without one."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from studies.study import merged
 
 
 def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
-    """Best design of an aircraft in every cell, as columns of :data:`.gridded.DESCRIBED`.
+    """Size the aircraft in every cell; return columns of :data:`.gridded.DESCRIBED`.
 
-    A cell is the mission with the cell's latitude [deg] and day of year instead of its own.
+    A cell replaces the mission's latitude [deg] and day of year.
     """
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     scenarios = scenarios_of(cells)
@@ -62,12 +62,13 @@ def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
     outside = _extrapolations_of_cells(aircraft, mission, scenarios, solar, sizings)
     columns = _columns_of(sizings) | {"extrapolations": np.array(outside)}
     night = scenarios.in_polar_night()
-    lit = {name: values[~night] for name, values in columns.items()}
-    return merged(~night, lit, {name: np.full(night.sum(), one) for name, one in _NIGHT.items()})
+    sunny = {name: values[~night] for name, values in columns.items()}
+    dark = {name: np.full(night.sum(), value) for name, value in _NIGHT.items()}
+    return merged(~night, sunny, dark)
 
 
 def sized_flight(configuration: MapConfiguration, cell: FloatArray) -> Performance | None:
-    """Fly the best design of a single cell, shape ``(1, 2)``; None where there is no design."""
+    """Simulate the best design of a single cell, shape ``(1, 2)``; None without a design."""
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     scenario, goal = scenarios_of(cell), configuration.objective
     assert goal is not None
@@ -83,7 +84,7 @@ def _columns_of(sizings: CellSizings) -> dict[str, Any]:
     known = sizings.variables._asdict() | vars(sizings)
     return {
         "status": sizings.status.astype(np.int8),
-        **{one.variable: known[one.name] for one in (*DESIGN_COLUMNS, *REACHED)},
+        **{quantity.variable: known[quantity.name] for quantity in (*DESIGN_COLUMNS, *REACHED)},
         LOAD.variable: sizings.load_w,
         "shortfall": sizings.shortfall,
         "violated_requirement": sizings.requirement.astype(str),
@@ -102,7 +103,7 @@ def _extrapolations_of_cells(
     solar: SolarModel,
     sizings: CellSizings,
 ) -> list[str]:
-    """What the design of every cell takes from outside the range of a model."""
+    """Return a text per cell where its design leaves the range of a model."""
     sized = np.isin(sizings.status, SIZED)
     design = parametric_design(aircraft, mission, sizings.variables, sizings.total_mass_kg)
     checks = [
@@ -117,7 +118,7 @@ def _extrapolations_of_cells(
     return [text if there else "" for text, there in zip(texts, sized, strict=True)]
 
 
-# There is nothing to solve without any sun; the whole of the day's energy is missing.
+# Result in polar night: nothing to solve without any sun.
 _NIGHT: dict[str, Any] = {
     "status": np.int8(SizingStatus.infeasible),
     "violated_requirement": "sun",

@@ -41,11 +41,11 @@ from studies.study import Study
 if TYPE_CHECKING:
     import xarray as xr
 
-# Of a map for which no other grid is requested, and of one whose cells take milliseconds.
+# Default grids of fast maps, and of maps whose cells take milliseconds.
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366)
 SLOW_LATITUDES_DEG, SLOW_DAYS = LATITUDES_DEG[::2], DAYS[::4]
 
-# Time of a cell [s], roughly, and what is added to it.
+# Rough time of a cell [s], and additions to it.
 _CELL_S, _CELL_ON_PATH_S = 2.5e-5, 1e-2
 _ENDURANCE_S = 2e-4
 _CLIMB_S = 5e-2  # of the program of a day
@@ -53,7 +53,7 @@ _SIZING_S = 2e-2
 _SIZED_TOGETHER = 96  # each starts from its neighbours, and all fly in one batch
 
 # Variable -> unit, long name.
-_DESCRIBED = {one.variable: one.described for one in MAP}
+_DESCRIBED = {quantity.variable: quantity.described for quantity in MAP}
 
 
 def feasibility_map(
@@ -69,14 +69,14 @@ def feasibility_map(
     scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Metrics of the repeated day in every cell of latitude and day.
+    """Compute metrics of the repeated day in every cell of latitude and day.
 
     Parameters
     ----------
     aircraft : Aircraft
-        What flies.
+        Fixed aircraft.
     mission : Mission
-        In which air and with which load; its own latitudes and dates play no part.
+        Air, load and flight; its latitudes and dates are ignored.
     latitudes : array_like, optional
         Latitudes [deg], north positive, ascending; by default from 70 south to 70 north, each
         degree, or each second one where a cell takes milliseconds.
@@ -134,14 +134,14 @@ def resized_map(
     scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Best design in every cell of latitude and day.
+    """Compute the best design in every cell of latitude and day.
 
     Parameters
     ----------
     aircraft : Aircraft
         Parametric aircraft whose design variables are chosen.
     mission : Mission
-        In which air and with which payload; its own latitudes and dates play no part.
+        Air, payload and flight; its latitudes and dates are ignored.
     objective : str or Objective
         ``min_wingspan``, ``min_mass``, ``max_excess_time``, ``max_payload_mass`` or
         ``max_payload_power``.
@@ -185,7 +185,7 @@ def prepare(
     endurance: bool = False,
     objective: str | Objective | None = None,
 ) -> Study:
-    """Check a map, of best designs if there is an objective for them."""
+    """Check a map and return its study; with an objective, of best designs."""
     goal = None if objective is None else resize_objective(objective)
     if goal is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
@@ -198,8 +198,7 @@ def prepare(
         _check_winds(mission, cells)
     coordinates = {
         "latitude": Labelled(
-            *(("latitude",), north_deg),
-            {"units": "degrees_north", "standard_name": "latitude"},
+            ("latitude",), north_deg, {"units": "degrees_north", "standard_name": "latitude"}
         ),
         "day": Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
     }
@@ -251,10 +250,7 @@ def prepare(
 def _grid(
     latitudes: ArrayLike | None, days: ArrayLike | None, *, slow: bool
 ) -> tuple[FloatArray, NDArray[np.int_]]:
-    """Latitudes [deg], north positive, and days of year, which may be dates; checked.
-
-    ``slow``: whether cells take so long that there are fewer of them where None are given.
-    """
+    """Return checked latitudes [deg] and days of year; ``slow``: default to a coarser grid."""
     if latitudes is None:
         latitudes = SLOW_LATITUDES_DEG if slow else LATITUDES_DEG
     if days is None:
@@ -274,16 +270,13 @@ def _grid(
 
 
 def _check_winds(mission: Mission, cells: FloatArray) -> None:
-    """Refuse cells whose wind the mission's table does not know, where it matters."""
+    """Refuse cells outside the mission's table of winds, if the result depends on it."""
     if mission.wind_statistics is not None:
         mission.scenario_winds_m_per_s(scenarios_of(cells))
 
 
 def _cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
-    """Time that the solar power of a cell takes on one core, roughly [s].
-
-    ``solar``: model and correction; those that follow the flight path take longer.
-    """
+    """Return the rough time of a cell's solar power on one core [s]; check what the model needs."""
     if not solar.needs_path:
         return _CELL_S
     option = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
@@ -297,7 +290,7 @@ def _cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> flo
 def _extrapolations_of_designs(
     configuration: MapConfiguration, cells: FloatArray, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
-    """What the designs of all cells take from outside, its worth that of the lightest one."""
+    """Return where designs leave the range of a model, with its effect on the lightest."""
     from studies.maps.sized import sized_flight
 
     mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
@@ -310,5 +303,5 @@ def _extrapolations_of_designs(
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:
-    """Number of the map's days on which each latitude is flown perpetually, or to a landing."""
+    """Count the map's days on which each latitude has perpetual flight, or lands."""
     return data["status"].isin(FLOWN).sum("day")

@@ -1,8 +1,8 @@
-"""Solar power models side by side: what each predicts, and what each would have built.
+"""Comparison of solar power models: predictions for an aircraft, and designs sized with each.
 
 Every model with every correction predicts the same aircraft on the same mission. A parametric
-aircraft is also sized with each of them, and each of the designs is evaluated by the best knowledge
-there is: the corrected Full Model on the mission's flight path.
+aircraft is also sized with each, and each design evaluated by the reference: the corrected Full
+Model on the mission's flight path.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ Progress = Callable[[int, int], None]
 
 
 class ComparedCase(NamedTuple):
-    """A case, its mean solar energy above that of the reference [-], and its seasons."""
+    """Case, its mean solar energy relative to the reference minus 1 [-], and its seasons."""
 
     case: Case
     solar_energy_above_reference: float | None
@@ -61,22 +61,22 @@ class ComparedCase(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Result):
-    """Solar power models side by side.
+    """Comparison of solar power models.
 
     Attributes
     ----------
     aircraft, mission
-        What was compared on.
+        Aircraft and mission of the comparison.
     objective, required_excess_time_h
-        What a parametric aircraft was sized for; excess time in every scenario [h].
+        Objective of a parametric aircraft's sizings; excess time in every scenario [h].
     reference : Case
-        The case that all are judged by.
+        Case that evaluates all designs.
     cases : tuple of Case
         In the order of the models and corrections.
     notes : tuple of str
-        What the reader should know.
+        Conditions of the comparison.
     extrapolations : tuple of Extrapolation
-        What lies outside the range of a model, of the aircraft and the designs.
+        Where aircraft and designs leave the range of a model.
     """
 
     aircraft: Aircraft
@@ -90,23 +90,20 @@ class Comparison(Result):
 
     @property
     def has_designs(self) -> bool:
-        """Whether the models were asked for designs."""
+        """True if an aircraft was sized with the models."""
         return any(case.built is not None for case in self.cases)
 
     def solar_energy_above_reference(self, case: Case) -> float | None:
-        """Excess of mean solar energy over that of the reference [-]; none without any sun."""
+        """Return mean solar energy relative to the reference minus 1 [-]."""
         truth_wh = self.reference.prediction.mean_solar_energy_wh
         return case.prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
 
     def perpetual_line(self) -> str:
-        """How many of the models and corrections say that the flight is not perpetual."""
+        """Say how many models and corrections predict perpetual flight."""
         return perpetual_line([case.prediction.perpetual for case in self.cases], self.mission)
 
     def scenario_tables(self) -> tuple[Table, ...]:
-        """Predictions of the worst scenario of each case, which a row names, and of all together.
-
-        One table where there is one scenario.
-        """
+        """Return tables of each case's worst scenario and of all scenarios; one if there is one."""
         table = self.tables()[0]
         if not any(case.prediction.several_scenarios for case in self.cases):
             return (table,)
@@ -119,7 +116,7 @@ class Comparison(Result):
         )
 
     def tables(self) -> tuple[Table, ...]:
-        """What the models predict, and what they would have built if they were asked."""
+        """Return tables of predictions and, if sized, of designs."""
         models = [case.solar.model for case in self.cases]
         lines = [i + 1 for i, (a, b) in enumerate(itertools.pairwise(models)) if a != b]
         rows = map(self._predicted, self.cases)
@@ -161,7 +158,7 @@ class Comparison(Result):
 
     @property
     def compared_cases(self) -> tuple[ComparedCase, ...]:
-        """Cases beside the reference, with the season of every latitude."""
+        """Cases with energy relative to the reference and the season of every latitude."""
         latitudes = self.mission.latitudes()
         return tuple(
             ComparedCase(
@@ -170,8 +167,8 @@ class Comparison(Result):
                 season_record(case.season)
                 | {
                     "latitudes": [
-                        {"latitude_deg": lat} | season_record(one)
-                        for lat, one in zip(latitudes, case.seasons, strict=True)
+                        {"latitude_deg": lat} | season_record(season)
+                        for lat, season in zip(latitudes, case.seasons, strict=True)
                     ]
                 },
             )
@@ -179,7 +176,7 @@ class Comparison(Result):
         )
 
     def to_frame(self) -> pd.DataFrame:
-        """One row for each case: keys of the record's cases, nested ones joined by underscores."""
+        """Return a row per case: keys of the record, nested keys joined by underscores."""
         import pandas as pd
 
         frame = pd.json_normalize(self.to_dict()["cases"], sep="_")
@@ -215,7 +212,7 @@ def headline(comparison: Comparison) -> str:
 
 
 def blocks(comparison: Comparison, level: int) -> list[Any]:
-    """Return the predictions, the headline, extrapolations, designs and notes."""
+    """Return predictions, designs, headline, extrapolations and notes."""
     aircraft, mission = comparison.aircraft, comparison.mission
     reference = comparison.reference.solar
     worst = dict.fromkeys(case.prediction.scenario for case in comparison.cases)
@@ -257,19 +254,19 @@ def compare(
     Parameters
     ----------
     aircraft, mission
-        What flies, and where; VM, FM and the loiter correction need module surfaces on the one
-        and a flight path on the other.
+        Aircraft and mission; VM, FM and the loiter correction need module surfaces and a flight
+        path.
     models : sequence of str or SolarModel, optional
         Names, combined with every one of the corrections, or models with their own correction; by
         default all that can be computed.
     corrections : sequence of str, optional
         Names; by default all that can be computed.
     objective : Objective or str
-        What a parametric aircraft is sized for.
+        Objective of a parametric aircraft's sizings.
     required_excess_time_h : float, optional
         Excess time that every scenario must have, instead of the mission's [h].
     design : bool
-        Whether a parametric aircraft is sized with every model.
+        Size a parametric aircraft with every model.
     progress : callable, optional
         Called with the steps done and the steps in all.
 
@@ -287,11 +284,11 @@ def compare(
     if objective not in RESIZE_NAMES:
         allowed = ", ".join(RESIZE_NAMES)
         raise ValueError(f"objective must be one of {allowed} (got {objective!r})")
-    wanted = combinations(models, corrections, attitude=attitude_is_known(aircraft, mission))
-    if not wanted:
+    requested = combinations(models, corrections, attitude=attitude_is_known(aircraft, mission))
+    if not requested:
         raise ValueError("there is no model to compare")
     reference = reference_model(aircraft, mission)
-    every = list(dict.fromkeys([*wanted, reference]))
+    every = list(dict.fromkeys([*requested, reference]))
     sized = design and isinstance(aircraft.airframe, ParametricAirframe)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
@@ -328,10 +325,11 @@ def compare(
         objective=Objective(objective),
         required_excess_time_h=required,
         reference=cases[reference],
-        cases=tuple(cases[solar] for solar in wanted),
+        cases=tuple(cases[solar] for solar in requested),
         notes=_notes(aircraft, mission, reference, sized=sized),
         extrapolations=merge_extrapolations(
-            [_extrapolations_of_case(aircraft, mission, sun, cases[one]) for one in wanted], "cases"
+            [_extrapolations_of_case(aircraft, mission, sun, cases[solar]) for solar in requested],
+            "cases",
         ),
     )
 
@@ -339,7 +337,7 @@ def compare(
 def _extrapolations_of_case(
     aircraft: Aircraft, mission: Mission, sun: Sunlight, case: Case
 ) -> tuple[Extrapolation, ...]:
-    """What a case takes from outside the range of a model: the aircraft as it is, its design."""
+    """Return where the aircraft and a case's design leave the range of a model."""
     day, design, solar = sun.day(case.solar), design_of(aircraft, mission), case.solar
     peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * design.variables.module_area_m2
     of_design = list(design_checks(aircraft, mission, design, solar))
@@ -364,7 +362,7 @@ def _built(
     objective: Objective,
     required_excess_time_h: float,
 ) -> Built:
-    """Design by a model, as the reference sees it."""
+    """Size with a model, and evaluate the design by the reference."""
     aircraft, mission = sun.aircraft, sun.mission
     result = size_aircraft(
         aircraft,

@@ -1,4 +1,4 @@
-"""What drives the power of the Full Model over the day: component efficiencies."""
+"""Component efficiencies of the Full Model over the day."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 def component_efficiencies(
     aircraft: Aircraft, mission: Mission, scenario: int = 0, *, step_h: float = 1.0 / 12.0
 ) -> xr.Dataset:
-    """Component efficiencies of the Full Model over a day, averaged over the flight path.
+    """Compute component efficiencies of the Full Model over a day, averaged over the flight path.
 
-    The mission's uncertainty margins are taken off the power, as in every other study.
+    The mission's uncertainty margins reduce the power, as in every other study.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def component_efficiencies(
         raise ValueError("component efficiencies need modules.geometry and a flight_path")
     time_h = day_axis_h(step_h)
     scenarios = mission.scenarios()
-    sunlit, orbit, power = module_power_on_path(
+    daylight, orbit, power = module_power_on_path(
         PathModules(geometry, aircraft.modules, path, mission.wind, aircraft.modules.shading),
         Daylight(
             float(scenarios.latitude_deg[scenario]),
@@ -74,7 +74,7 @@ def component_efficiencies(
     return dataset(
         _variables(power, orbit.weights),
         {
-            "time": ("time", time_h[sunlit], {"units": "h", "long_name": "solar time"}),
+            "time": ("time", time_h[daylight], {"units": "h", "long_name": "solar time"}),
             "surface": [s.name for s in geometry.surfaces],
         },
         {
@@ -88,7 +88,7 @@ def component_efficiencies(
 
 
 def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
-    """Variables of the data set: means over the attitudes, the second axis, with CF attributes."""
+    """Return variables of the dataset: means over attitudes (second axis), with CF attributes."""
     aoi_deg = np.degrees(np.arccos(np.clip(power.cos_aoi_by_surface, -1.0, 1.0)))
     columns = {
         "specific_power": (power.specific_power_w_per_m2, "W m-2", "specific power"),

@@ -44,7 +44,7 @@ _ROOM_DAYS = 110  # length of a season's bar that holds its text
 
 @styled
 def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figure:
-    """Solar energy, excess time and season by every case, and the designs where there are any.
+    """Draw solar energy, excess time and season of every case, and designs if any.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
 
 
 def _heights(cases: tuple[Case, ...]) -> Any:
-    """Heights of the rows, with a gap between models."""
+    """Return the heights of the rows, with a gap between models."""
     models = [case.solar.model for case in cases]
     changes = np.cumsum([0, *(a != b for a, b in itertools.pairwise(models))])
     return np.arange(len(cases)) + 0.5 * changes
@@ -151,7 +151,7 @@ def _draw_solar_energy(axes: Axes, _: Comparison, case: Case, y: float) -> None:
 
 
 def _note(axes: Axes, y: float, text: str, colour: str) -> None:
-    """Words in place of a number that a case does not have."""
+    """Write words in place of a number that a case lacks."""
     axes.annotate(
         text,
         (0.02, y),
@@ -193,7 +193,7 @@ def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
 
 
 def spans(season: Season) -> list[tuple[int, int]]:
-    """Window of a season as spans of days that do not cross the year's end."""
+    """Return a season's window as spans of days that do not cross the year's end."""
     if season.first is None or season.last is None:
         return []
     if season.first <= season.last:
@@ -218,6 +218,6 @@ _PANELS = (_draw_solar_energy, _draw_excess, _draw_season, _draw_design)
 
 
 def _objective_value(case: Case, comparison: Comparison) -> float | None:
-    """What the sizing arrived at, none without a design or where it is unlimited."""
+    """Return the objective's value, None without a design or if unlimited."""
     value = None if case.built is None else case.built.value(comparison.objective)
     return value if value is not None and np.isfinite(value) else None

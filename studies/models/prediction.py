@@ -1,4 +1,4 @@
-"""What a solar power model says of an aircraft, in numbers and words, and what it would build."""
+"""Prediction of a solar power model for an aircraft, in numbers and words, and its design."""
 
 from __future__ import annotations
 
@@ -18,27 +18,26 @@ from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
 from studies.maps.season import Season
 
-# Excess time that is missing by less than is printed is not missing [h].
+# Excess time below the required one by less than printed counts as met [h].
 _MET_H = 0.005
-# Nights from which on a flight ends by what is lost from day to day.
+# Nights from which a flight counts as ended by the losses from day to day.
 _MANY_NIGHTS = 10
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a model says of an aircraft in its worst scenario on a mission.
+    """Prediction of a model for an aircraft in its worst scenario on a mission.
 
-    ``scenario``, ``latitude_deg``, ``day_of_year``: the worst scenario: its label, latitude [deg]
-    and day. ``several_scenarios``: whether the mission has others. ``status``: how the cycle of the
-    worst scenario ends. ``excess_time_h``, ``excess_time_low_h``, ``excess_time_high_h``: excess
-    time [h], infinite where it is unlimited, and the same with the solar power one RMS error of the
-    model lower and higher. ``minimum_state_of_charge``: of the cycle [-]. ``charge_margin_h``,
-    ``endurance_h``: charge margin, and endurance from the best launch [h]; infinite where
-    unlimited. ``nights``: nights that the longest flight survives. ``polar_day``, ``enough_sun``:
-    whether the sun does not set, and whether solar power rises above the load at any time.
-    ``solar_energy_wh``, ``mean_solar_energy_wh``: solar energy of a day: of the worst scenario, and
-    the mean of all [Wh]. ``maximum_altitude_m``: highest altitude in the worst scenario of a flight
-    with climbs, whose longest flight is that in level flight [m].
+    ``scenario``, ``latitude_deg``, ``day_of_year``: label, latitude [deg] and day of the worst
+    scenario. ``several_scenarios``: the mission has others. ``status``: of the worst scenario's
+    cycle. ``excess_time_h``, ``excess_time_low_h``, ``excess_time_high_h``: excess time [h],
+    infinite if unlimited, also with solar power one RMS error of the model lower and higher.
+    ``minimum_state_of_charge``: of the cycle [-]. ``charge_margin_h``, ``endurance_h``: charge
+    margin, and endurance from the best launch [h]; infinite if unlimited. ``nights``: nights within
+    the longest flight. ``polar_day``: the sun does not set. ``power_exceeds_load``: at some time.
+    ``solar_energy_wh``, ``mean_solar_energy_wh``: daily solar energy in the worst scenario, and the
+    mean of all [Wh]. ``maximum_altitude_m``: highest altitude of flights with climbs, in the worst
+    scenario [m]; their endurance is in level flight.
     """
 
     scenario: str
@@ -54,23 +53,23 @@ class Prediction:
     endurance_h: float
     nights: int
     polar_day: bool
-    enough_sun: bool
+    power_exceeds_load: bool
     solar_energy_wh: float
     mean_solar_energy_wh: float
     maximum_altitude_m: float | None = None
 
     @property
     def perpetual(self) -> bool:
-        """Whether the flight is perpetual, or lands, in every scenario."""
+        """True for flight that is perpetual, or lands, in every scenario."""
         return self.status in FLOWN
 
     @property
     def endurance_cell(self) -> float | str:
-        """Endurance as tables write it."""
+        """Endurance for tables."""
         return np.inf if self.perpetual else duration(self.endurance_h, " d")
 
     def outcome(self, required_excess_time_h: float = 0.0) -> str:
-        """What becomes of the aircraft in its worst scenario, as a clause without its subject."""
+        """Return the outcome in the worst scenario, as a clause without its subject."""
         at, excess_h = self.scenario, self.excess_time_h
         if self.status is Status.always_lit:
             return "flies perpetually, as solar power always exceeds the load"
@@ -87,10 +86,10 @@ class Prediction:
         return f"flies perpetually{where}, with {excess_h:.1f} h of excess time at {at}"
 
     def _reason(self) -> str:
-        """Why the flight ends."""
+        """Return the reason why the flight ends."""
         if self.status is Status.never_lit:
             return "there is no solar power"
-        if not self.enough_sun:
+        if not self.power_exceeds_load:
             return "solar power never reaches the load"
         if self.polar_day:
             return "the sun does not set, but the battery does not last through its low hours"
@@ -104,20 +103,20 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Built:
-    """Design that a model led to, and what the reference says of it (none without a design)."""
+    """Design sized with a model, and its prediction by the reference (None without a design)."""
 
     sizing: SizingResult
     judged: Prediction | None
 
     def value(self, objective: Objective) -> float | None:
-        """Quantity of the objective, none without a design; infinite excess time is possible."""
+        """Return the objective's quantity, None without a design; excess time may be infinite."""
         design, simulated = self.sizing.design, self.sizing.simulated
         if design is None or simulated is None:
             return None
         return float(objective_value(objective, simulated))
 
     def result(self, objective: Objective) -> str:
-        """What the sizing arrived at, in words."""
+        """Return the result of the sizing in words."""
         value = self.value(objective)
         if self.judged is None or value is None:
             return "no design" if self.sizing.status is SizingStatus.infeasible else "no result"
@@ -133,13 +132,13 @@ class Built:
 
     @property
     def promised_excess_time_h(self) -> float | None:
-        """Excess time by the model that it was sized with [h]."""
+        """Excess time by the model of the sizing [h]."""
         return self.value(Objective.max_excess_time)
 
     @property
     def violated_requirements(self) -> tuple[str, ...]:
-        """What no design meets, in words."""
-        return tuple(one.text for one in self.sizing.violations)
+        """Requirements that no design meets, in words."""
+        return tuple(violation.text for violation in self.sizing.violations)
 
 
 _RESULTS = {
@@ -153,10 +152,9 @@ _RESULTS = {
 
 @dataclass(frozen=True)
 class Case:
-    """One model with one correction.
+    """Results of a model with a correction.
 
-    ``season`` holds the days on which all latitudes of the mission are flown perpetually,
-    ``seasons`` those of each latitude.
+    ``season``: days of perpetual flight at all latitudes of the mission, ``seasons``: at each.
     """
 
     solar: SolarModel
@@ -167,7 +165,7 @@ class Case:
 
 
 def season_record(season: Season) -> dict[str, Any]:
-    """Days of perpetual flight in the year, JSON-ready."""
+    """Return the days of perpetual flight in the year, JSON-ready."""
     return {
         "days": season.days,
         "window_days": season.window_days,
@@ -179,23 +177,23 @@ def season_record(season: Season) -> dict[str, Any]:
 def predict(
     simulate: Callable[[SolarDay], Performance], days: Mapping[SolarModel, SolarDay]
 ) -> list[Prediction]:
-    """Judge an aircraft by its worst scenario under the sun of each model.
+    """Predict an aircraft's worst scenario under the sun of each model.
 
-    ``simulate``: performance of the aircraft under the sun of some scenarios; all models are
-    simulated together. ``days``: sun of the same scenarios by each model.
+    ``simulate``: function that returns the performance under the sun of scenarios, called for all
+    models together. ``days``: sun of the same scenarios by each model.
     """
     count, suns = len(days), list(days.values())
-    flown = simulate(SolarDay.joined(suns))
-    cycle, highest_m = flown.cycle, flown.maximum_altitude_m
+    results = simulate(SolarDay.joined(suns))
+    cycle, highest_m = results.cycle, results.maximum_altitude_m
     worst = np.argmin(cycle.excess_time_h.reshape(count, -1), axis=-1)
     places = worst + np.arange(count) * (len(cycle.excess_time_h) // count)
     alone = [sun.at([place]) for sun, place in zip(suns, worst, strict=True)]
     margins = simulate(
         SolarDay.joined(
             [
-                one.scaled(1.0 + sign * solar.rms_relative)
+                sun.scaled(1.0 + sign * solar.rms_relative)
                 for sign in (-1.0, 1.0)
-                for solar, one in zip(days, alone, strict=True)
+                for solar, sun in zip(days, alone, strict=True)
             ]
         )
     )
@@ -231,10 +229,10 @@ def _prediction(
     mean_solar_wh: float,
     highest_m: float | None,
 ) -> Prediction:
-    """Prediction of one model.
+    """Return the prediction of a model.
 
-    ``at``: the worst scenario among those of ``day``, and in ``cycle``. ``excess_h``: its excess
-    time with one RMS error less and more sun. ``flight``: the longest, where it is limited.
+    ``at``: index of the worst scenario in ``day``, and in ``cycle``. ``excess_h``: its excess time
+    with one RMS error less and more sun. ``flight``: longest flight, if limited.
     """
     worst, place = at
     morning_h = float(cycle.equal_power_morning_h[place])
@@ -254,7 +252,7 @@ def _prediction(
         endurance_h=endurance_h,
         nights=nights_survived(launch_h, endurance_h, morning_h),
         polar_day=float(day.sunset_h[worst] - day.sunrise_h[worst]) >= 24.0,
-        enough_sun=bool(np.isfinite(morning_h)),
+        power_exceeds_load=bool(np.isfinite(morning_h)),
         solar_energy_wh=float(cycle.energy_budget.solar_wh[place]),
         mean_solar_energy_wh=mean_solar_wh,
         maximum_altitude_m=highest_m,
@@ -262,11 +260,10 @@ def _prediction(
 
 
 def nights_survived(launch_h: float, endurance_h: float, morning_h: float) -> int:
-    """Nights within a flight, each flown from midnight or before to the morning's equal power.
+    """Count the nights of a flight: from midnight or before to the morning's equal power.
 
-    ``launch_h``, ``morning_h``: solar times [h]; the flight starts on the day from 0 to 24 h.
-    Without a morning of equal power (NaN) no night ends. ``endurance_h``: length of the flight [h];
-    of an unlimited one no nights are counted.
+    ``launch_h``, ``morning_h``: solar times [h]; launch from 0 to 24 h. Zero without a morning of
+    equal power (NaN), and for unlimited ``endurance_h`` [h].
     """
     if not np.all(np.isfinite([endurance_h, morning_h])):
         return 0
@@ -274,7 +271,7 @@ def nights_survived(launch_h: float, endurance_h: float, morning_h: float) -> in
 
 
 def duration(hours: float, day: str = " days") -> str:
-    """Length of a flight: hours up to three days, then days with two significant digits."""
+    """Return a flight's length: hours up to three days, then days with two significant digits."""
     if not np.isfinite(hours):
         return "more than a year"
     return f"{hours:.1f} h" if hours < 72.0 else f"{float(f'{hours / 24.0:.1e}'):g}{day}"

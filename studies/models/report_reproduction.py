@@ -1,10 +1,10 @@
-"""The report's comparison of CDM, CAM, VM and FM with flight, regenerated from first principles.
+"""Reproduction of the report's comparison of CDM, CAM, VM and FM with flight.
 
-AtlantikSolar AS-2 flies the morning of 1 July 2015 on a circle in an easterly wind of 2 m/s. What
-the report does not publish (radius, airspeed, pitch, mean temperature) is assumed, once for all
-numbers, in the shipped mission ``rafz-loiter``; with ``vary``, :func:`reproduce` shows what each
-of them changes. Source of the published values: Oettershagen, "High-Fidelity Solar Power Income
-Modeling for Solar-Electric UAVs", table 3 and section 4.1.
+AtlantikSolar AS-2 flies the morning of 1 July 2015 on a circle in an easterly wind of 2 m/s.
+Unpublished radius, airspeed, pitch and mean temperature are assumed, once for all numbers, in the
+shipped mission ``rafz-loiter``; with ``vary``, :func:`reproduce` shows the effect of each. Source
+of the published values: Oettershagen, "High-Fidelity Solar Power Income Modeling for Solar-Electric
+UAVs", table 3 and section 4.1.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _STEP_H = 1.0 / 120.0
 
 @dataclass(frozen=True)
 class Window:
-    """A detail window of the report: Full Model and flight, means over solar time."""
+    """Time window of the report: means of Full Model and flight."""
 
     from_h: float
     to_h: float
@@ -66,7 +66,7 @@ WINDOWS = (
 
 @dataclass(frozen=True)
 class Varied:
-    """What one changed assumption makes of every number."""
+    """Reproduction with one changed assumption."""
 
     assumption: str
     value: str
@@ -75,12 +75,11 @@ class Varied:
 
 @dataclass(frozen=True, repr=False)
 class Reproduction(Result):
-    """Computed mean powers beside the report's.
+    """Computed mean powers against the report's.
 
-    ``aircraft``, ``mission``: what flew, and where, with everything that the report does not
-    publish. ``models_w``: mean of every model over the whole period [W]. ``windows_w``: mean of the
-    Full Model in each window [W]. ``varied``: the same with one assumption changed at a time, if
-    that was asked for.
+    ``aircraft``, ``mission``: of the flight, with the assumptions. ``models_w``: mean of every
+    model over the whole period [W]. ``windows_w``: mean of the Full Model in each window [W].
+    ``varied``: results with one assumption changed at a time, empty unless requested.
     """
 
     aircraft: Aircraft
@@ -90,7 +89,7 @@ class Reproduction(Result):
     varied: tuple[Varied, ...] = ()
 
     def tables(self) -> tuple[Table, ...]:
-        """Published against computed; and what each assumption changes, if that was asked for."""
+        """Return published against computed means and, if requested, varied assumptions."""
         period = f"{PERIOD_H[0]:g} to {PERIOD_H[1]:g} h"
         means = [(f"{m}, {period}", PUBLISHED_W[m], MEASURED_W) for m in MODEL_NAMES]
         means += [
@@ -122,7 +121,7 @@ class Reproduction(Result):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Published and computed numbers, JSON-ready."""
+        """Return published and computed numbers, JSON-ready."""
         return {
             "models": {
                 m: {"published_w": PUBLISHED_W[m], "computed_w": self.models_w[m]}
@@ -146,7 +145,7 @@ class Reproduction(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """Published and computed means, one row each."""
+        """Return published and computed means, one row each."""
         return self.tables()[0].to_frame()
 
     def _means_w(self) -> list[float]:
@@ -163,24 +162,24 @@ def headline(reproduction: Reproduction) -> str:
 
 
 def blocks(reproduction: Reproduction, level: int) -> list[Any]:
-    """Return both tables, and the assumptions, at every level."""
-    given = assumptions(reproduction.mission)
-    path = given["flight_path"]
+    """Return the tables and the assumptions, at every level."""
+    inputs = assumptions(reproduction.mission)
+    path = inputs["flight_path"]
     assumed = (
         f"Assumed: {path['kind']} of {path['radius_m']:g} m at {path['airspeed_m_per_s']:g} "
-        f"m/s, pitch {path['pitch_deg']:g} deg, wind {given['wind_m_per_s']:g} m/s from "
-        f"{given['wind_from_deg']:g} deg, air {given['ambient_temperature_c']:g} C."
+        f"m/s, pitch {path['pitch_deg']:g} deg, wind {inputs['wind_m_per_s']:g} m/s from "
+        f"{inputs['wind_from_deg']:g} deg, air {inputs['ambient_temperature_c']:g} C."
     )
     return [Line(headline(reproduction), "strong"), *reproduction.tables(), Line(assumed, "faint")]
 
 
 def reference() -> tuple[Aircraft, Mission]:
-    """Aircraft and mission with the stated assumptions."""
+    """Load aircraft and mission with the stated assumptions."""
     return load_aircraft(AIRCRAFT), load_mission(MISSION)
 
 
 def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: FloatArray) -> Any:
-    """Solar power of a model on the mission's (single) day."""
+    """Compute the solar power of a model on the mission's (single) day [W]."""
     scenarios: Scenarios = mission.scenarios()
     around = own_surroundings(aircraft, mission)
     power = modelled_power(aircraft, mission, model, scenarios, time_h, around)
@@ -188,9 +187,9 @@ def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: Floa
 
 
 def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Reproduction:
-    """Means of all models over the report's period and of FM in its windows.
+    """Compute means of all models over the report's period and of FM in its windows.
 
-    ``vary``: whether to repeat it with one assumption changed at a time.
+    ``vary``: repeat with one assumption changed at a time.
     """
     period = _time_axis_h(*PERIOD_H)
     models = {m: _mean(power_w(aircraft, mission, m, period), period) for m in MODEL_NAMES}
@@ -206,7 +205,7 @@ def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Re
 
 
 def _variations(mission: Mission) -> list[tuple[str, str, Mission]]:
-    """Missions with one assumption changed: its name, its value, the mission."""
+    """Return missions with one assumption changed: its name, its value, the mission."""
     path = mission.flight_path
     assert isinstance(path, Circle)
     air_c = mission.air.ambient_temperature_c
@@ -237,7 +236,7 @@ def _variations(mission: Mission) -> list[tuple[str, str, Mission]]:
 
 
 def assumptions(mission: Mission) -> dict[str, Any]:
-    """Everything that the computed numbers rest on, JSON-ready."""
+    """Return all assumptions of the computed numbers, JSON-ready."""
     path = mission.flight_path
     assert path is not None
     return {
@@ -255,10 +254,7 @@ def assumptions(mission: Mission) -> dict[str, Any]:
 
 @styled
 def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Figure:
-    """All models over solar time, with the report's windows and the flight's means in them.
-
-    ``figure``: how the figure looks, or one that is drawn on.
-    """
+    """Draw all models over solar time, with the report's windows and the flight's means."""
     aircraft, mission, time_h = result.aircraft, result.mission, _time_axis_h(4.0, 10.0)
     wind = f"loiter in {mission.wind_m_per_s:g} m/s of easterly wind"
     drawn, (axes,) = new_figure(

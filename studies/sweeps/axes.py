@@ -1,4 +1,4 @@
-"""What a trade study varies: keys of the files, their values, and the points made of them."""
+"""Axes of a trade study: varied keys of the files, their values, and the study's points."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _NAMED_LABELS: dict[Kind, str] = {
     "mppts": "MPPT",
 }
 
-# How names that the catalogue of parameters has not end -> unit as readers write it; longer first.
+# Units of keys outside the parameters' catalogue, by their endings; longer ones first.
 _UNITS = {
     "_wh_per_kg": "Wh/kg",
     "_kg_per_m2": "kg/m²",
@@ -67,12 +67,11 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Axis:
-    """A varied key.
+    """Varied key.
 
     ``key``: key of the aircraft file, or of the mission file behind ``mission.``. ``values``: its
-    values; two ends where only a range was given. ``is_range``: whether the values are the ends of
-    a range and nothing between them was chosen. ``names``: entries of a catalogue, whose places
-    from 0 are then the values; none for numbers.
+    values, or the two ends of a range without a step, ``is_range``. ``names``: entries of a
+    catalogue, whose indices are the values; empty for numbers.
     """
 
     key: str
@@ -82,17 +81,17 @@ class Axis:
 
     @property
     def design_variable(self) -> str | None:
-        """Short name of the design variable that is varied, none for other keys."""
+        """Short name of the varied design variable, None for other keys."""
         return design_variable(self.key)
 
 
 def design_variable(key: str) -> str | None:
-    """Short name of the design variable that a key is, none for other keys."""
+    """Return the short name of a key's design variable, None for other keys."""
     return next((name for name, place in DESIGN_KEYS.items() if place == key), None)
 
 
 def unit_of(key: str) -> str:
-    """Unit of a key as CF spells it: the catalogue's, else what its name ends in, 1 for none."""
+    """Return the CF unit of a key, by the catalogue, else by its ending, 1 without."""
     known = catalogue().get(key)
     if known is not None:
         return cf_unit(known.unit)
@@ -100,7 +99,7 @@ def unit_of(key: str) -> str:
 
 
 def axis_label(key: str) -> str:
-    """Key in words: the catalogue's, else its name without the unit that it ends in."""
+    """Return a key in words: the catalogue's label, else its name without the unit."""
     if key in NAMED_KEYS:
         return _NAMED_LABELS[NAMED_KEYS[key]]
     known = catalogue().get(key)
@@ -108,7 +107,7 @@ def axis_label(key: str) -> str:
 
 
 def cf_unit(unit: str) -> str:
-    """Unit as CF spells it: ``W h kg-1`` for ``Wh/kg``."""
+    """Return a unit in CF spelling: ``W h kg-1`` for ``Wh/kg``."""
     plain = unit.translate({ord("²"): "2", ord("³"): "3", ord("°"): "deg"})
     above, _, below = re.sub(r"Wh\b", "W h", plain).partition("/")
     divided = re.sub(r"([A-Za-z]+)(\d*)", lambda m: f"{m[1]}-{m[2] or 1}", below)
@@ -117,7 +116,7 @@ def cf_unit(unit: str) -> str:
 
 
 def unit_label(unit: str) -> str:
-    """Unit as readers write it, from how CF spells it: ``Wh/kg`` for ``W h kg-1``."""
+    """Return a CF unit as readers write it: ``Wh/kg`` for ``W h kg-1``."""
     return _LABELS.get(unit, unit)
 
 
@@ -125,12 +124,12 @@ _LABELS = {cf_unit(label): label for label in _UNITS.values()} | {"degrees_north
 
 
 def without_unit(name: str) -> str:
-    """Name without the unit that it ends in."""
+    """Return a name without the unit that it ends in."""
     return next((name.removesuffix(end) for end in _UNITS if name.endswith(end)), name)
 
 
 def axis_names(axes: Sequence[Axis]) -> list[str]:
-    """Name of every axis in results: the end of its key, as much of it as is unique."""
+    """Return the names of axes in results: the end of the key, as far as needed to be unique."""
     short = [axis.design_variable or _short(axis.key) for axis in axes]
     whole = [axis.key.replace(".", "_") for axis in axes]
     return [
@@ -139,17 +138,17 @@ def axis_names(axes: Sequence[Axis]) -> list[str]:
 
 
 def _short(key: str) -> str:
-    """Last part of a key; one word alone (a mass, but of what?) takes the part before it along."""
+    """Return the last part of a key, behind the part before it if a single word."""
     *before, last = key.removeprefix(MISSION_PREFIX).split(".")
     return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
 
 
 def axes_of(vary: Mapping[str, ArrayLike]) -> list[Axis]:
-    """Axes from values by key, see :func:`studies.sweeps.study.sweep`."""
+    """Make axes from values by key, see :func:`studies.sweeps.study.sweep`."""
     axes = []
     for key, values in vary.items():
         if key.removeprefix("aircraft.") in NAMED_KEYS:
-            axes.append(_named_axis(key, [str(one) for one in np.atleast_1d(np.asarray(values))]))
+            axes.append(_named_axis(key, [str(name) for name in np.atleast_1d(np.asarray(values))]))
             continue
         numbers = np.atleast_1d(np.asarray(values))
         if numbers.dtype.kind not in "iuf" or numbers.ndim != 1 or not np.isfinite(numbers).all():
@@ -169,9 +168,9 @@ def _axis(
     return Axis(full, values, is_range, names)
 
 
-def _named_axis(key: str, given: Sequence[str]) -> Axis:
-    """Axis over entries of a catalogue."""
-    names = tuple(name.strip() for name in given)
+def _named_axis(key: str, entries: Sequence[str]) -> Axis:
+    """Make an axis over entries of a catalogue."""
+    names = tuple(name.strip() for name in entries)
     allowed = entry_names(NAMED_KEYS[key.removeprefix("aircraft.")])
     for name in names:
         if name not in allowed:
@@ -181,10 +180,7 @@ def _named_axis(key: str, given: Sequence[str]) -> Axis:
 
 
 def shown_value(axis: Axis, value: float) -> Any:
-    """Value as results have it: a number, or the name at a place; empty for the file's own name.
-
-    ``value``: one of its values, or -1 for the file's own name.
-    """
+    """Return a value as results show it: a number, or a name; empty for -1, the file's name."""
     if not axis.names:
         return value
     return axis.names[int(value)] if value >= 0.0 else ""
@@ -210,7 +206,7 @@ def parse_axis(text: str) -> Axis:
 
 
 def _read_number(text: str) -> float:
-    # Python's own notations, such as 1_000 or inf, are nobody's here.
+    # Python's notations, such as 1_000 or inf, are refused.
     if not re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", text):
         raise ValueError(f"{text.strip()!r} is not a number")
     number = float(text)
@@ -245,12 +241,12 @@ def points(
     samples: int = 0,
     seed: int = 0,
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Points of a study, shape ``(point, axis)``, and the axis each point varies (-1 for all).
+    """Return a study's points, shape ``(point, axis)``, and the axis each varies (-1 for all).
 
     ``sample``: all combinations of values; a Latin hypercube or a scrambled Sobol sequence between
-    the least and the largest values; or every value of each axis with the others at the base,
-    behind the base itself. ``samples``, ``seed``: number of drawn points, and where the drawing
-    starts. Returns values in the units of the keys. Returns axis that a point varies, -1 for all.
+    least and largest values; or the base, then every value of each axis with the others at the
+    base. ``samples``, ``seed``: number of drawn points, and seed of the generator.
+
     McKay, M. D., Beckman, R. J. and Conover, W. J. (1979), Technometrics 21, 239-245 (Latin
     hypercube); Owen, A. B. (1998), Journal of Complexity 14, 466-489 (scrambled Sobol sequence).
     """
@@ -258,7 +254,7 @@ def points(
         return _grid(axes)
     if sample == "one-at-a-time":
         assert base is not None
-        return _one_at_a_time(axes, base)
+        return _single_key_points(axes, base)
     if not 1 <= samples <= MAXIMUM_POINTS:
         raise ValueError(f"the number of samples must be from 1 to {MAXIMUM_POINTS}")
     return _sampled_points(axes, sample, samples, seed)
@@ -275,7 +271,7 @@ def _grid(axes: Sequence[Axis]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     return grid, np.full(count, -1)
 
 
-def _one_at_a_time(
+def _single_key_points(
     axes: Sequence[Axis], base: Sequence[float]
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     rows, varied = [list(base)], [-1]

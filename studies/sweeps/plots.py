@@ -63,7 +63,7 @@ _MARKERS = "x+*v1234"
 
 @styled
 def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
-    """Chart that suits a study: lines, contours, panels, parallel coordinates or a tornado.
+    """Draw a study as lines, contours, panels, parallel coordinates or a tornado.
 
     Parameters
     ----------
@@ -82,10 +82,10 @@ def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
         If there are more panels than a page takes, or no point to draw.
     """
     if data.attrs["sample"] == "one-at-a-time":
-        return _one_at_a_time_figure(data, figure)
+        return _tornado_figure(data, figure)
     if not _drawable(data).any():
-        told = Counter(reasons_without_result(data).ravel())
-        why = "; ".join(f"{count} points: {reason}" for reason, count in told.most_common())
+        reasons = Counter(reasons_without_result(data).ravel())
+        why = "; ".join(f"{count} points: {reason}" for reason, count in reasons.most_common())
         raise ValueError(f"no point has a result: there is nothing to draw ({why})")
     axes = [str(name) for name in data["status"].dims]
     if data.attrs["sample"] != "grid" or len(axes) > 3:
@@ -105,7 +105,7 @@ def _label(data: xr.Dataset, name: str) -> str:
 
 
 def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
-    """Title and notes, as :func:`new_figure` takes them."""
+    """Return title and notes, as :func:`new_figure` takes them."""
     objective = data.attrs["objective"]
     failed = failed_count(data)
     notes = (
@@ -129,7 +129,7 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
 
 
 def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Mark the points that have a result, good or bad."""
+    """Flag the points with a result, feasible or not."""
     return np.isin(data["status"].to_numpy(), SIZED if data.attrs["objective"] else ENDS)
 
 
@@ -137,7 +137,7 @@ def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Both variables over a single axis; points without a result break the line."""
+    """Draw both variables over a single axis; points without a result break the line."""
     (name,) = (str(n) for n in data["status"].dims)
     figure, panels = new_figure(
         2, canvas=canvas, **_title_and_notes(data), size_in=(7.0, 5.4), sharex=True
@@ -201,11 +201,10 @@ def _names_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
 
 
 def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Two variables over the first two axes; a third axis makes panels.
+    """Draw two variables over the first two axes; a third axis makes panels.
 
-    Colours are the computed points themselves; contour lines are drawn between neighbouring points
-    that can all fly perpetually, or were sized. Others are grey, or hatched where they have no
-    result; a legend says why.
+    Coloured cells are the computed points; contour lines connect feasible neighbours. Limited
+    points are grey, points without a result hatched, by the reasons of a legend.
     """
     names = [str(n) for n in data["status"].dims]
     third = data[names[2]].to_numpy() if len(names) == 3 else [None]
@@ -250,12 +249,12 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
 
 
 def _has_names(data: xr.Dataset, name: str) -> bool:
-    """Whether a varied key takes names of a catalogue."""
+    """Return true for a varied key with names of a catalogue."""
     return data[name].dtype.kind in "OU"
 
 
 def _axis_positions(data: xr.Dataset, name: str) -> NDArray[Any]:
-    """Values of a varied key, the places of its names from 0."""
+    """Return the values of a varied key, indices for names."""
     return np.arange(data[name].size) if _has_names(data, name) else data[name].to_numpy()
 
 
@@ -263,17 +262,17 @@ def _axis_positions(data: xr.Dataset, name: str) -> NDArray[Any]:
 _LETTERS_IN_A_ROW = 45
 
 
-def _name_places(axis: Any, data: xr.Dataset, name: str) -> None:
+def _name_places(axis: Any, data: xr.Dataset, key: str) -> None:
     """Write the names of a varied key at their places, upright where they are many."""
-    if not _has_names(data, name):
+    if not _has_names(data, key):
         return
-    names = [str(one) for one in data[name].to_numpy()]
+    names = [str(name) for name in data[key].to_numpy()]
     upright = axis.axis_name == "x" and sum(map(len, names)) > _LETTERS_IN_A_ROW
-    axis.set_ticks(_axis_positions(data, name), names, rotation=90 if upright else 0)
+    axis.set_ticks(_axis_positions(data, key), names, rotation=90 if upright else 0)
 
 
 def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
-    """Values of the points that can fly perpetually, or were sized; NaN elsewhere."""
+    """Return the values of feasible points, NaN elsewhere."""
     values = np.where(feasible(data), data[variable].to_numpy(), np.nan)
     return np.where(np.isneginf(values), np.nan, values)
 
@@ -304,12 +303,12 @@ _LIMITED = {1: "limited: the day gives too little", 2: "limited: the battery is 
 
 
 def _extrapolated(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Points that lie outside the range of a model."""
+    """Flag the points outside the range of a model."""
     return np.asarray(data["extrapolations"].to_numpy() != "")
 
 
 def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -> None:
-    """Ring around the points that lie outside the range of a model."""
+    """Draw rings around the points outside the range of a model."""
     if np.isfinite(np.where(outside, y, np.nan)).any():
         x, y = np.asarray(x)[outside], np.asarray(y)[outside]
         axes.plot(x, y, "o", markersize=9, fillstyle="none", color=VERMILLION, label="extrapolated")
@@ -319,7 +318,7 @@ def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -
 
 
 def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Each point as a line over the varied keys and the first variable, coloured by the latter."""
+    """Draw each point as a line over the varied keys and the first variable, its colour."""
     variable = _plotted_variables(data)[0]
     table = to_table(data).assign(good=feasible(data).ravel())
     table = table[_drawable(data).ravel() & np.isfinite(table[variable])]
@@ -364,8 +363,8 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     return figure
 
 
-def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Range of the first variable over the values of each key, the widest on top."""
+def _tornado_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+    """Draw the range of the first variable over the values of each key, widest on top."""
     odd = [str(name) for name in data.coords if name != "varied" and _has_names(data, str(name))]
     if odd:
         raise ValueError(f"{odd[0]} has names: this chart is one of less and more of numbers")
@@ -415,7 +414,7 @@ def _bar_style(*, low: bool) -> dict[str, Any]:
 def _draw_bar(
     axes: Axes, place: int, rows: pd.DataFrame, name: str, variable: str, base: pd.Series[Any]
 ) -> None:
-    """Bar from the least to the largest result, with the values of the key at its ends."""
+    """Draw a bar from the least to the largest result, with the key's values at its ends."""
     for low in (True, False):
         side = rows[rows[name] < base[name]] if low else rows[rows[name] > base[name]]
         if side.empty:
@@ -443,7 +442,7 @@ def _draw_bar(
 
 @styled
 def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -> Figure:
-    """All feasible points over two variables, and those for which no other is better in both.
+    """Draw all feasible points over two variables, and the Pareto front.
 
     Parameters
     ----------

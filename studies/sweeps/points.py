@@ -1,4 +1,4 @@
-"""Points of a trade study as workers compute them: flown as they are, or sized."""
+"""Points of a trade study as workers compute them: simulated, or prepared for sizing."""
 
 from __future__ import annotations
 
@@ -63,11 +63,10 @@ _OF_SIZINGS = (PAYLOAD_POWER.variable, "shortfall")
 
 @dataclass(frozen=True)
 class SweepConfiguration:
-    """What all points have in common; aircraft and mission as plain data of files.
+    """Inputs common to all points; aircraft and mission as plain data of files.
 
-    Tables that the aircraft names go along with their text: workers may be elsewhere. ``names`` are
-    what the values of a key stand for, where they are places in it. ``total_mass_kg``: of all
-    points that are flown, where it is known.
+    ``tables``: texts of files that the aircraft names, for workers on other machines. ``names``: by
+    key, names whose indices are the values. ``total_mass_kg``: of all simulated points, if known.
     """
 
     aircraft: Mapping[str, Any]
@@ -93,25 +92,25 @@ class SweepConfiguration:
 
 
 def described_flights(*, climbs: bool) -> dict[str, tuple[str, str]]:
-    """Unit and long name of the columns of points that are flown."""
+    """Return unit and long name of the columns of simulated points."""
     lacking = _OF_SIZINGS if climbs else (*_OF_SIZINGS, MAXIMUM_ALTITUDE.variable)
-    return {name: one for name, one in _DESCRIBED.items() if name not in lacking}
+    return {name: description for name, description in _DESCRIBED.items() if name not in lacking}
 
 
 def varies_climb(keys: Iterable[str]) -> bool:
-    """Whether one of the keys is of the mission's climbs."""
+    """Return true if a key belongs to the mission's climbs."""
     return any(key.startswith(f"{MISSION_PREFIX}climb.") for key in keys)
 
 
 def plain_data(value: Any) -> Any:
-    """Data of a file that a record could be read from: the fields that were given, and kinds."""
+    """Return the data of a file that a record could be read from: fields set, and kinds."""
     if isinstance(value, Record):
-        given = {
+        fields = {
             field.alias or name: getattr(value, name)
             for name, field in type(value).model_fields.items()
             if name in value.model_fields_set or name == "kind"
         }
-        return plain_data(given)
+        return plain_data(fields)
     if isinstance(value, Mapping):
         return {key: plain_data(item) for key, item in value.items()}
     if isinstance(value, tuple | list):
@@ -120,7 +119,7 @@ def plain_data(value: Any) -> Any:
 
 
 def _text(value: float) -> str:
-    """Number as a file spells it: an integer passes for a real, but not the other way round."""
+    """Return a number as in a file: an integer passes for a real, but not the other way round."""
     whole = value == round(value) and abs(value) < 1e15
     return str(int(value)) if whole else repr(float(value))
 
@@ -132,10 +131,10 @@ def varied_files(
     values: Sequence[float],
     names: Mapping[str, tuple[str, ...]],
 ) -> tuple[Aircraft, Mission]:
-    """Aircraft and mission with values put in, checked like files.
+    """Return aircraft and mission with values set by key, checked like files.
 
-    ``keys``, ``values``: what is put in; keys of the mission begin with ``mission.``. ``names``:
-    what values of a key stand for, by key; a value below 0 leaves what the file has.
+    Keys of the mission begin with ``mission.``. ``names``: by key, names whose indices are the
+    values; a value below 0 keeps the file's.
     """
     texts = [
         f"{key}={names[key][int(value)] if key in names else _text(value)}"
@@ -151,10 +150,7 @@ def varied_files(
 
 
 def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> tuple[str, str] | None:
-    """Why an aircraft cannot climb, or not hold the path of models that fly it in the wind.
-
-    Returns the requirement and the reason.
-    """
+    """Return requirement and reason if an aircraft cannot climb, or hold the path in wind."""
     if mission.climb is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         try:
             climb_limits(aircraft, measured_design(aircraft, mission))
@@ -166,15 +162,15 @@ def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> tuple
     return None if trouble is None else (gridded.TOO_WINDY, f"flight path: {trouble}")
 
 
-def flyable(
+def valid_groups(
     configuration: SweepConfiguration,
     cells: FloatArray,
     rows: list[dict[str, Any]],
     statuses: type[Status] | type[SizingStatus],
 ) -> Iterator[tuple[list[int], Aircraft, Mission]]:
-    """Numbers of the cells that differ in design variables alone, with their aircraft and mission.
+    """Yield indices of cells that differ in design variables alone, with aircraft and mission.
 
-    Cells that no aircraft can have or no mission can be flown with get their row here.
+    Sets the rows of cells that are invalid or cannot fly.
     """
     documents = (
         Document("aircraft", dict(configuration.aircraft)),
@@ -198,20 +194,24 @@ def flyable(
             if trouble is None:
                 yield numbers, aircraft, mission
                 continue
-            missed, text = trouble
-            row = {"status": statuses.infeasible, "violated_requirement": missed, "message": text}
+            requirement, text = trouble
+            row = {
+                "status": statuses.infeasible,
+                "violated_requirement": requirement,
+                "message": text,
+            }
         for number in numbers:
             rows[number] = row
 
 
-def judge_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
-    """Fly the designs of some points; points that differ in design variables alone are a batch.
+def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
+    """Simulate the designs of points; points that differ in design variables alone are a batch.
 
-    ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
-    their units. Returns values of all points, as the configuration describes them.
+    ``cells``: values of ``configuration.keys``, shape ``(point, key)``. Returns the columns that
+    ``configuration.described`` lists.
     """
     rows: list[dict[str, Any]] = [{} for _ in cells]
-    for numbers, aircraft, mission in flyable(configuration, cells, rows, Status):
+    for numbers, aircraft, mission in valid_groups(configuration, cells, rows, Status):
         known_kg = configuration.total_mass_kg
         if isinstance(aircraft.airframe, MeasuredAirframe):
             if known_kg is not None:
@@ -225,51 +225,51 @@ def judge_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[s
                             "message": str(error),
                         }
                     continue
-            flight = performance(aircraft, mission, configuration.solar)
-            outside = {"extrapolations": as_text(extrapolations(aircraft, flight))}
-            row = _row_of_design(flight, mission, (), {}, flight.worst_endurance_h) | outside
+            result = performance(aircraft, mission, configuration.solar)
+            outside = {"extrapolations": as_text(extrapolations(aircraft, result))}
+            row = _row_of_design(result, mission, (), {}, result.worst_endurance_h) | outside
             for number in numbers:  # the same point, if it is there twice
                 rows[number] = row
             continue
         columns = np.array([cells[number] for number in numbers]).T
-        given = dict(zip(configuration.keys, columns, strict=True))
-        variables = _variables(configuration, aircraft, given, len(numbers))
+        varied = dict(zip(configuration.keys, columns, strict=True))
+        variables = _variables(configuration, aircraft, varied, len(numbers))
         day = solar_day(aircraft, mission, configuration.solar)
         closed = (aircraft, mission, variables)
         design = (
             closed_design(*closed) if known_kg is None else design_of_total_mass(*closed, known_kg)
         )
-        flight = performance(aircraft, mission, configuration.solar, day=day, design=design)
-        missed = _missed(aircraft, mission, flight, known_kg)
-        texts = cell_texts(flight_checks(aircraft, flight), len(numbers))
-        endurance_h = flight.worst_endurance_h
+        result = performance(aircraft, mission, configuration.solar, day=day, design=design)
+        violations = _violations(aircraft, mission, result, known_kg)
+        texts = cell_texts(flight_checks(aircraft, result), len(numbers))
+        endurance_h = result.worst_endurance_h
         for place, number in enumerate(numbers):
-            row = _row_of_design(flight, mission, (place,), missed, endurance_h)
-            flown = row["status"] is not Status.infeasible
-            if not np.isfinite(flight.design.total_mass_kg[place]):
+            row = _row_of_design(result, mission, (place,), violations, endurance_h)
+            simulated = row["status"] is not Status.infeasible
+            if not np.isfinite(result.design.total_mass_kg[place]):
                 chosen = variables.chosen().items()
-                own = DesignVariables(**{name: float(one[place]) for name, one in chosen})
-                if trouble := operating_trouble(aircraft, mission, own):
+                point = DesignVariables(**{name: float(value[place]) for name, value in chosen})
+                if trouble := operating_trouble(aircraft, mission, point):
                     row |= {"violated_requirement": "operating_point", "message": trouble}
-            rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
+            rows[number] = row | ({"extrapolations": texts[place]} if simulated else {})
     return columns_of(configuration, rows)
 
 
 def columns_of(
     configuration: SweepConfiguration, rows: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any]:
-    """Columns of rows by name; what a row lacks is blank."""
+    """Return the columns of rows by name, blank where a row lacks one."""
     blanks = blanks_of(configuration.described)
     return {name: [row.get(name, blank) for row in rows] for name, blank in blanks.items()}
 
 
 def _variables(
-    configuration: SweepConfiguration, aircraft: Aircraft, given: Mapping[str, Any], count: int
+    configuration: SweepConfiguration, aircraft: Aircraft, varied: Mapping[str, Any], count: int
 ) -> DesignVariables:
     values = variables_of(aircraft).chosen()
     for name in values:
-        key = next((k for k in given if design_variable(k) == name), None)
-        values[name] = np.full(count, values[name]) if key is None else given[key]
+        key = next((k for k in varied if design_variable(k) == name), None)
+        values[name] = np.full(count, values[name]) if key is None else varied[key]
     variables = DesignVariables(**values)
     if not configuration.cover:
         return variables
@@ -278,23 +278,23 @@ def _variables(
     return variables._replace(module_area_m2=covered_m2)
 
 
-class _Missed(NamedTuple):
-    """By how much each design of a batch misses a requirement, and the words for it."""
+class _Violation(NamedTuple):
+    """Violation of a requirement by each design of a batch [-], and its text."""
 
     amount: Any
     text: str
 
 
-def _missed(
-    aircraft: Aircraft, mission: Mission, flight: Performance, known_kg: float | None
-) -> dict[str, _Missed]:
-    """Requirements on a design that sizing has as well."""
-    design = flight.design
+def _violations(
+    aircraft: Aircraft, mission: Mission, result: Performance, known_kg: float | None
+) -> dict[str, _Violation]:
+    """Return the violations of requirements that sizings have as well, by name."""
+    design = result.design
     with np.errstate(invalid="ignore"):
         rows = {
-            one.name: (np.asarray(one.value), one.text)
-            for one in design_requirements(aircraft, design)
-            if one.name != MASS_BUDGET
+            r.name: (np.asarray(r.value), r.text)
+            for r in design_requirements(aircraft, design)
+            if r.name != MASS_BUDGET
         }
     mass = np.asarray(design.total_mass_kg)
     afloat = np.where(np.isfinite(mass), 0.0, -np.inf)
@@ -306,7 +306,7 @@ def _missed(
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:
         rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
-    return {name: _Missed(np.maximum(-value, 0.0), text) for name, (value, text) in rows.items()}
+    return {name: _Violation(np.maximum(-value, 0.0), text) for name, (value, text) in rows.items()}
 
 
 # Rounding must not refuse a wing that is filled exactly.
@@ -314,38 +314,38 @@ _ROUNDING = 1e-9
 
 
 def _row_of_design(
-    flight: Performance,
+    result: Performance,
     mission: Mission,
     place: tuple[int, ...],
-    missed: Mapping[str, _Missed],
+    violations: Mapping[str, _Violation],
     endurance_h: FloatArray,
 ) -> dict[str, Any]:
-    """Row of one design."""
-    design = flight.design
-    row: dict[str, Any] = {one.variable: _of_place(one.of(design), place) for one in CHOSEN}
+    """Return the row of a design."""
+    design = result.design
+    row: dict[str, Any] = {q.variable: _of_place(q.of(design), place) for q in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
-    every = {name: float(one.amount[place]) for name, one in missed.items()}
+    every = {name: float(violation.amount[place]) for name, violation in violations.items()}
     amounts = {name: amount for name, amount in every.items() if amount > _ROUNDING}
     if amounts:
         most = max(amounts, key=lambda name: amounts[name])
-        # Of a design that cannot fly the other reasons mean nothing.
-        told = [most] if np.isinf(amounts[most]) else list(amounts)
-        texts = [missed[n].text.format(missed=f"{100.0 * amounts[n]:.3g} %") for n in told]
+        # For a design that cannot fly the other reasons mean nothing.
+        reported = [most] if np.isinf(amounts[most]) else list(amounts)
+        texts = [violations[n].text.format(missed=f"{100.0 * amounts[n]:.3g} %") for n in reported]
         return row | {
             "status": Status.infeasible,
             "violated_requirement": most,
             "message": "; ".join(texts),
         }
-    cycle = flight.cycle
+    cycle = result.cycle
     excess = cycle.excess_time_h[place]
     worst = int(np.argmin(excess))
-    scenarios = flight.day.scenarios
-    if flight.maximum_altitude_m is not None:
-        row[MAXIMUM_ALTITUDE.variable] = float(flight.maximum_altitude_m[place][worst])
+    scenarios = result.day.scenarios
+    if result.maximum_altitude_m is not None:
+        row[MAXIMUM_ALTITUDE.variable] = float(result.maximum_altitude_m[place][worst])
     return row | {
         "status": Status(int(cycle.status[place][worst])),
         TOTAL_MASS.variable: _of_place(TOTAL_MASS.of(design), place),
-        **{one.variable: float(one.of(flight)[place][worst]) for one in (*REACHED, LOAD)},
+        **{q.variable: float(q.of(result)[place][worst]) for q in (*REACHED, LOAD)},
         ENDURANCE.variable: _of_place(endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),

@@ -1,4 +1,4 @@
-"""What the terminal and JSON tell of a trade study: how its points end, and which are best."""
+"""Results of a trade study on the terminal and as JSON: points by status, and the best."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from studies.serialise import serialise
 from studies.sweeps.axes import unit_label, without_unit
 
 _ROWS = 15  # of the table of a summary
-# Results that are the same as a varied key.
+# Results that repeat a varied key.
 _VARIED_AS = {
-    **{one.variable: one.name for one in (WINGSPAN, BATTERY_MASS)},
+    **{quantity.variable: quantity.name for quantity in (WINGSPAN, BATTERY_MASS)},
     PAYLOAD_MASS.variable: parameter(PAYLOAD_MASS.name).key,
 }
 
 
 @dataclass(frozen=True, repr=False)
 class SweepResult(Result):
-    """A trade study: how its points end, and the best of them, or those of a Pareto front.
+    """Trade study: number of points by status, and the best points or a Pareto front.
 
-    ``sort``: column to sort by, see :func:`sorted_by`; the best first without it. ``top``: rows of
-    the table; by default what fits a screen. ``front``: results or varied keys of which no other
-    point has better ones.
+    ``sort``: column to sort by, see :func:`sorted_by`; by default the best first. ``top``: rows of
+    the table; by default as many as fit a screen. ``front``: two results or varied keys of a
+    Pareto front.
     """
 
     data: xr.Dataset
@@ -51,11 +51,11 @@ class SweepResult(Result):
 
     @property
     def counts(self) -> dict[str, int]:
-        """Points that end in each way."""
+        """Number of points by status."""
         return {str(k): int(v) for k, v in to_table(self.data)["status"].value_counts().items()}
 
     def to_dict(self) -> dict[str, Any]:
-        """All points, and those of the front; undefined and infinite numbers are null."""
+        """Return all points and the front, JSON-ready; undefined and infinite numbers are null."""
         about = self.data.attrs
         record: dict[str, Any] = {
             "title": about["title"],
@@ -76,7 +76,7 @@ class SweepResult(Result):
         return written
 
     def _ordered(self) -> tuple[pd.DataFrame, str]:
-        """Points in their order, and that order in words."""
+        """Return the points in their order, and the order in words."""
         if self.front is None:
             if self.sort is None:
                 rows, order = best_first(self.data)
@@ -96,12 +96,12 @@ class SweepResult(Result):
         return [str(name) for name in self.data.coords if name not in ("sample", "varied")]
 
     def _table(self, rows: pd.DataFrame) -> Table:
-        """Rows with what was varied, how they end, and the results that matter."""
+        """Return a table of rows: varied values, status, and the main results."""
         data, rows, varied = self.data, rows.copy(), self._varied
         reasons = pd.Series(reasons_without_result(data).ravel(), to_table(data).index)
         rows["why"] = reasons.reindex(rows.index)
         if "varied" in data.coords:
-            # Of each point only one key differs from the file.
+            # Each point differs from the file in one key.
             rows["value"] = [row.get(row["varied"], "") for _, row in rows.iterrows()]
             varied = ["varied", "value"]
         sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
@@ -109,7 +109,7 @@ class SweepResult(Result):
         results += ["total_mass", "excess_time"]
         objective = Objective(data.attrs["objective"]).column if sized else ""
         results += [objective] if objective not in (*results, "", "wingspan") else []
-        # Where flight is perpetual the endurance is unlimited, which the status says.
+        # Endurance is unlimited for perpetual flight, which the status says.
         endurance = rows["endurance"].to_numpy(float) if "endurance" in rows else np.array([])
         results += ["endurance"] if np.isfinite(endurance).any() else []
         named = [*(["point"] if self.front else []), *varied, "status", *results, "charge_margin"]
@@ -122,7 +122,7 @@ class SweepResult(Result):
 
 
 def headline(result: SweepResult) -> str:
-    """Return how many points end in which way."""
+    """Return the title and the number of points by status."""
     ends = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in result.counts.items())
     count = result.data["status"].size
     noun = "point" if count == 1 else "points"
@@ -131,7 +131,7 @@ def headline(result: SweepResult) -> str:
 
 
 def blocks(result: SweepResult, level: int) -> list[Any]:
-    """Return the headline, the best points, and what lies outside the range of a model."""
+    """Return headline, the best points, and values outside a model's range."""
     rows, what = result._ordered()
     top = (_ROWS if level == 1 else len(rows)) if result.top is None else result.top
     shown: list[Any] = [Line(headline(result), "strong")]
@@ -153,7 +153,7 @@ def _plain(name: str) -> str:
 
 
 def _column(data: xr.Dataset, name: str, form: str) -> Column:
-    """Column of a result or a varied key; its heading has the unit once."""
+    """Return the column of a result or a varied key."""
     unit = data[name].attrs.get("units", "1") if name in data else "1"
     return Column(name, _plain(name), "" if unit == "1" else unit_label(unit), form)
 
@@ -165,7 +165,7 @@ def _spaced(value: Any) -> Any:
 # ---- Which points are best
 
 
-# Of everything else less is better.
+# Columns of which more is better; of all others less is.
 MORE_IS_BETTER = {
     "excess_time",
     "charge_margin",
@@ -178,10 +178,10 @@ MORE_IS_BETTER = {
 
 
 def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
-    """Points of a study with the best on top, and in words what is best.
+    """Return the points of a study, best first, and the order in words.
 
-    Points that fly perpetually, or were sized, come first; of these the objective decides, or the
-    excess time where nothing was sized. Equal points remain in the order of the study.
+    Points that fly perpetually, or were sized, come first, ordered by the objective, or by excess
+    time where nothing was sized. Equal points remain in the order of the study.
     """
     objective = data.attrs["objective"]
     column = Objective(objective).column if objective else "excess_time"
@@ -197,9 +197,9 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
 
 
 def sorted_by(data: xr.Dataset, key: str) -> tuple[pd.DataFrame, str]:
-    """Points of a study in the order of one column, and that order in words.
+    """Return the points of a study by a column, and the order in words.
 
-    ``key``: column of its table, the least first; the largest first with a minus in front.
+    ``key``: column, least first; with a minus in front largest first.
     """
     table = to_table(data)
     column = key.removeprefix("-")
@@ -212,7 +212,7 @@ def sorted_by(data: xr.Dataset, key: str) -> tuple[pd.DataFrame, str]:
 
 
 def point_names(count: int) -> list[str]:
-    """Names of points: A to Z, then AA, AB and so on."""
+    """Return names of points: A to Z, then AA, AB and so on."""
     names = list(ascii_uppercase)
     while len(names) < count:
         names += [first + last for first in names[-26:] for last in ascii_uppercase]
@@ -220,17 +220,15 @@ def point_names(count: int) -> list[str]:
 
 
 def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
-    """Mark the points that no other point beats in one and equals or beats in the other.
+    """Flag the points of the Pareto front: no other point is less in one and at most in the other.
 
-    Less is better in both; NaN is never on the front.
-
-    Returns whether a point is on the front; of equal points all are.
+    NaN is never on the front; equal points all are.
     """
     front: NDArray[np.bool_] = np.isfinite(x) & np.isfinite(y)
     order = np.lexsort((y, x))
     best_x, best_y = np.inf, np.inf
     for i in order[front[order]]:
-        # In this order a point is beaten by one before it, or by none.
+        # In this order only earlier points can be better.
         front[i] = y[i] < best_y or (x[i] == best_x and y[i] == best_y)
         if y[i] < best_y:
             best_x, best_y = x[i], y[i]
@@ -238,12 +236,10 @@ def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
-    """Feasible points, and which of them are on the front over two variables or varied keys.
+    """Return the feasible points with the columns ``pareto_front`` and ``point`` (A, B, C, ...).
 
-    ``x``, ``y``: numeric columns of its table; more is better of excess times, margins and
-    payloads, less of everything else. Returns one row for each feasible point, those of the front
-    first, in the order of ``x``; with the columns ``pareto_front`` and ``point``, the names of the
-    front's points: A, B, C, ...
+    ``x``, ``y``: numeric columns; more of excess times, margins and payloads is better, less of
+    everything else. Points of the front come first, in the order of ``x``.
     """
     table = to_table(data)[feasible(data).ravel()].copy()
     allowed = [str(n) for n in table.columns if pd.api.types.is_numeric_dtype(table[n])]

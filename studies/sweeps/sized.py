@@ -1,4 +1,4 @@
-"""Points of a trade study that are sized, with what is varied held."""
+"""Points of a trade study that are sized, with the varied design variables fixed."""
 
 from __future__ import annotations
 
@@ -17,16 +17,13 @@ from sizing.validity.extrapolations import as_text, extrapolations
 from solar.types import FloatArray
 from studies.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
-from studies.sweeps.points import SweepConfiguration, columns_of, flyable
+from studies.sweeps.points import SweepConfiguration, columns_of, valid_groups
 
 
-def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
-    """Aircraft whose design variables of these names cannot be chosen any more.
+def with_fixed_variables(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
+    """Return an aircraft with design variables, by short names, fixed at values.
 
-    Bounds that coincide make the solver take a variable out of the problem.
-
-    ``variables``: values by the short names of design variables, such as ``wingspan_m``. Returns
-    with these values, and a design space that leaves no choice of them.
+    Their bounds coincide, which makes the solver drop them from the problem.
     """
     space: dict[str, Any] = {
         name: Range.model_construct(minimum=value, maximum=value)
@@ -41,22 +38,19 @@ def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
 
 
 def size_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
-    """Size some points, with what is varied held.
-
-    ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
-    their units. Returns values of all points, as the configuration describes them.
-    """
+    """Size points with the varied design variables fixed; arguments as ``simulate_points``."""
     assert configuration.objective is not None
     rows: list[dict[str, Any]] = [{} for _ in cells]
-    for numbers, aircraft, mission in flyable(configuration, cells, rows, SizingStatus):
+    for numbers, aircraft, mission in valid_groups(configuration, cells, rows, SizingStatus):
         for number in numbers:
-            given = zip(
-                map(design_variable, configuration.keys), cells[number].tolist(), strict=True
-            )
-            sized = held(aircraft, {name: value for name, value in given if name is not None})
-            sought = configuration.objective, configuration.solar
+            names = map(design_variable, configuration.keys)
+            values = zip(names, cells[number].tolist(), strict=True)
+            fixed = {name: value for name, value in values if name is not None}
+            sized = with_fixed_variables(aircraft, fixed)
             try:
-                rows[number] = _sizing_row(sized, mission, *sought, of=aircraft)
+                rows[number] = _sizing_row(
+                    sized, mission, configuration.objective, configuration.solar, of=aircraft
+                )
             except ImpossibleDesignError as error:
                 rows[number] = {"status": SizingStatus.infeasible, "message": str(error)}
     return columns_of(configuration, rows)
@@ -65,10 +59,7 @@ def size_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[st
 def _sizing_row(
     aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, *, of: Aircraft
 ) -> dict[str, Any]:
-    """Best design at a point of a trade study; what it has not is missing.
-
-    ``of``: the aircraft without what the point holds.
-    """
+    """Size a point of a trade study; ``of``: aircraft without the point's fixed variables."""
     result = size_aircraft(aircraft, mission, objective, solar)
     row: dict[str, Any] = {"status": result.status, PAYLOAD_MASS.variable: mission.payload.mass_kg}
     if result.status is SizingStatus.not_converged:
@@ -79,7 +70,7 @@ def _sizing_row(
         row |= {"message": "; ".join(v.text for v in result.violations)}
     if result.simulated is None or result.design is None:
         return row
-    flown, scenario = result.simulated, result.simulated.worst_scenario()
-    row |= {one.variable: one.of(result.design) for one in DESIGN_COLUMNS}
-    row |= {one.variable: float(one.of(flown)[scenario]) for one in (*REACHED, LOAD)}
-    return row | {"extrapolations": as_text(extrapolations(of, flown))}
+    simulated, scenario = result.simulated, result.simulated.worst_scenario()
+    row |= {q.variable: q.of(result.design) for q in DESIGN_COLUMNS}
+    row |= {q.variable: float(q.of(simulated)[scenario]) for q in (*REACHED, LOAD)}
+    return row | {"extrapolations": as_text(extrapolations(of, simulated))}

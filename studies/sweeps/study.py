@@ -1,8 +1,8 @@
-"""Trade studies: any numeric keys of aircraft and mission varied, each point judged or sized.
+"""Trade studies: any numeric keys of aircraft and mission varied, each point simulated or sized.
 
-Without an objective every point's design is simulated: that of the aircraft, with what is varied
-put in; a parametric design is closed, so that its mass follows. With an objective the varied design
-variables are held and the others sized.
+Without an objective the aircraft with each point's values is simulated; the mass of a parametric
+design follows from its budget. With an objective the varied design variables are fixed and the
+others sized.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
-from studies.engine.run import ChunkFunction
 from studies.output.gridded import (
     CLIMB,
     SIZED,
@@ -53,8 +52,8 @@ from studies.sweeps.axes import (
 )
 from studies.sweeps.points import (
     SweepConfiguration,
-    judge_points,
     plain_data,
+    simulate_points,
     varied_files,
     varies_climb,
 )
@@ -65,11 +64,11 @@ if TYPE_CHECKING:
 _WING = {WINGSPAN.name, ASPECT_RATIO.name}
 
 _CHECKED_VALUES = 50
-# Design variables beyond these are no aircraft, and overflow on the way.
+# Design variables outside this range overflow on the way.
 _LEAST, _LARGEST = 1e-9, 1e12
 # Ends of this many other keys are combined to find one that makes a value right.
 _COMBINED_KEYS = 6
-# Time of a point [s], roughly, by what it needs.
+# Rough time of a point [s], by its parts.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
 _CLIMB_S = 5e-2  # of the program of a day
 _ALTITUDE = f"{MISSION_PREFIX}altitude_m"
@@ -161,11 +160,10 @@ def prepare(
     cover: bool | None = None,
     total_mass_kg: float | None = None,
 ) -> Study:
-    """Check a trade study.
+    """Check a trade study and return it.
 
-    ``samples``, ``seed``: number of drawn points, and where the drawing starts. ``cover``: whether
-    the module area is the largest that the wing takes. ``total_mass_kg``: of every point that is
-    not sized, where it is known.
+    ``samples``, ``seed``: number of drawn points, and seed of the generator. ``cover``: the module
+    area is the largest that the wing takes. ``total_mass_kg``: of every simulated point, if known.
     """
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
@@ -195,10 +193,12 @@ def prepare(
     about = attributes(title, aircraft, mission, solar)
     if varies_climb(configuration.keys) or (CLIMB in about and _ALTITUDE in configuration.keys):
         about[CLIMB] = "with climbs"
-    sized = objective is not None
+    sized, function = objective is not None, simulate_points
+    if sized:  # the optimiser takes a seventh of a second to import
+        from studies.sweeps.sized import size_points as function
     with_result = SIZED if sized else ENDS
     return Study(
-        _function(sized=sized),
+        function,
         configuration,
         table,
         cell_s=_point_time_s(mission, axes, solar, objective),
@@ -220,15 +220,6 @@ def prepare(
     )
 
 
-def _function(*, sized: bool) -> ChunkFunction:
-    """What computes points."""
-    if not sized:
-        return judge_points
-    from studies.sweeps.sized import size_points  # the optimiser, for those who size
-
-    return size_points
-
-
 # ---- Checks
 
 
@@ -238,7 +229,7 @@ def _error(key: str, message: str) -> InputError:
 
 @dataclass(frozen=True)
 class _Files:
-    """Aircraft and mission, and the data of files that hold them."""
+    """Aircraft and mission, and their data as in files."""
 
     aircraft: Aircraft
     mission: Mission
@@ -253,13 +244,12 @@ class _Files:
         return Document("mission", plain_data(self.mission))
 
     def wrong(self, values: Mapping[str, float]) -> InputError | None:
-        """What is wrong with values put into the files, none if nothing is."""
+        """Return the error of values set in the files, None if they are right."""
         try:
             with texts_as_read(self.aircraft.texts_read):
-                varied_files(
-                    *(self.aircraft_file, self.mission_file, list(values), list(values.values())),
-                    self.names,
-                )
+                keys = list(values)
+                numbers = list(values.values())
+                varied_files(self.aircraft_file, self.mission_file, keys, numbers, self.names)
         except InputError as error:
             return error
         return None
@@ -273,7 +263,7 @@ def _check_request(
     *,
     combined: bool,
 ) -> None:
-    """Refuse what no point could make sense of: every value must be right in one at least."""
+    """Refuse a study with values that are right at no point."""
     if not axes:
         raise _error("", "nothing is varied")
     measured = isinstance(files.aircraft.airframe, MeasuredAirframe)
@@ -296,16 +286,16 @@ def _check_request(
 
 def _check_values(files: _Files, axis: Axis, others: Sequence[Axis]) -> None:
     if axis.design_variable is not None:
-        # Alone a design variable may contradict the others, which is no mistake of the user.
+        # A design variable alone may contradict the file's others, which is no mistake.
         least = 0.0 if axis.design_variable == "module_area_m2" else _LEAST
         low, high = min(axis.values), max(axis.values)
         if low < least or high > _LARGEST:
             wrong = low if low < least else high
             raise _error(axis.key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
         return
-    for value in _telling_values(axis.values):
+    for value in _values_to_check(axis.values):
         error = files.wrong({axis.key: value})
-        # What the file's other values forbid may be right with those that they are varied to.
+        # A value that the file's other values forbid may be right at other points.
         if error is not None and not any(
             files.wrong({axis.key: value} | corner) is None for corner in _corners(others)
         ):
@@ -316,15 +306,15 @@ def _check_values(files: _Files, axis: Axis, others: Sequence[Axis]) -> None:
 
 
 def _corners(axes: Sequence[Axis]) -> Iterator[dict[str, float]]:
-    """Combinations of the least and largest values of some axes."""
-    some = axes[:_COMBINED_KEYS]
-    ends = [(min(axis.values), max(axis.values)) for axis in some]
-    for values in itertools.product(*ends) if some else ():
-        yield {axis.key: value for axis, value in zip(some, values, strict=True)}
+    """Yield combinations of least and largest values of the first axes."""
+    combined = axes[:_COMBINED_KEYS]
+    ends = [(min(axis.values), max(axis.values)) for axis in combined]
+    for values in itertools.product(*ends) if combined else ():
+        yield {axis.key: value for axis, value in zip(combined, values, strict=True)}
 
 
 def _meant(key: str) -> str | None:
-    """What is meant by the first word of a key that no aircraft file has; None for one it has."""
+    """Return a hint for a key that no aircraft file has, None for one it has."""
     first = key.partition(".")[0]
     if first in Aircraft.model_fields or key.startswith(MISSION_PREFIX):
         return None
@@ -334,8 +324,8 @@ def _meant(key: str) -> str | None:
     return f"unknown key{did_you_mean(key, DESIGN_KEYS) or f'; allowed: {allowed}'}"
 
 
-def _telling_values(values: Sequence[float]) -> list[float]:
-    """Values worth a check of their own: of many the ends, and the first that is no integer."""
+def _values_to_check(values: Sequence[float]) -> list[float]:
+    """Return the values to check: of many the ends, and the first that is no integer."""
     if len(values) <= _CHECKED_VALUES:
         return list(values)
     broken = [value for value in values if value != round(value)][:1]
@@ -343,7 +333,7 @@ def _telling_values(values: Sequence[float]) -> list[float]:
 
 
 def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
-    """Value that the file gives a key."""
+    """Return the file's value of a key."""
     if axis.names:
         return -1.0  # the file's own, whatever it is
     on_mission = axis.key.startswith(MISSION_PREFIX)
@@ -359,7 +349,7 @@ def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
 def _covers(
     aircraft: Aircraft, axes: Sequence[Axis], resize: Objective | None, cover: bool | None
 ) -> bool:
-    """Whether the modules fill the wing."""
+    """Return true if the module area follows the wing."""
     varied = {axis.design_variable for axis in axes}
     parametric = not isinstance(aircraft.airframe, MeasuredAirframe)
     if resize is not None:
@@ -377,7 +367,7 @@ def _covers(
 
 
 def _order(axes: Sequence[Axis], table: Any) -> Any:
-    """Order in which points with the same aircraft and mission stand together: one batch."""
+    """Return the order in which points with the same aircraft and mission are adjacent, a batch."""
     other = [table[:, i] for i, axis in enumerate(axes) if axis.design_variable is None]
     if not other:
         return np.arange(len(table))
@@ -403,7 +393,7 @@ def _point_time_s(
 def _coordinates(
     axes: Sequence[Axis], sample: SampleName, table: FloatArray, varied: IntArray
 ) -> dict[str, Labelled]:
-    """Varied keys: each on a dimension of its own for a grid, else all along the samples."""
+    """Return the varied keys as coordinates: a dimension each in a grid, else along samples."""
     coordinates, names = {}, axis_names(axes)
     for name, axis, drawn in zip(names, axes, table.T, strict=True):
         dims, places = ((name,), axis.values) if sample == "grid" else (("sample",), drawn)

@@ -31,11 +31,11 @@ _MONTH_STARTS = np.array([0, 31, 60, 91, 121, 152, 182, 213, 244, 274, 305, 335]
 
 @styled
 def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
-    """Draw how an aircraft flies through a weather record.
+    """Draw the flights of an aircraft through a weather record.
 
-    Above, a calendar of the state of charge at every dawn, with the days that do not close crossed,
-    or of the hours flown where none closes; below, the share of launches still airborne over time,
-    and the days that close in every month, both in the record's light and under a clear sky.
+    Above, a calendar of the state of charge at every dawn, days that do not close crossed, or of
+    endurance if none closes; below, the share of launches still airborne over time, and of days
+    that close by month, both in the record's light and under a clear sky.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
         canvas=figure,
         title=analysis.headline(),
         notes=(
-            *(analysis.performance.solar.label, analysis.mission.climb_label),
+            analysis.performance.solar.label,
+            analysis.mission.climb_label,
             extrapolation_caption(analysis.extrapolations),
         ),
         size_in=(9.0, 7.4),
@@ -74,9 +75,9 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
 
 
 def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> None:
-    """State of charge at dawn, a cell a day: months by days, or years by days of the year.
+    """Draw the state of charge at dawn by day: months by days, or years by days of the year.
 
-    Where no day closes it is the hours flown from dawn.
+    Endurance from dawn [h] if no day closes.
     """
     run = analysis.performance.recorded
     axis = run.axis
@@ -95,7 +96,7 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     shown = np.full((len(names), width), np.nan)
     shown[rows, columns] = run.endurance_h if none else 100.0 * run.dawn_state_of_charge
     if not none:
-        shown[rows[0], columns[0]] = np.nan  # what is left of the full battery of the start
+        shown[rows[0], columns[0]] = np.nan  # still the full battery of the start
     largest = 10.0 * np.ceil(max(float(np.nanmax(shown)), 1.0) / 10.0)
     image = axes.imshow(
         shown, aspect="auto", cmap="viridis", vmin=0.0, vmax=largest, interpolation="nearest"
@@ -103,7 +104,7 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     bar = figure.colorbar(image, ax=axes, pad=0.01)
     bar.set_label("flown from dawn [h]" if none else "state of charge at dawn [%]")
     _name_days(axes, names, starts if several else None)
-    if none:  # crosses on all days would tell nothing
+    if none:  # every day would be crossed
         return
     axes.plot(
         columns[failed],
@@ -116,7 +117,8 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         label="does not close",
     )
     axes.plot(
-        *(columns[0], rows[0]),
+        columns[0],
+        rows[0],
         linestyle="",
         marker="s",
         markersize=2.0 if several else 6.0,
@@ -149,12 +151,12 @@ def _name_days(axes: Axes, names: list[str], months: NDArray[Any] | None) -> Non
 
 
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
-    """Share of launches at dawn with a full battery that are still airborne; grey: of each year."""
+    """Draw the share of launches at dawn with a full battery still airborne; grey: each year."""
     done = analysis.performance
-    whole = [one.year for one in analysis.years if one.whole]
-    for number, year in enumerate(whole if len(whole) > 1 else ()):
+    whole = [summary.year for summary in analysis.years if summary.whole]
+    for index, year in enumerate(whole if len(whole) > 1 else ()):
         of_year = done.recorded.axis.year == year
-        label = "launches of each year" if not number else ""
+        label = "launches of each year" if not index else ""
         _draw_share(axes, done.recorded, of_year, color="0.7", linewidth=0.7, label=label)
     every = np.ones(len(done.recorded.closes), bool)
     _draw_share(axes, done.clear, every, color=ORANGE, linestyle="--", label="clear sky")
@@ -177,16 +179,16 @@ def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     axes.legend()
 
 
-def _draw_share(axes: Axes, run: WeatherRun, some: BoolArray, **style: Any) -> None:
-    """Share of some launches that are still airborne over time."""
-    hours = np.sort(run.endurance_h[some]) / 24.0
+def _draw_share(axes: Axes, run: WeatherRun, launches: BoolArray, **style: Any) -> None:
+    """Draw the share of launches that are still airborne over time."""
+    hours = np.sort(run.endurance_h[launches]) / 24.0
     share = 100.0 * (1.0 - np.arange(len(hours)) / len(hours))
-    at_last = share[-1] if run.outlasts[some].any() else 0.0
+    at_last = share[-1] if run.outlasts[launches].any() else 0.0
     axes.step(np.append(hours, _LONGEST_DAYS), np.append(share, at_last), where="pre", **style)
 
 
 def _draw_season(axes: Axes, analysis: WeatherAnalysis) -> None:
-    """Days that close in every month, as a share."""
+    """Draw the share of days that close by month."""
     done = analysis.performance
     month = done.recorded.axis.month
     present = sorted(set(month.tolist()))

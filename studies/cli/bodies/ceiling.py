@@ -36,5 +36,5 @@ def ceiling(options: Ceiling) -> None:
         options.plot_file: figure_of(lambda: plot_ceiling(result, figure=options.figure)),
     }
     deliver(case, result, files)
-    if result.found.highest is None:
+    if result.search.highest is None:
         sys.exit(EXIT_FAILED)

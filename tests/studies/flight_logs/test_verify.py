@@ -401,7 +401,7 @@ def test_dead_modules_are_seen_beside_the_other_mppts():
     power["P right"] = 0.5 * power["P right"]
     log = replace(log, mppt_power_w=power, solar_power_w=np.sum(list(power.values()), axis=0))
     result = verify(aircraft(), log, mission())
-    each = result.trackers.each
+    each = result.mppts.each
     assert [one.modules[0] for one in each] == ["left front", "centre front", "right front"]
     assert [one.ratio for one in each] == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
     assert "power of the MPPTs; their modules by name" in str(result.at_level(2))

@@ -24,7 +24,7 @@ def prediction(**changes: Any) -> Prediction:
         "endurance_h": 21.34,
         "nights": 0,
         "polar_day": False,
-        "enough_sun": True,
+        "power_exceeds_load": True,
         "solar_energy_wh": 1000.0,
         "mean_solar_energy_wh": 1000.0,
     }
@@ -42,8 +42,8 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
         ({"endurance_h": 84.0, "nights": 3}, 0.0, "flies 3.5 days at 50° N, 15 Aug: its battery lasts 3 nights"),  # noqa: E501
         ({"endurance_h": 250.0, "nights": 10}, 0.0, "flies 10 days at 50° N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
         ({"endurance_h": math.inf}, 0.0, "flies more than a year at 50° N, 15 Aug: the days return slightly less than the nights take"),  # noqa: E501
-        ({"enough_sun": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: solar power never reaches the load"),  # noqa: E501
-        ({"status": Status.never_lit, "enough_sun": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: there is no solar power"),  # noqa: E501
+        ({"power_exceeds_load": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: solar power never reaches the load"),  # noqa: E501
+        ({"status": Status.never_lit, "power_exceeds_load": False}, 0.0, "flies 21.3 h at 50° N, 15 Aug: there is no solar power"),  # noqa: E501
         ({"polar_day": True}, 0.0, "flies 21.3 h at 50° N, 15 Aug: the sun does not set, but the battery does not last through its low hours"),  # noqa: E501
         (PERPETUAL, 0.0, "flies perpetually in every scenario, with 3.0 h of excess time at 50° N, 15 Aug"),  # noqa: E501
         (PERPETUAL | {"several_scenarios": False}, 0.0, "flies perpetually, with 3.0 h of excess time at 50° N, 15 Aug"),  # noqa: E501

@@ -32,9 +32,9 @@ from studies.output.gridded import SizingStatus, to_table
 from studies.render.tables import Table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
-from studies.sweeps.points import judge_points, plain_data
+from studies.sweeps.points import plain_data, simulate_points
 from studies.sweeps.results import SweepResult, pareto_front
-from studies.sweeps.sized import held
+from studies.sweeps.sized import with_fixed_variables
 from studies.sweeps.study import prepare, sweep
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -277,7 +277,7 @@ def test_held_variables_keep_their_values_and_others_are_sized() -> None:
     assert float(data["wingspan"][1, 0]) == pytest.approx(6.0, rel=1e-12)
     assert float(data["shortfall"][0, 0]) > 0.0
     assert "short by" in str(data["message"][0, 0].item())
-    whole = held(DESIGN, {"wingspan_m": 6.0, "aspect_ratio": 15.0})
+    whole = with_fixed_variables(DESIGN, {"wingspan_m": 6.0, "aspect_ratio": 15.0})
     same = size_aircraft(whole, JULY, Objective.max_excess_time)
     # Two searches for one optimum end within what they call the same, 0.02 % a round.
     assert float(data["excess_time"][1, 0]) == pytest.approx(same.objective_value, rel=1e-3)
@@ -435,14 +435,14 @@ def test_parquet_holds_table_and_configuration(run: Run, tmp_path: Path) -> None
 def _failing(configuration: Any, cells: Any) -> Any:
     if any(cell[0] == 3.0 for cell in cells):
         raise FloatingPointError("not today")
-    return judge_points(configuration, cells)
+    return simulate_points(configuration, cells)
 
 
 @pytest.mark.long
 def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studies.sweeps.study.judge_points", _failing)
+    monkeypatch.setattr("studies.sweeps.study.simulate_points", _failing)
     vary = ["--vary", "battery_mass_kg=2,3,4", "--workers", "1"]
     answer = run(
         "sweep", "atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png", "--json"
@@ -467,7 +467,7 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
 
 
 def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("studies.sweeps.study.judge_points", _failing)
+    monkeypatch.setattr("studies.sweeps.study.simulate_points", _failing)
     vary = {"battery_mass_kg": [2, 3, 4], "power.avionics_w": [4, 6]}
     with pytest.warns(RuntimeWarning, match="2 of 6 points failed"):
         data = sweep(DESIGN, JULY, vary)
