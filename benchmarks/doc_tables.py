@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -28,16 +27,13 @@ from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
 from sizing.battery.condition import Ageing, cycles_to_end_of_life
-from sizing.catalogues.choice import KINDS, Kind, entries
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.results.sizing import size
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.weather_sizing import size_in_weather
-from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.report_reproduction import reference, reproduce
-from studies.output.catalogues import catalogue_table
 from studies.render.tables import Column, Table
 
 
@@ -58,16 +54,6 @@ def _comparison(aircraft: str, mission: str, required_h: float) -> str:
         load_aircraft(aircraft), load_mission(mission), required_excess_time_h=required_h
     )
     return f"{_markdown(*found.tables())}\n{found.headline()}\n"
-
-
-def _ranges() -> str:
-    """Catalogue of the ranges in which the models hold."""
-    columns = (Column("quantity"), Column("model"), Column("holds"), Column("where from"))
-    rows = [
-        (row.label, f"`{row.model}`", row.held or "as the file gives it", row.source)
-        for row in ranges().values()
-    ]
-    return _markdown(Table("", columns, tuple(rows)))
 
 
 def _battery_life() -> str:
@@ -162,33 +148,16 @@ def _size_of(found: SizingStudy) -> tuple[str, str]:
     return f"{found.variables.wingspan_m:.2f}", f"{found.design.total_mass_kg:.2f}"
 
 
-def _catalogue(kind: Kind) -> str:
-    table = catalogue_table(kind)
-    rows = tuple((f"`{name}`", *others) for name, *others in table.rows)
-    return _markdown(replace(table, title="", rows=rows))
-
-
-def _catalogue_sources(kind: Kind) -> Table:
-    """Where the numbers of a catalogue come from, a row for each entry."""
-    columns = (Column("name"), Column("numbers"), Column("source"), Column("note"))
-    rows = []
-    for name, one in entries(kind).items():
-        others = [f"{key}: {text}" for key, text in one.sources.items()]
-        numbers = ", ".join(f"{key} {value:g}" for key, value in one.numbers().items())
-        rows.append((f"`{name}`", numbers, "; ".join([one.source, *others]), one.note or ""))
-    return Table("", columns, tuple(rows))
-
-
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published_table())),
-    "flights": ("validation.md", lambda: _markdown(facts_table())),
-    "single-inputs": ("validation.md", lambda: _markdown(explanations_table(explain()))),
+    "flights": ("tables/flights.md", lambda: _markdown(facts_table())),
+    "single-inputs": ("tables/single-inputs.md", lambda: _markdown(explanations_table(explain()))),
     "season": ("validation.md", lambda: _markdown(seasons_table())),
-    "clear-sky": ("validation.md", _clear_sky),
+    "clear-sky": ("tables/clear-sky.md", _clear_sky),
     "clear-sky-rafz": ("solar.md", partial(_clear_sky, (clear_sky_comparison.RAFZ,))),
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
-    "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
-    "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "report": ("tables/report.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
+    "structure": ("tables/structure.md", lambda: _markdown(*structure_tables())),
     "large-wings": ("structure.md", lambda: _markdown(large_wings_table())),
     "team-designs": (
         "validation.md",
@@ -197,13 +166,13 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "build-qualities": ("structure.md", lambda: _markdown(qualities_table())),
     "published-structures": ("structure.md", lambda: _markdown(structures_table())),
     "gusts": ("structure.md", lambda: _markdown(gust_table())),
-    "aspect-ratio": ("structure.md", lambda: _markdown(aspect_ratio_table())),
+    "aspect-ratio": ("tables/aspect-ratio.md", lambda: _markdown(aspect_ratio_table())),
     "slender-wings": (
         "validation.md",
         lambda: _markdown(structure_table()),
     ),
     "transfer": (
-        "full-model.md",
+        "tables/transfer.md",
         lambda: _markdown(transfer_table(transferred_errors(*reference()))),
     ),
     "light": ("altitude.md", _light),
@@ -211,18 +180,10 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "steps": ("energy-balance.md", _steps),
     "reliabilities": ("uncertainty.md", _reliabilities),
     "season-shares": ("season.md", _season_shares),
-    "catalogue-cells": ("catalogues.md", partial(_catalogue, "cells")),
-    "catalogue-batteries": ("catalogues.md", partial(_catalogue, "batteries")),
-    "catalogue-motors": ("catalogues.md", partial(_catalogue, "motors")),
-    "catalogue-propellers": ("catalogues.md", partial(_catalogue, "propellers")),
-    "catalogue-mppts": ("catalogues.md", partial(_catalogue, "mppts")),
-    "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(_catalogue_sources, KINDS))),
-    "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "module-heat": ("altitude.md", lambda: _markdown(altitude_tables.module_heat())),
     "zephyr": ("stratosphere.md", lambda: _markdown(zephyr_table())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
-    "climb_sizes": ("altitude.md", lambda: _markdown(altitude_tables.climb_sizes())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (
         "compare.md",

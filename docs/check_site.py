@@ -67,14 +67,14 @@ def problems(site: Path) -> tuple[list[str], int]:
     # What lies in _static are templates of the theme.
     paths = [path for path in sorted(site.rglob("*.html")) if "_static" not in path.parts]
     pages = {path: Page(path) for path in paths}
-    found, count = [], 0
+    faults, count = [], 0
     if not pages:
-        found.append(f"{site} has no pages")
+        faults.append(f"{site} has no pages")
     for path, page in pages.items():
         at = path.relative_to(site)
         for address in page.loaded:
             if is_elsewhere(address) and not address.startswith("data:"):
-                found.append(f"{at} loads {address}")
+                faults.append(f"{at} loads {address}")
         for address in [*page.links, *page.loaded]:
             if is_elsewhere(address):
                 continue
@@ -83,25 +83,25 @@ def problems(site: Path) -> tuple[list[str], int]:
             name = name.partition("?")[0]
             target = (path.parent / name).resolve() if name else path
             if not target.exists():
-                found.append(f"{at}: {address} leads nowhere")
+                faults.append(f"{at}: {address} leads nowhere")
             elif anchor and target in pages and anchor not in pages[target].anchors:
-                found.append(f"{at}: {address} has no such anchor")
+                faults.append(f"{at}: {address} has no such anchor")
     for path in site.rglob("*.css"):
         if IN_STYLES.search(path.read_text(encoding="utf-8")):
-            found.append(f"{path.relative_to(site)} loads from another server")
-    return found, count
+            faults.append(f"{path.relative_to(site)} loads from another server")
+    return faults, count
 
 
 def main(arguments: list[str]) -> int:
     """Print what is wrong; return the exit code."""
     site = Path(arguments[0]).resolve()
-    found, count = problems(site)
-    for problem in found:
+    faults, count = problems(site)
+    for problem in faults:
         print(problem, file=sys.stderr)
-    if not found:
+    if not faults:
         size_mb = sum(path.stat().st_size for path in site.rglob("*") if path.is_file()) / 1e6
         print(f"{count} links and anchors of the site are whole; {size_mb:.1f} MB")
-    return int(bool(found))
+    return int(bool(faults))
 
 
 if __name__ == "__main__":

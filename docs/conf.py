@@ -28,11 +28,12 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
     "docstrings",
+    "generated_tables",
     "github_pages",
 ]
 # docs/index.md is the table of contents on GitHub; index.rst is that of the site.
 templates_path = ["_templates"]
-exclude_patterns = ["_build", "index.md", "gallery/*.ipynb", "gallery/*.py", "_templates"]
+exclude_patterns = ["_build", "index.md", "gallery/*.ipynb", "gallery/*.py", "_templates", "tables"]
 
 # Markdown as GitHub reads it: headings are anchors, formulas stand between dollars.
 myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
@@ -91,6 +92,7 @@ html_title = project
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = ["site.js"]
+html_search_scorer = str(Path(__file__).parent / "_static" / "scorer.js")
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {

@@ -142,7 +142,7 @@ def rewrite(page: Path, edits: list[tuple[int, str, str]]) -> None:
 def main(names: Sequence[str]) -> int:
     """Replay the pages of the arguments."""
     pages = [Path(name).resolve() for name in names] or PAGES
-    found = False
+    needs_person = False
     with tempfile.TemporaryDirectory() as made_in:
         for page in pages:
             print(f"== {page.relative_to(ROOT)}", flush=True)
@@ -150,9 +150,9 @@ def main(names: Sequence[str]) -> int:
                 os.chdir(folder)
                 for problem in replay(page, Path(made_in)):
                     print(problem, flush=True)
-                    found = True
+                    needs_person = True
                 os.chdir(ROOT)
-    return int(found)
+    return int(needs_person)
 
 
 if __name__ == "__main__":

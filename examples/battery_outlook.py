@@ -24,15 +24,15 @@ def smallest_wingspans_m(specific_energy_wh_per_kg: float) -> np.ndarray:
     """Least wingspan on each date with 3 h of excess time; NaN where no design is feasible."""
     days = np.array([missions.day_of_year(date) for date in DATES.values()])
     better = {"battery.specific_energy_wh_per_kg": specific_energy_wh_per_kg}
-    # Every date is a cell of its own; cells are sized for the least wingspan unless told otherwise.
-    found = sizing.size_cells(
+    # Every date is a cell of its own; cells are sized for the least wingspan by default.
+    sizings = sizing.size_cells(
         sizing.load_aircraft("atlantiksolar-design", better),
         missions.load_mission("rafz-july"),
         missions.Scenarios(np.full(len(days), LATITUDE_DEG), days),
         solar=sizing.SolarModel("CAM", "report"),
         required_excess_time_h=3.0,
     )
-    return found.objective_value
+    return sizings.objective_value
 
 
 def main() -> None:

@@ -35,9 +35,9 @@ class EnergyBalance(om.ExplicitComponent):
         """Fly the design."""
         changes = {key: float(inputs[key.replace(".", "_")][0]) for key in KEYS}
         aircraft = sizing.load_aircraft("atlantiksolar-design", changes)
-        found = sizing.analyse(aircraft, missions.load_mission("central-europe-summer"))
-        outputs["total_mass_kg"] = found.performance.design.total_mass_kg
-        outputs["excess_time_h"] = found.excess_time_h
+        analysis = sizing.analyse(aircraft, missions.load_mission("central-europe-summer"))
+        outputs["total_mass_kg"] = analysis.performance.design.total_mass_kg
+        outputs["excess_time_h"] = analysis.excess_time_h
 
 
 def main() -> None:

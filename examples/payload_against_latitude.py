@@ -24,7 +24,7 @@ DAYS = np.array([missions.day_of_year(date) for date in ("05-01", "06-21", "08-1
 def main() -> None:
     """Size every case at once, print a table and draw a curve for each payload."""
     payload, latitude = (v.ravel() for v in np.meshgrid(PAYLOADS_KG, LATITUDES_DEG, indexing="ij"))
-    found = sizing.size_cells(
+    sizings = sizing.size_cells(
         sizing.load_aircraft("atlantiksolar-design"),
         missions.load_mission("central-europe-summer"),
         missions.Scenarios(np.repeat(latitude, len(DAYS)), np.tile(DAYS, len(latitude))),
@@ -33,7 +33,7 @@ def main() -> None:
         required_excess_time_h=2.0,
         payload_mass_kg=payload,
     )
-    spans_m = found.objective_value.reshape(len(PAYLOADS_KG), len(LATITUDES_DEG))
+    spans_m = sizings.objective_value.reshape(len(PAYLOADS_KG), len(LATITUDES_DEG))
 
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()

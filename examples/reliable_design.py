@@ -23,22 +23,26 @@ def main() -> None:
     # The file says how battery, cells, drag, propeller and structure may turn out otherwise.
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     mission = missions.load_mission("rafz-july", {"required_excess_time_h": 3.0})
-    found = [
-        sizing.size(aircraft, mission, "min_wingspan", reliability=asked) for asked in RELIABILITIES
+    sizings = [
+        sizing.size(aircraft, mission, "min_wingspan", reliability=reliability)
+        for reliability in RELIABILITIES
     ]
-    nominal = found[0].reliability
+    nominal = sizings[0].reliability
     print(f"no margin: {nominal.nominal_objective:.2f} m, {100 * nominal.nominal.value:.1f} %")
-    for asked, sized in zip(RELIABILITIES, found, strict=True):
+    for reliability, sized in zip(RELIABILITIES, sizings, strict=True):
         span_m, mass_kg = sized.variables.wingspan_m, sized.design.total_mass_kg
         reached = sized.reliability.achieved.text()
-        print(f"{100 * asked:.0f} %: {span_m:.2f} m, {mass_kg:.2f} kg, {reached}")
+        print(f"{100 * reliability:.0f} %: {span_m:.2f} m, {mass_kg:.2f} kg, {reached}")
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()
-    spans_m = np.array([sized.variables.wingspan_m for sized in found])
-    reached = [sized.reliability.achieved for sized in found]
-    share = np.array([one.value for one in reached])
-    ends = [share - [one.low for one in reached], [one.high for one in reached] - share]
-    axes.errorbar(spans_m, 100 * share, 100 * np.array(ends), marker="o", capsize=3)
+    spans_m = np.array([sized.variables.wingspan_m for sized in sizings])
+    reached = [sized.reliability.achieved for sized in sizings]
+    share = np.array([estimate.value for estimate in reached])
+    low = np.array([estimate.low for estimate in reached])
+    high = np.array([estimate.high for estimate in reached])
+    axes.errorbar(
+        spans_m, 100 * share, 100 * np.array([share - low, high - share]), marker="o", capsize=3
+    )
     axes.plot(nominal.nominal_objective, 100 * nominal.nominal.value, "s", color="tab:red")
     axes.annotate(
         "optimum without uncertainty",

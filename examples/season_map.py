@@ -2,7 +2,7 @@
 Season map
 ==========
 
-Where and when AtlantikSolar AS-2 flies perpetually, with its own battery and half.
+Where and when AtlantikSolar AS-2 flies perpetually, with the battery as built and half of it.
 
 Run with: ``python examples/season_map.py [figure.png]``
 """
@@ -58,10 +58,10 @@ def draw(built: xr.Dataset, half: xr.Dataset) -> Figure:
     all_year = LATITUDES_DEG[studies.season_length(built) == len(DAYS)]
     label = f"all year, as built: {-all_year.min():g}° S to {all_year.max():g}° N"
     axes.axhspan(all_year.min(), all_year.max(), fill=False, hatch="..", alpha=0.3, label=label)
-    # One legend with what the map's own has: the reasons of hatched cells.
+    # A single legend with what the map's own has: the reasons of hatched cells.
     handles, _ = axes.get_legend_handles_labels()
     for legend in list(figure.legends):
-        handles += [one for one in legend.legend_handles if one is not None]
+        handles += [handle for handle in legend.legend_handles if handle is not None]
         legend.remove()
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return figure

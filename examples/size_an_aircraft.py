@@ -36,8 +36,8 @@ def main() -> None:
         print(sized)
 
     # A sized aircraft is an aircraft again: what would the Full Model say of the last one?
-    flown = sizing.analyse(sized.sized_aircraft(), sized.sized_mission(), model="FM")
-    print(f"on a circle, by FM: excess time {flown.excess_time_h:.2f} h")
+    analysis = sizing.analyse(sized.sized_aircraft(), sized.sized_mission(), model="FM")
+    print(f"on a circle, by FM: excess time {analysis.excess_time_h:.2f} h")
     if len(sys.argv) > 1:
         masses_kg = sized.design.masses._asdict()
         studies.plot_masses(masses_kg, "for 4 h of excess time").savefig(sys.argv[1], dpi=150)

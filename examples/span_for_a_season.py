@@ -25,20 +25,20 @@ def main() -> None:
     place = {"latitude_deg": 40.5, "altitude_m": 2300.0}
     mission = missions.load_mission("central-europe-summer", place)
     weather = missions.load_weather("colorado-2023")
-    found = [
+    sizings = [
         sizing.size_in_weather(aircraft, mission, weather, "min_wingspan", survive=share)
         for share in SHARES
     ]
-    spans_m = [sized.variables.wingspan_m for sized in found]
-    reached = [100.0 * sized.survival.achieved for sized in found]
-    clear = found[0].survival
+    spans_m = [sized.variables.wingspan_m for sized in sizings]
+    reached = [100.0 * sized.survival.achieved for sized in sizings]
+    clear = sizings[0].survival
     clear_m, clear_share = clear.clear_sky_objective, 100.0 * clear.clear_sky_days.share
     print(f"for a clear sky: {clear_m:.2f} m, {clear_share:.1f} % of the days")
-    for asked, sized in zip(SHARES, found, strict=True):
+    for share, sized in zip(SHARES, sizings, strict=True):
         span_m, mass_kg = sized.variables.wingspan_m, sized.design.total_mass_kg
         days = sized.survival.days
         print(
-            f"{100 * asked:.0f} %: {span_m:.2f} m, {mass_kg:.2f} kg, {days.that_close} of "
+            f"{100 * share:.0f} %: {span_m:.2f} m, {mass_kg:.2f} kg, {days.that_close} of "
             f"{len(days)} days, longest gap {days.longest_gap_days} days"
         )
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")

@@ -28,13 +28,13 @@ ONE_MOTOR = {
 }
 
 
-def chain_efficiency(flown: sizing.Analysis, voltages_v: list[float]) -> np.ndarray:
+def chain_efficiency(analysis: sizing.Analysis, voltages_v: list[float]) -> np.ndarray:
     """Efficiency over voltage, speed constant and diameter; NaN where it cannot fly level."""
-    propulsion, air = flown.aircraft.airframe.propulsion, flown.mission.air_state()
-    airspeed = flown.airspeed_m_per_s
-    thrust_n = flown.power_budget.watts["aerodynamic_w"] / airspeed / propulsion.propulsors
+    propulsion, air = analysis.aircraft.airframe.propulsion, analysis.mission.air_state()
+    airspeed = analysis.airspeed_m_per_s
+    thrust_n = analysis.power_budget.watts["aerodynamic_w"] / airspeed / propulsion.propulsors
     shape = (len(voltages_v), len(SPEED_CONSTANTS), len(DIAMETERS_M))
-    found, propulsor = np.full(shape, np.nan), propulsion.propulsor
+    efficiency_of_chain, propulsor = np.full(shape, np.nan), propulsion.propulsor
     for column, diameter_m in enumerate(DIAMETERS_M):
         # Pitch as large as the diameter, as the file has it.
         propeller = sizing.BladeElementPropeller(
@@ -43,10 +43,10 @@ def chain_efficiency(flown: sizing.Analysis, voltages_v: list[float]) -> np.ndar
         for row, speed_constant in enumerate(SPEED_CONSTANTS):
             motor = propulsor.motor.rewound(float(speed_constant))
             motor = motor.model_copy(update={"maximum_current_a": None})
-            one = dataclasses.replace(propulsor, propeller=propeller, motor=motor)
-            point = sizing.operating_point(one, thrust_n, airspeed, air, np.array(voltages_v))
-            found[:, row, column] = point.efficiency
-    return found
+            varied = dataclasses.replace(propulsor, propeller=propeller, motor=motor)
+            point = sizing.operating_point(varied, thrust_n, airspeed, air, np.array(voltages_v))
+            efficiency_of_chain[:, row, column] = point.efficiency
+    return efficiency_of_chain
 
 
 def main() -> None:
@@ -62,12 +62,13 @@ def main() -> None:
             f"{SPEED_CONSTANTS[row]:.0f} rpm/V; {np.isnan(panel).mean():.0%} cannot fly level"
         )
     single = sizing.analyse(sizing.load_aircraft(NAME, ONE_MOTOR), mission)
-    for text, flown in (("two motors", twin), ("one geared motor", single)):
-        chain = flown.power_budget.efficiencies["chain"]
+    for text, analysis in (("two motors", twin), ("one geared motor", single)):
+        chain = analysis.power_budget.efficiencies["chain"]
+        propulsion_kg = analysis.masses_kg["propulsion"]
         print(
-            f"{text}: {flown.total_mass_kg:.2f} kg, propulsion {flown.masses_kg['propulsion']:.2f} "
-            f"kg, chain {chain:.3f}, load {flown.power_out_w:.1f} W, "
-            f"excess time {flown.excess_time_h:.2f} h"
+            f"{text}: {analysis.total_mass_kg:.2f} kg, propulsion {propulsion_kg:.2f} "
+            f"kg, chain {chain:.3f}, load {analysis.power_out_w:.1f} W, "
+            f"excess time {analysis.excess_time_h:.2f} h"
         )
     if len(sys.argv) > 1:
         draw(voltages_v, efficiency, sys.argv[1])

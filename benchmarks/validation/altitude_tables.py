@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from missions.dates import day_of_year
-from missions.files.overrides import with_values
 from missions.library import load_mission
-from missions.mission import Scenarios
 from sizing.ceiling import highest_perpetual_altitude
 from sizing.climb import climb_performance
 from sizing.day.light import SolarModel
 from sizing.day.module_power import convection_in_flight
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from sizing.program.cells import size_cells
-from sizing.program.objectives import Objective
 from solar.modules import STC_TEMPERATURE_C
 from studies.render.tables import Column, Table
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))
-SIZED_LATITUDES = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0)
-SIZED_DATES = ("03-21", "06-21", "09-21", "12-21")
 # (date, ceiling [m]) of AtlantikSolar AS-2 at 47.6 N.
 CLIMBS = (("06-21", 1536), ("06-21", 3536), ("06-21", 6536), ("10-10", 3536))
 
@@ -37,39 +28,6 @@ def ceilings() -> Table:
         rows.append((f"`{name}`", *(f.highest and f.highest.altitude_m for f in found)))
     models = [Column(m.label, form="{:.0f} m", missing="none") for m in MODELS]
     return Table("ceilings of perpetual flight", (Column("aircraft"), *models), tuple(rows))
-
-
-def climb_sizes() -> Table:
-    """Lightest design of AtlantikSolar over latitude and season, without climbs and with 3000 m."""
-    aircraft = load_aircraft("atlantiksolar-design")
-    places = [(latitude, date) for latitude in SIZED_LATITUDES for date in SIZED_DATES]
-    scenarios = Scenarios(
-        np.array([place[0] for place in places]),
-        np.array([day_of_year(place[1]) for place in places]),
-    )
-    level = load_mission("rafz-july")
-    missions = [level, with_values(level, {"climb": {"ceiling_m": 3536.0}})]
-    found = [size_cells(aircraft, one, scenarios, Objective.min_mass) for one in missions]
-    rows = []
-    for i, (latitude, date) in enumerate(places):
-        masses = [float(one.total_mass_kg[i]) for one in found]
-        rows.append(
-            (
-                *(latitude, date),
-                *(float(one.variables.wingspan_m[i]) for one in found),
-                *masses,
-                *(100.0 * (mass / masses[0] - 1.0) for mass in masses[1:]),
-            )
-        )
-    names = ("level", "climbs")
-    columns = (
-        Column("latitude", "latitude", "°", ".0f"),
-        Column("date"),
-        *(Column(f"span {name}", f"span, {name}", "m", ".2f") for name in names),
-        *(Column(f"mass {name}", f"mass, {name}", "kg", ".2f") for name in names),
-        *(Column(f"less {name}", f"mass saved, {name}", "%", "+.1f") for name in names[1:]),
-    )
-    return Table("lightest designs with and without climbs", columns, tuple(rows))
 
 
 def climbs() -> Table:

@@ -59,3 +59,14 @@ def test_search_finds_pages(opened):
     results.filter(has_text="Nomenclature").first.wait_for()
     results.filter(has_text="Energy balance").first.click()
     assert page.locator("h1").first.inner_text().startswith("Energy balance")
+
+
+@pytest.mark.parametrize(
+    ("query", "page_title", "at_most"),
+    [("which battery", "Which battery?", 1), ("clouds", "Weather", 10)],
+)
+def test_search_ranks_the_page_that_answers(opened, query, page_title, at_most):
+    page = opened(f"search.html?q={query.replace(' ', '+')}")
+    page.get_by_text("Search finished").wait_for()
+    titles = page.locator("#search-results ul.search li > a").all_inner_texts()
+    assert any(title.startswith(page_title) for title in titles[:at_most]), titles

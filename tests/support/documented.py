@@ -25,8 +25,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-# What the build of the site writes, and pages that only the site has.
-_NOT_READ = ("_build", "gallery", "generated", "development")
+# What the build of the site writes, pages that only the site has, and tables made by the software.
+_NOT_READ = ("_build", "gallery", "generated", "development", "tables")
 PAGES = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
