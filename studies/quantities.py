@@ -56,10 +56,10 @@ class Quantity(Column):
         return self.unit or "1", self.meaning or self.label
 
     def fact(self, value: Any, form: str = "") -> tuple[str, str]:
-        """Label, and the value with its unit; ``form``: where it is not the quantity's own."""
-        one = replace(self, form=form or self.form)
-        text, unit = one.text(value), unit_text(one.shown_unit)
-        bare = isinstance(value, str) or not unit or one.form == CLOCK
+        """Return label, and value with its unit; ``form``: in place of the quantity's."""
+        column = replace(self, form=form or self.form)
+        text, unit = column.text(value), unit_text(column.shown_unit)
+        bare = isinstance(value, str) or not unit or column.form == CLOCK
         return self.label, text if bare or text in (self.missing, UNLIMITED) else f"{text} {unit}"
 
 
@@ -76,7 +76,7 @@ def _read() -> dict[str, Quantity]:
 
 
 def _from_row(row: dict[str, Any]) -> Quantity:
-    """Quantity of a row: what the catalogue of parameters knows of a key needs no words here."""
+    """Return the quantity of a row; words may be those of the catalogue of parameters."""
     key, label, digits = row.pop("key"), row.pop("words"), row.pop("digits")
     if not label:
         known = parameter(key)
@@ -91,13 +91,13 @@ TABLE = _read()
 
 
 def group(keys: str) -> tuple[Quantity, ...]:
-    """Quantities by their keys."""
+    """Return quantities by their keys."""
     return tuple(TABLE[key] for key in keys.split())
 
 
 def described(keys: str) -> dict[str, tuple[str, str]]:
-    """Unit and long name of variables in files on a grid, by the keys of their quantities."""
-    return {one.variable: one.described for one in group(keys)}
+    """Return unit and long name of variables in files on a grid, by the quantities' keys."""
+    return {quantity.variable: quantity.described for quantity in group(keys)}
 
 
 def table_of(
@@ -107,7 +107,7 @@ def table_of(
     notes: Sequence[str] = (),
     sections: Sequence[int] = (),
 ) -> Table:
-    """Table of records or objects, a row each, and a column for each key of theirs."""
+    """Return a table of records or objects, a row each, with a column for each key."""
     columns = group(keys) if isinstance(keys, str) else tuple(keys)
     return Table(
         title,
@@ -123,7 +123,7 @@ def _value(row: Any, name: str) -> Any:
 
 
 def text_of(key: str, value: Any, form: str = "") -> str:
-    """Value of a quantity with its unit."""
+    """Return the value of a quantity with its unit."""
     return TABLE[key].fact(value, form)[1]
 
 
@@ -158,8 +158,16 @@ BELOW_ZERO = "An excess time below 0 is the time of the day without enough power
 SCENARIO = tuple(TABLE[key] for key in OF_SCENARIO)
 # Facts of an analysis: of its flight, and of its aircraft.
 IN_FLIGHT = (
-    *(EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, BEST_LAUNCH, MINIMUM_CHARGE, FULL_CHARGE),
-    *(SUNRISE, SUNSET, EQUAL_POWER_MORNING, EQUAL_POWER_EVENING),
+    EXCESS_TIME,
+    CHARGE_MARGIN,
+    ENDURANCE,
+    BEST_LAUNCH,
+    MINIMUM_CHARGE,
+    FULL_CHARGE,
+    SUNRISE,
+    SUNSET,
+    EQUAL_POWER_MORNING,
+    EQUAL_POWER_EVENING,
 )
 OF_AIRCRAFT = (TOTAL_MASS, BATTERY_ENERGY, AIRSPEED)
 ENOUGH = (EXCESS_TIME, MINIMUM_CHARGE)
@@ -180,8 +188,13 @@ DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
 DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)
 # Table of a sized design.
 SIZED_TABLE = (
-    *(*CHOSEN, TOTAL_MASS, AIRSPEED, STALL_SPEED, WING_LOADING),
-    *(TABLE["climb_rate_m_per_s"], LOAD),
+    *CHOSEN,
+    TOTAL_MASS,
+    AIRSPEED,
+    STALL_SPEED,
+    WING_LOADING,
+    TABLE["climb_rate_m_per_s"],
+    LOAD,
 )
 # Level flight of designs whose drag is modelled, as a report tells it.
 MODELLED_FLIGHT = (STALL_SPEED, TABLE["lift_coefficient"], LIFT_TO_DRAG, DRAG)

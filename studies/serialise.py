@@ -219,7 +219,7 @@ def plain(value: Any, entry: str = "") -> Any:
 
 
 def _record(value: Any, entry: str) -> dict[str, Any]:
-    """Record of a value by its entry."""
+    """Return the record of a value by its entry."""
     record: dict[str, Any] = {}
     if value is None:
         return {key: None for key, *_ in _keys(entry)}
@@ -231,24 +231,24 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
         elif key == "*":
             of_all = path == "software"
             record |= software_record() if of_all else _spliced(_reach(value, path), of)
-        elif not (_is_nothing(found := _reach(value, path)) and optional):
+        elif not (_is_nothing(reached := _reach(value, path)) and optional):
             *outer, last = key.split(".")
             inside = record
-            for one in outer:
-                inside = inside.setdefault(one, {})
-            inside[last] = plain(found, of)
+            for name in outer:
+                inside = inside.setdefault(name, {})
+            inside[last] = plain(reached, of)
     return record
 
 
 def _spliced(value: Any, entry: str) -> dict[str, Any]:
-    """Record among the keys of another; nulls by an entry where there is no value."""
+    """Return a record whose keys join those of another; nulls by an entry without a value."""
     record: dict[str, Any] = _record(value, entry) if entry else plain(value)
     return record
 
 
 @cache
 def _keys(entry: str) -> list[tuple[str, bool, str, str]]:
-    """Keys of an entry: key, whether it may be left out, path, and the entry of its value."""
+    """Return the keys of an entry: key, whether it may be left out, path, entry of its value."""
     keys = []
     for word in RECORDS[entry].split():
         key, _, path = word.partition("=")
@@ -260,7 +260,7 @@ def _keys(entry: str) -> list[tuple[str, bool, str, str]]:
 
 
 def _reach(value: Any, path: str) -> Any:
-    """Value at the end of a path; None behind None."""
+    """Return the value at the end of a path; None behind None."""
     for name in path.split("."):
         if value is None:
             return None
@@ -274,7 +274,7 @@ def _is_nothing(value: Any) -> bool:
 
 
 def _names(value: Any) -> tuple[str, ...]:
-    """Names of the fields of a data class or a named tuple."""
+    """Return the names of the fields of a data class or a named tuple."""
     if is_dataclass(value):
-        return tuple(one.name for one in fields(value))
+        return tuple(declared.name for declared in fields(value))
     return getattr(value, "_fields", ())

@@ -185,13 +185,13 @@ class Analysis(DesignResult):
         longest, at = self.endurances[self.worst], self.worst
         if longest is None or not np.isfinite(longest.endurance_h):
             return None
-        flown = self.performance
+        performance = self.performance
         launch_h, endurance_h = float(longest.launch_h), float(longest.endurance_h)
         sunrise_h = float(self.scenario()["sunrise_h"])
         from_sunrise_h = from_noon_h = np.nan
         if np.isfinite(sunrise_h):
-            from_sunrise_h, from_noon_h = flown.flight_time_h(at, [sunrise_h, 12.0])
-        dawn_h = float(flown.cycle.equal_power_morning_h[at])
+            from_sunrise_h, from_noon_h = performance.flight_time_h(at, [sunrise_h, 12.0])
+        dawn_h = float(performance.cycle.equal_power_morning_h[at])
         before_sun_h = (dawn_h - launch_h - endurance_h) % 24.0
         return LimitedFlight(
             launch_h, endurance_h, before_sun_h, float(from_sunrise_h), float(from_noon_h)
@@ -256,8 +256,8 @@ class Analysis(DesignResult):
 
         Of the repeated day, with climbs that at the mission's altitude.
         """
-        flown = self.performance if self.climb is None else self.climb.constant
-        return varying_efficiency(self.aircraft, flown)
+        performance = self.performance if self.climb is None else self.climb.constant
+        return varying_efficiency(self.aircraft, performance)
 
     @cached_property
     def values(self) -> dict[str, Any]:
@@ -319,13 +319,13 @@ class Analysis(DesignResult):
         return None if self.flight is None else CalendarFlight.of(self.flight)
 
     def to_frame(self) -> pd.DataFrame:
-        """Metrics of every scenario, one row each; infinite where unlimited."""
+        """Return the metrics of every scenario, one row each; infinite where unlimited."""
         scenarios = self.performance.day.scenarios
         place = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
         return data_frame(place | {key: self.values[key] for key in _OF_FRAME})
 
     def trajectory(self) -> pd.DataFrame:
-        """Power and state of charge over the cycle of every scenario, one row per node of time."""
+        """Return power and state of charge of every scenario's cycle, one row per node of time."""
         perf, scenarios = self.performance, self.performance.day.scenarios
         nodes = len(perf.day.time_h)
         table = data_frame(
@@ -402,4 +402,4 @@ def analyse(
     flight = None
     if replay and mission.launch is not None:
         flight = calendar_run(aircraft, mission, solar)
-    return Analysis(*(aircraft, mission, centre, low, high, flight), known_mass_kg=known_mass_kg)
+    return Analysis(aircraft, mission, centre, low, high, flight, known_mass_kg=known_mass_kg)

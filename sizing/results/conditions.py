@@ -116,8 +116,8 @@ class ModelError(NamedTuple):
     def of(cls, low: Performance, high: Performance, index: int | None = None) -> ModelError:
         """Return that of a scenario; by default the least of all, which may be another in each."""
         ends = (
-            np.min(one.cycle.excess_time_h) if index is None else one.cycle.excess_time_h[index]
-            for one in (low, high)
+            np.min(end.cycle.excess_time_h) if index is None else end.cycle.excess_time_h[index]
+            for end in (low, high)
         )
         return cls(low.solar.rms_relative, *map(float, ends))
 

@@ -44,23 +44,23 @@ class RequirementMargin(NamedTuple):
 
 
 def requirement_margins(
-    aircraft: Aircraft, flown: Performance, required_h: float
+    aircraft: Aircraft, performance: Performance, required_h: float
 ) -> list[RequirementMargin]:
-    """Margins of a single design that has been flown.
+    """Return the margins of a single simulated design.
 
     ``aircraft``: with the technology of the design. ``required_h``: excess time that is required of
     every scenario [h].
     """
-    mission, design, worst = flown.mission, flown.design, flown.worst_scenario()
-    excess_h = float(flown.cycle.excess_time_h[worst])
-    charge_percent = 100.0 * float(flown.cycle.minimum_state_of_charge[worst])
-    at = flown.day.scenarios.label(worst)
+    mission, design, worst = performance.mission, performance.design, performance.worst_scenario()
+    excess_h = float(performance.cycle.excess_time_h[worst])
+    charge_percent = 100.0 * float(performance.cycle.minimum_state_of_charge[worst])
+    at = performance.day.scenarios.label(worst)
     charge_name, charge_label = "minimum_state_of_charge", f"minimum state of charge, {at}"
     margins = [
         _absolute("excess_time_h", f"excess time, {at}", excess_h, required_h, "h"),
         _absolute(charge_name, charge_label, charge_percent, 0.0, "%"),
     ]
-    winds = mission.wind_to_beat_m_per_s(mission.scenario_winds_m_per_s(flown.day.scenarios))
+    winds = mission.wind_to_beat_m_per_s(mission.scenario_winds_m_per_s(performance.day.scenarios))
     wind = float(np.max(winds))
     if wind > 0.0 and design.airspeed_m_per_s is not None:
         speed = float(design.airspeed_m_per_s)
@@ -74,19 +74,21 @@ def requirement_margins(
 def _of_parametric(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> Iterator[RequirementMargin]:
-    it = DesignInFlight(aircraft, design)
+    flight = DesignInFlight(aircraft, design)
     covered = float(design.variables.module_area_m2 / design.wing_area_m2)
     most = aircraft.parametric.maximum_module_coverage
     yield _at_most("module_coverage", "modules over wing area", covered, most, "")
     limits = aircraft.design_space.limit_rows()
     for name, limit in limits.items():
-        value, of = float(QUANTITIES[limit.quantity](it)), unit_text(unit(limit.quantity))
+        value, of = float(QUANTITIES[limit.quantity](flight)), unit_text(unit(limit.quantity))
         margin = _at_least if limit.end == "minimum" else _at_most
         yield margin(name, label(limit.quantity), value, limit.value, of)
     if not any(limit.quantity == "stall_margin" for limit in limits.values()):
         least = RECOMMENDED_STALL_MARGIN
-        one = _at_least("stall_margin", label("stall_margin"), float(it.stall_margin), least, "")
-        yield one._replace(recommended=True)
+        margin_of_stall = _at_least(
+            "stall_margin", label("stall_margin"), float(flight.stall_margin), least, ""
+        )
+        yield margin_of_stall._replace(recommended=True)
     yield from _of_climb(aircraft, mission, design, float(design.rated_power_w))
     yield from _of_parts(aircraft, design)
 
@@ -94,7 +96,7 @@ def _of_parametric(
 def _of_climb(
     aircraft: Aircraft, mission: Mission, design: Design, rated_w: float
 ) -> Iterator[RequirementMargin]:
-    """Climb at the highest altitude with the rated power, and with the empty battery's voltage."""
+    """Yield the climb at the highest altitude: at rated power, and with an empty battery."""
     highest_m = mission.ceiling_m
     there = mission.at_altitude(highest_m) if highest_m > mission.altitude_m else mission
     mass_kg = float(design.total_mass_kg)
@@ -109,35 +111,35 @@ def _of_climb(
         return
     thrust_w = float(aloft.thrust_power_w)
     speed, air = float(aloft.airspeed_m_per_s), aloft.conditions.air
-    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    chosen = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     empty_v, _ = bus_voltage_v(aircraft)
-    most, some = np.nan, _THRUSTS[::_COARSE]
+    most, thrusts = np.nan, _THRUSTS[::_COARSE]
     for _ in range(2):
-        points = own.point(thrust_w * some, speed, air, (empty_v, empty_v))
+        points = chosen.point(thrust_w * thrusts, speed, air, (empty_v, empty_v))
         able = np.flatnonzero(np.asarray(points.reason) == "")
         if not able.size:
             break
-        most = float(some[able[-1]])
+        most = float(thrusts[able[-1]])
         # The thrusts up to the next of the coarse ones.
-        some = _THRUSTS[(most <= _THRUSTS)][:_COARSE]
+        thrusts = _THRUSTS[(most <= _THRUSTS)][:_COARSE]
     name, text = "climb_rate_with_empty_battery_m_per_s", f"climb rate, empty battery, {at}"
     climb = (most - 1.0) * thrust_w / weight_n
     yield _absolute(name, text, climb, 0.0, "m/s")._replace(recommended=True)
 
 
 def _of_parts(aircraft: Aircraft, design: Design) -> Iterator[RequirementMargin]:
-    """Limits of the parts of a propulsion in level flight with an empty battery."""
+    """Yield the limits of a propulsion's parts in level flight with an empty battery."""
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return
-    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    chosen = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     thrust_w = float(design.thrust_power_w)
     speed, air = float(design.airspeed_m_per_s), design.conditions.air
     empty_v, _ = bus_voltage_v(aircraft)
-    point = own.point(thrust_w, speed, air, (empty_v, empty_v))
+    point = chosen.point(thrust_w, speed, air, (empty_v, empty_v))
     yield _at_most("duty", "duty of the controller, empty battery", float(point.duty), 1.0, "")
-    mach = own.maximum_tip_mach
+    mach = chosen.maximum_tip_mach
     yield _at_most("tip_mach", "Mach number of the tips", float(point.tip_mach), mach, "")
-    current = own.motor_constants.maximum_current_a
+    current = chosen.motor_constants.maximum_current_a
     if current is not None:
         used = float(point.motor_current_a)
         yield _at_most("motor_current", "current of the motor", used, current, "A")

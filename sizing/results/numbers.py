@@ -19,7 +19,7 @@ PERCENTILES = {"p90": 10.0, "p50": 50.0, "p10": 90.0}
 
 
 def finite(value: Any) -> float | None:
-    """Number for JSON: null where it is infinite, not defined or missing."""
+    """Return a number for JSON: null where it is infinite, not defined or missing."""
     if value is None:
         return None
     number = float(value)
@@ -27,19 +27,19 @@ def finite(value: Any) -> float | None:
 
 
 def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Record with null for numbers that are infinite or not defined."""
+    """Return a record with null for numbers that are infinite or not defined."""
     return {
         name: finite(value) if isinstance(value, float) else value for name, value in record.items()
     }
 
 
 def relative_change(before: float, after: float) -> float | None:
-    """Change over the value before it [-]; None of what was next to nothing."""
+    """Return a change over the value before it [-]; None where that was next to nothing."""
     return None if abs(before) <= NEGLIGIBLE else (after - before) / before
 
 
 def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
-    """P90, exceeded in 90 % of cases, P50 and P10.
+    """Return P90, which 90 % of cases exceed, P50 and P10.
 
     By the method ``inverted_cdf`` each is a value that occurred.
     """

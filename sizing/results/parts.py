@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def cells_record(aircraft: Aircraft) -> dict[str, Any]:
-    """Solar cells, strings and pack of an aircraft, JSON-ready; empty without whole cells."""
+    """Return solar cells, strings and pack of an aircraft; empty without whole cells."""
     layout, pack, battery = aircraft.modules.layout, aircraft.battery.pack, aircraft.battery
     record: dict[str, Any] = {}
     if layout is not None:
@@ -40,7 +40,7 @@ def cells_record(aircraft: Aircraft) -> dict[str, Any]:
 
 
 def _strings_record(aircraft: Aircraft) -> dict[str, Any]:
-    """Strings, their voltages at the ends of the modules' temperature, and their MPPTs."""
+    """Return strings, their voltages at the coldest and hottest modules, and their MPPTs."""
     layout = aircraft.modules.layout
     strings = None if layout is None else layout.strings
     assert layout is not None
@@ -61,7 +61,7 @@ def _strings_record(aircraft: Aircraft) -> dict[str, Any]:
 
 
 def sizing_record(cells: WholeCells, aircraft: Aircraft) -> dict[str, Any]:
-    """Whole cells of a sizing, JSON-ready: an unlimited objective is null."""
+    """Return the whole cells of a sizing, JSON-ready: an unlimited objective is null."""
     design = cells.relaxed.design
     variables = {} if design is None else design.variables.chosen()
     relaxed = {"value": cells.relaxed.objective_value} | variables
@@ -69,6 +69,6 @@ def sizing_record(cells: WholeCells, aircraft: Aircraft) -> dict[str, Any]:
         "loss": cells.loss,
         "relaxed": finite_values(relaxed),
         "chosen": None if cells.chosen is None else finite_values(cells.chosen.__dict__),
-        "tried": [finite_values(one.__dict__) for one in cells.tried],
+        "tried": [finite_values(design.__dict__) for design in cells.tried],
     }
     return record | (cells_record(aircraft) if cells.aircraft is not None else {})

@@ -62,7 +62,7 @@ class PowerBudget:
 
 
 def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerBudget:
-    """Power budget of a design in level flight on a mission.
+    """Return the power budget of a design in level flight on a mission.
 
     The design may be an optimum with the aircraft's technology. An operating point is computed
     anew, at the design's mass.
@@ -111,17 +111,17 @@ class PartMasses(NamedTuple):
 
 
 def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
-    """Estimated masses of a design's propulsion; None where there are none."""
+    """Return the estimated masses of a design's propulsion; None where nothing is estimated."""
     propulsion, chain = aircraft.propulsion_by_parts, design.chain
     if propulsion is None or not propulsion.estimates_masses:
         return None
     assert chain is not None
-    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    chosen = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     # Wound anew it has the mass that it had.
     motor = None if propulsion.motor_constants.mass_kg is not None else propulsion.motor_mass_kg
     gears_kg = float(design.masses.propulsion) - float(chain.fixed_mass_kg or 0.0)
-    has_gear = own.gear.mass_kg is None and own.gear.ratio != 1.0
-    propeller = None if own.propeller.mass_kg is not None else float(own.propeller_kg)
+    has_gear = chosen.gear.mass_kg is None and chosen.gear.ratio != 1.0
+    propeller = None if chosen.propeller.mass_kg is not None else float(chosen.propeller_kg)
     if motor is None and propeller is None and not has_gear:
         return None
     return PartMasses(
@@ -129,7 +129,7 @@ def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
         propeller_scatter=None if propeller is None else propeller_mass_fit().scatter,
         motor_kg=motor,
         motor_scatter=None if motor is None else motor_mass_fit().scatter,
-        gearbox_kg=gears_kg / own.propulsors if has_gear else None,
+        gearbox_kg=gears_kg / chosen.propulsors if has_gear else None,
     )
 
 
@@ -168,35 +168,37 @@ class VaryingEfficiency:
     interpolation_error: float
 
 
-def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficiency | None:
-    """Effect of the efficiency of the moment on a single design; None where it is constant."""
+def varying_efficiency(aircraft: Aircraft, performance: Performance) -> VaryingEfficiency | None:
+    """Return what the varying efficiency changes for a single design; None where it is constant."""
     if aircraft.propulsion_by_parts is None:
         return None
-    design, mission, at = flown.design, flown.mission, flown.worst_scenario()
-    day = flown.day.at([at])
+    design, mission, at = performance.design, performance.mission, performance.worst_scenario()
+    day = performance.day.at([at])
     level = simulate_cycle(
         day.time_h,
-        flown.solar_power_w[[at]],
+        performance.solar_power_w[[at]],
         load_profile(design, mission, day.time_h, day.sunrise_h, day.sunset_h),
-        flown.store.flat(flown.cycle.status.shape).select(slice(at, at + 1)),
+        performance.store.flat(performance.cycle.status.shape).select(slice(at, at + 1)),
         nominal_load_w=design.nominal_load_w(mission),
     )
-    charge = flown.cycle.energy_wh[at] / float(np.ravel(flown.store.battery_energy_wh)[0])
+    charge = performance.cycle.energy_wh[at] / float(
+        np.ravel(performance.store.battery_energy_wh)[0]
+    )
     bus_v = aircraft.battery.nominal_voltage_v
     shape = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
     load = np.broadcast_to(shape, (1, len(day.time_h)))[0]
-    own, flight = flight_of(aircraft, mission, design)
+    propulsion, flight = flight_of(aircraft, mission, design)
 
     def instant(node: int) -> Instant:
-        point = own.point(flight.thrust_w * load[node], *flight[1:], (bus_v, bus_v))
-        hour, share, soc = (float(one[node]) for one in (day.time_h, load, charge))
+        point = propulsion.point(flight.thrust_w * load[node], *flight[1:], (bus_v, bus_v))
+        hour, share, soc = (float(values[node]) for values in (day.time_h, load, charge))
         return Instant(hour, share, soc, bus_v, float(point.efficiency), str(point.reason))
 
     varies = np.ptp(load) > 0.0
     return VaryingEfficiency(
-        excess_time_h=float(flown.cycle.excess_time_h[at]),
+        excess_time_h=float(performance.cycle.excess_time_h[at]),
         level_excess_time_h=float(level.excess_time_h[0]),
-        minimum_state_of_charge=float(flown.cycle.minimum_state_of_charge[at]),
+        minimum_state_of_charge=float(performance.cycle.minimum_state_of_charge[at]),
         level_minimum_state_of_charge=float(level.minimum_state_of_charge[0]),
         night=instant(int(np.argmin(charge))),
         most=instant(int(np.argmax(load))) if varies else None,

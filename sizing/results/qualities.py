@@ -38,7 +38,7 @@ def designs_by_build(
     *,
     required_excess_time_h: float | None,
 ) -> tuple[BuiltDesign, ...]:
-    """Best design of every class of building; ``result``: that of the aircraft's file.
+    """Return the best design of every build quality; ``result``: that of the aircraft's file.
 
     A calibration without ``build`` may be that of one's own aircraft: the classes have that of
     AtlantikSolar. A structure of the user's own has no classes.
@@ -49,17 +49,17 @@ def designs_by_build(
     fitted: dict[str, Any] = {}
     if structure.build is None and structure.atlantiksolar_calibration is not None:
         fitted["calibration"] = structure.atlantiksolar_calibration
-    found = []
+    designs = []
     for name, quality in build_qualities().items():
         changed = all_replaced(structure, fitted | {"build": name})
         of_file = bool(changed.mass_factor == structure.mass_factor)
-        one: SizingResult | None = result
+        sizing: SizingResult | None = result
         if not of_file:
-            given = (aircraft.with_airframe(structure=changed), mission, objective, solar)
-            one = _sized(*given, result, required_excess_time_h)
-        design, value = (None, None) if one is None else (one.design, one.objective_value)
-        found.append(BuiltDesign(name, quality.factor, of_file, design, value))
-    return tuple(found)
+            case = (aircraft.with_airframe(structure=changed), mission, objective, solar)
+            sizing = _sized(*case, result, required_excess_time_h)
+        design, value = (None, None) if sizing is None else (sizing.design, sizing.objective_value)
+        designs.append(BuiltDesign(name, quality.factor, of_file, design, value))
+    return tuple(designs)
 
 
 def _sized(
@@ -70,11 +70,14 @@ def _sized(
     near: SizingResult,
     required_h: float | None,
 ) -> SizingResult | None:
-    """Sizing that starts from another one; None where its propulsion flies no design."""
+    """Return a sizing started from another one; None where its propulsion flies no design."""
     near_design = None if near.design is None else near.design.variables
     try:
         return sized_in_own_flow(
-            *(aircraft, mission, objective, solar),
+            aircraft,
+            mission,
+            objective,
+            solar,
             start=near_design,
             required_excess_time_h=required_h,
         )[1]

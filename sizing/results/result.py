@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def data_frame(data: Any, columns: list[str] | None = None) -> pd.DataFrame:
-    """Frame of pandas, whose import takes longer than most results themselves."""
+    """Return a frame of pandas, whose import takes longer than most results themselves."""
     import pandas as pd
 
     return pd.DataFrame(data, columns=columns)

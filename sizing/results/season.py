@@ -30,7 +30,7 @@ class SeasonDays:
 
     @classmethod
     def of(cls, axis: DayAxis, season: BoolArray, closes: BoolArray) -> SeasonDays:
-        """Days of a record's season, of all days and which of them close."""
+        """Return the season's days, of all days of a record and which of them close."""
         return cls(
             year=axis.year[season],
             day_of_year=axis.day_of_year[season],
@@ -57,7 +57,7 @@ class SeasonDays:
         return self.that_close / len(self)
 
     def by_year(self) -> list[dict[str, Any]]:
-        """Days, and days that close, of each year."""
+        """Return the days, and the days that close, of each year."""
         return [
             {
                 "year": int(year),

@@ -106,15 +106,15 @@ def size(
     """
     check_subjects(aircraft, mission)
     solar, original = SolarModel(model, correction), aircraft
-    aircraft, wanted = _with_own(aircraft, mission, objective, constraints)
+    aircraft, goal = _with_own(aircraft, mission, objective, constraints)
     required_h = required_excess_time_h
-    if wanted is Objective.max_endurance:
+    if goal is Objective.max_endurance:
         longest = longest_flight_of_all(aircraft, mission, solar, required_excess_time_h=required_h)
-        flown = mission if longest.simulated is None else longest.simulated.mission
-        return study_of(aircraft, flown, longest, solar)
+        chosen_mission = mission if longest.simulated is None else longest.simulated.mission
+        return study_of(aircraft, chosen_mission, longest, solar)
     if mission.flight is not None:
         day_flight = size_aircraft(
-            *(aircraft, mission, wanted, solar), required_excess_time_h=required_h
+            aircraft, mission, goal, solar, required_excess_time_h=required_h
         )
         return study_of(aircraft, mission, day_flight, solar)
     required: dict[str, Any] = {}
@@ -128,63 +128,61 @@ def size(
             raise ValueError(
                 "whole cells have no sensitivities, cross-check or reliability: leave them out"
             )
-        laid = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
+        laid = _of_whole_cells(aircraft, mission, goal, solar, required_excess_time_h)
         if laid is not None:
             return laid
     if reliability is not None:
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
-        return _reliable(aircraft, with_values(mission, required), wanted, solar, least=reliability)
+        return _reliable(aircraft, with_values(mission, required), goal, solar, least=reliability)
     exact, coverage = aircraft, None
-    if wanted.of_range:
-        coverage = widest_range(aircraft, mission, wanted, solar, **options)
+    if goal.of_range:
+        coverage = widest_range(aircraft, mission, goal, solar, **options)
         result = coverage.sizing
     else:
-        aircraft, result = sized_in_own_flow(aircraft, mission, wanted, solar, **options)
-    asked = (aircraft, mission, result, solar)
+        aircraft, result = sized_in_own_flow(aircraft, mission, goal, solar, **options)
+    optimum = (aircraft, mission, result, solar)
     relaxed: tuple[Relaxation, ...] = ()
-    if result.status is SizingStatus.infeasible and not wanted.of_range:
-        relaxed = tuple(relaxations(*asked))
-    worth = with_sensitivities and result.feasible
+    if result.status is SizingStatus.infeasible and not goal.of_range:
+        relaxed = tuple(relaxations(*optimum))
+    sensitive = with_sensitivities and result.feasible
     multipliers = None
-    if worth:
+    if sensitive:
         multipliers = constraint_multipliers(result)
-        multipliers.sort(key=lambda one: -one.gain)
+        multipliers.sort(key=lambda row: -row.gain)
     guarded = None
     if with_margin and result.feasible and coverage is None:
         guarded = _with_margin(aircraft, mission, result, solar)
     level = None
     if mission.climb is not None and coverage is None:
-        low_flight = (aircraft, mission.at_altitude(mission.altitude_m), wanted, solar)
+        low_flight = (aircraft, mission.at_altitude(mission.altitude_m), goal, solar)
         level = size_aircraft(*low_flight, explain=False, **options)
     rows = with_builds and coverage is None
-    builds = designs_by_build(exact, mission, wanted, solar, result, **options) if rows else ()
+    builds = designs_by_build(exact, mission, goal, solar, result, **options) if rows else ()
     study = study_of(
-        *asked,
+        *optimum,
         coverage=coverage,
         relaxations=relaxed,
         without_climbs=level,
         builds=builds,
-        sensitivities=sensitivities(*asked) if worth else None,
+        sensitivities=sensitivities(*optimum) if sensitive else None,
         multipliers=multipliers,
-        cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
+        cross_check=cross_check(*optimum) if with_cross_check and result.feasible else None,
         with_margin=guarded,
     )
     return replace(study, aircraft=original)
 
 
 def study_of(
-    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel, **asked: Any
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel, **others: Any
 ) -> SizingStudy:
-    """Sizing with its optimum under the model's error, and without the mission's margins."""
-    given = (aircraft, mission, result, solar)
+    """Return a sizing, its optimum also under the model's error and without margins."""
+    optimum = (aircraft, mission, result, solar)
     if result.design is not None:
         check_user_models(aircraft, mission, result.design)
-    low, high = _under_model_error(*given)
-    plain = _without_margins_of(*given)
-    return SizingStudy(
-        *(aircraft, mission, solar, result, low, high), without_margins=plain, **asked
-    )
+    low, high = _under_model_error(*optimum)
+    plain = _without_margins_of(*optimum)
+    return SizingStudy(aircraft, mission, solar, result, low, high, without_margins=plain, **others)
 
 
 def _of_whole_cells(
@@ -194,9 +192,9 @@ def _of_whole_cells(
     solar: SolarModel,
     required_excess_time_h: float | None,
 ) -> SizingStudy | None:
-    """Best design of whole cells; None where there is not even a relaxed one."""
+    """Return the best design of whole cells; None where there is not even a relaxed one."""
     result, cells = size_whole_cells(
-        *(aircraft, mission, objective, solar), required_excess_time_h=required_excess_time_h
+        aircraft, mission, objective, solar, required_excess_time_h=required_excess_time_h
     )
     if not cells.relaxed.feasible:
         return None
@@ -210,12 +208,15 @@ def _with_margin(
     optimum: SizingResult,
     solar: SolarModel,
 ) -> SizingStudy | None:
-    """Sizing with one RMS error less solar power; None where the mission has margins itself."""
+    """Return the sizing with one RMS error less solar power; None with margins of the mission."""
     if mission.uncertainty_margins.given or optimum.design is None:
         return None
     guarded = with_values(mission, {"uncertainty_margins.solar_model_sigmas": 1.0})
     result = size_aircraft(
-        *(aircraft, guarded, optimum.objective, solar),
+        aircraft,
+        guarded,
+        optimum.objective,
+        solar,
         required_excess_time_h=optimum.required_excess_time_h,
         start=optimum.design.variables,
     )
@@ -229,15 +230,17 @@ def _with_own(
     objective: Objective | str | Callable[[Any], Any],
     constraints: Sequence[Callable[[Any], Any]],
 ) -> tuple[Aircraft, Objective]:
-    """Aircraft with the user's own terms in its design space, and the objective."""
-    own: Callable[[Any], Any] | None = None
+    """Return the aircraft with user-defined terms in its design space, and the objective."""
+    user_defined: Callable[[Any], Any] | None = None
     if callable(objective):
-        own, named = objective, Objective.min_mass
+        user_defined, named = objective, Objective.min_mass
     else:
         named = checked_objective(objective)
-    if (own is None and not constraints) or isinstance(aircraft.airframe, MeasuredAirframe):
+    if (user_defined is None and not constraints) or isinstance(
+        aircraft.airframe, MeasuredAirframe
+    ):
         return aircraft, named
-    aircraft, minimised = with_own_terms(aircraft, mission, own, constraints)
+    aircraft, minimised = with_own_terms(aircraft, mission, user_defined, constraints)
     # It answers as an objective does.
     return aircraft, named if minimised is None else cast(Objective, minimised)
 
@@ -250,19 +253,19 @@ def _reliable(
     *,
     least: float,
 ) -> SizingStudy:
-    """Sizing for a probability of the mission's required excess time."""
+    """Return the sizing for a probability of the mission's required excess time."""
     case = (aircraft, mission, objective, solar)
     check_reliability(*case, least)
     result, reliability = ReliableSizing(*case, least).run()
-    asked = (aircraft, mission, result, solar)
+    optimum = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
     failed = result.status is SizingStatus.infeasible and reliability is None
-    relaxed = tuple(relaxations(*asked)) if failed else ()
-    return study_of(*asked, relaxations=relaxed, reliability=reliability)
+    relaxed = tuple(relaxations(*optimum)) if failed else ()
+    return study_of(*optimum, relaxations=relaxed, reliability=reliability)
 
 
 def checked_objective(objective: Objective | str) -> Objective:
-    """Objective of a name."""
+    """Return the objective of a name; refuse an unknown one."""
     try:
         return Objective(objective)
     except ValueError:
@@ -273,13 +276,17 @@ def checked_objective(objective: Objective | str) -> Objective:
 def _under_model_error(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> tuple[Performance | None, Performance | None]:
-    """Optimum with the solar power one RMS error of the model lower and higher."""
-    flown = result.simulated
-    if result.design is None or flown is None:
+    """Return the optimum with the solar power one RMS error of the model lower and higher."""
+    simulated = result.simulated
+    if result.design is None or simulated is None:
         return None, None
     low, high = (
         performance(
-            *(aircraft, flown.mission, solar), day=flown.day.scaled(factor), design=flown.design
+            aircraft,
+            simulated.mission,
+            solar,
+            day=simulated.day.scaled(factor),
+            design=simulated.design,
         )
         for factor in (1.0 - solar.rms_relative, 1.0 + solar.rms_relative)
     )
@@ -289,7 +296,7 @@ def _under_model_error(
 def _without_margins_of(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
-    """Optimum without the mission's uncertainty margins; None where the mission has none."""
+    """Return the optimum without the mission's uncertainty margins; None where it has none."""
     if result.design is None or result.simulated is None or not mission.uncertainty_margins.given:
         return None
     plain = mission.without_margins()

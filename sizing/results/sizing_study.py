@@ -162,8 +162,8 @@ class SizingStudy(DesignResult):
     @property
     def excess_time_h(self) -> float:
         """Excess time of the optimum in its worst scenario [h]; NaN without one."""
-        flown = self.result.simulated
-        return math.nan if flown is None else float(np.min(flown.cycle.excess_time_h))
+        simulated = self.result.simulated
+        return math.nan if simulated is None else float(np.min(simulated.cycle.excess_time_h))
 
     @property
     def status(self) -> SizingStatus:
@@ -191,7 +191,7 @@ class SizingStudy(DesignResult):
         return None if self.result.design is None else self.result.design.variables
 
     def sized_aircraft(self) -> Aircraft:
-        """Aircraft with the optimum put in, ready to be analysed or written to a file.
+        """Return the aircraft with the optimum put in, ready to be analysed or written to a file.
 
         Raises
         ------
@@ -203,7 +203,7 @@ class SizingStudy(DesignResult):
             return Aircraft.model_validate(data)
 
     def sized_mission(self) -> Mission:
-        """Mission with the payload that the optimum carries, at the altitudes chosen for it.
+        """Return the mission with the payload that the optimum carries.
 
         Raises
         ------
@@ -246,17 +246,17 @@ class SizingStudy(DesignResult):
     @cached_property
     def climb(self) -> ClimbOfDay | None:
         """Climbs of the optimum in its worst scenario; None without one, or them."""
-        flown = self.result.simulated
-        if flown is None or flown.mission.climb is None:
+        simulated = self.result.simulated
+        if simulated is None or simulated.mission.climb is None:
             return None
-        climbs = compare_with_constant(self.aircraft, flown, flown.design, flown.day)
+        climbs = compare_with_constant(self.aircraft, simulated, simulated.design, simulated.day)
         return ClimbOfDay.of(climbs, self.mission, climbs.performance.worst_scenario())
 
     @property
     def battery_condition(self) -> BatteryCondition | None:
         """Battery of the optimum, or else of the nearest design, in the mission's air."""
-        flown = self.result.simulated or self.result.nearest
-        mass_kg = None if flown is None else float(flown.design.variables.battery_mass_kg)
+        simulated = self.result.simulated or self.result.nearest
+        mass_kg = None if simulated is None else float(simulated.design.variables.battery_mass_kg)
         return battery_condition(self.aircraft, self.mission, mass_kg)
 
     @property
@@ -268,19 +268,21 @@ class SizingStudy(DesignResult):
     @property
     def worst_scenario(self) -> WorstScenario | None:
         """Scenario of the optimum with the least excess time."""
-        flown = self.result.simulated
-        if flown is None:
+        simulated = self.result.simulated
+        if simulated is None:
             return None
-        at, of = flown.worst_scenario(), flown.day.scenarios
+        at, of = simulated.worst_scenario(), simulated.day.scenarios
         place = float(of.latitude_deg[at]), int(of.day_of_year[at])
         return WorstScenario(*place, of.label(at))
 
     @property
     def power_out_w(self) -> float | None:
         """Load of the optimum [W]."""
-        flown = self.result.simulated
+        simulated = self.result.simulated
         return (
-            None if flown is None else float(MEASURES["power_out_w"](flown)[flown.worst_scenario()])
+            None
+            if simulated is None
+            else float(MEASURES["power_out_w"](simulated)[simulated.worst_scenario()])
         )
 
     @property
@@ -296,24 +298,24 @@ class SizingStudy(DesignResult):
     @property
     def nearest(self) -> NearestDesign | None:
         """Design that comes closest, of an infeasible sizing."""
-        flown = self.result.nearest
-        if flown is None:
+        nearest = self.result.nearest
+        if nearest is None:
             return None
-        variables = {key: float(value) for key, value in flown.design.variables.chosen().items()}
-        at, mass_kg = flown.worst_scenario(), float(flown.design.total_mass_kg)
-        excess_h = float(flown.cycle.excess_time_h[at])
-        return NearestDesign(variables, mass_kg, excess_h, flown.day.scenarios.label(at))
+        variables = {key: float(value) for key, value in nearest.design.variables.chosen().items()}
+        at, mass_kg = nearest.worst_scenario(), float(nearest.design.total_mass_kg)
+        excess_h = float(nearest.cycle.excess_time_h[at])
+        return NearestDesign(variables, mass_kg, excess_h, nearest.day.scenarios.label(at))
 
     @property
     def range(self) -> dict[str, Any] | None:
         """Days or latitudes that the optimum covers, for the objectives that have a range."""
-        if (found := self.coverage) is None:
+        if (coverage := self.coverage) is None:
             return None
-        first, last = found.first, found.last
+        first, last = coverage.first, coverage.last
         if self.objective is Objective.longest_season and first is not None and last is not None:
             ends = {"from": date_code(int(first)), "to": date_code(int(last))}
-            return {**ends, "days": int(found.extent)}
-        return {"from_deg": first, "to_deg": last, "width_deg": found.extent}
+            return {**ends, "days": int(coverage.extent)}
+        return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
 
     @property
     def uncertainty(self) -> ModelError | None:
@@ -327,7 +329,9 @@ class SizingStudy(DesignResult):
         Where excess time alone is missing, what the nearest design takes, which flies all the same.
         """
         result, flight = self.result, self.result.simulated
-        if flight is None and all(one.requirement == "excess_time" for one in result.violations):
+        if flight is None and all(
+            violation.requirement == "excess_time" for violation in result.violations
+        ):
             flight = result.nearest
         if flight is None:
             return ()
@@ -346,9 +350,9 @@ class SizingStudy(DesignResult):
         design = self.result.design
         if design is None:
             return None
-        it = DesignInFlight(self.aircraft, design)
-        values: dict[str, float] = {name: float(of(it)) for name, of in QUANTITIES.items()}
-        margin = float(stall_margin_within_polar(it))
+        flight = DesignInFlight(self.aircraft, design)
+        values: dict[str, float] = {name: float(of(flight)) for name, of in QUANTITIES.items()}
+        margin = float(stall_margin_within_polar(flight))
         if margin != values["stall_margin"]:
             values["stall_margin"] = margin
             values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
@@ -371,11 +375,11 @@ class SizingStudy(DesignResult):
     @property
     def margins(self) -> list[RequirementMargin]:
         """Margin of the optimum on every requirement; empty without one."""
-        flown = self.result.simulated
-        if flown is None or self.design is None:
+        simulated = self.result.simulated
+        if simulated is None or self.design is None:
             return []
         required_h = max(self.result.required_excess_time_h, 0.0)
-        return requirement_margins(self.aircraft, flown, required_h)
+        return requirement_margins(self.aircraft, simulated, required_h)
 
     @property
     def masses_kg(self) -> dict[str, float] | None:
@@ -383,12 +387,12 @@ class SizingStudy(DesignResult):
         return None if self.design is None else self.design.masses._asdict()
 
     def masses(self) -> pd.DataFrame:
-        """Mass budget, one row per item; NaN without an optimum."""
+        """Return the mass budget, one row per item; NaN without an optimum."""
         masses = self.masses_kg or dict.fromkeys(Masses._fields, np.nan)
         return data_frame({"item": list(masses), "mass_kg": list(masses.values())})
 
     def scenarios(self) -> pd.DataFrame:
-        """Metrics of the optimum in every scenario, one row each; NaN without an optimum."""
+        """Return the metrics of the optimum in every scenario, one row each; NaN without one."""
         perf = self.result.simulated
         scenarios = self.mission.scenarios() if perf is None else perf.day.scenarios
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
@@ -396,11 +400,11 @@ class SizingStudy(DesignResult):
         return data_frame(places | reached)
 
 
-def _reached(flown: Performance) -> Reached:
-    at = flown.worst_scenario()
+def _reached(performance: Performance) -> Reached:
+    at = performance.worst_scenario()
     excess_h, margin_h, charge = (
-        float(MEASURES[key](flown)[at])
+        float(MEASURES[key](performance)[at])
         for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
     )
-    mass_kg, solar = float(flown.design.total_mass_kg), flown.solar
+    mass_kg, solar = float(performance.design.total_mass_kg), performance.solar
     return Reached(excess_h, margin_h, charge, mass_kg, solar.model, solar.correction)

@@ -115,16 +115,16 @@ class UncertaintyAnalysis(Result):
         """Inputs with the percentiles of their draws."""
         return tuple(
             DrawnInput(
-                one.key,
-                one.nominal,
-                one.distribution.distribution,
-                draw_percentiles(self.values[one.key]),
+                row.key,
+                row.nominal,
+                row.distribution.distribution,
+                draw_percentiles(self.values[row.key]),
             )
-            for one in self.inputs.inputs
+            for row in self.inputs.inputs
         )
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a draw: its inputs, excess time, least state of charge, mass and power."""
+        """Return a row for each draw: inputs, excess time, least state of charge, mass, power."""
         return data_frame(self.values | {key: getattr(self.flights, key) for key in _OF_FRAME})
 
     def scattered(self) -> dict[str, FloatArray]:
@@ -206,7 +206,7 @@ def analyse_uncertainty(
     values = inputs.values(sobol_points(len(inputs), samples, seed))
     count = _CLIMBING_ENDURANCE_SAMPLES if mission.climb else _ENDURANCE_SAMPLES
     few = {key: value[:count] for key, value in values.items()}
-    nominal = {one.key: np.array([one.nominal]) for one in inputs.inputs}
+    nominal = {row.key: np.array([row.nominal]) for row in inputs.inputs}
     flights = study.flights(values)
     return UncertaintyAnalysis(
         aircraft=aircraft,
@@ -227,7 +227,7 @@ def analyse_uncertainty(
 def _sobol_indices(
     study: Propagation, inputs: UncertainInputs, samples: int, seed: int
 ) -> dict[str, SobolIndex]:
-    """Indices of the excess time (Saltelli et al. 2010, Computer Physics Communications 181).
+    """Return the indices of the excess time (Saltelli et al. 2010, Comput. Phys. Commun. 181).
 
     Unlimited excess time counts as the largest finite one.
     """
@@ -245,8 +245,8 @@ def _sobol_indices(
     indices = sobol_indices(func=excess, n=each, dists=shares, rng=seed)
     first, total = (np.nan_to_num(np.ravel(v)) for v in (indices.first_order, indices.total_order))
     return {
-        one.key: SobolIndex(float(f), float(t))
-        for one, f, t in zip(inputs.inputs, first, total, strict=True)
+        row.key: SobolIndex(float(f), float(t))
+        for row, f, t in zip(inputs.inputs, first, total, strict=True)
     }
 
 
@@ -254,5 +254,5 @@ _LEAST_LOBE = 0.1  # of all draws
 
 
 def draw_percentiles(values: FloatArray) -> dict[str, float]:
-    """P90, P50 and P10, each a draw that occurred."""
+    """Return P90, P50 and P10, each a draw that occurred."""
     return percentiles(values, "inverted_cdf")

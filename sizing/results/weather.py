@@ -151,36 +151,38 @@ class WeatherAnalysis(Result):
             "battery": self._worth_of_warm_battery,
         }
         return tuple(
-            replace(one, worth=worths[one.model]())
-            if one.quantity in _ASSUMED and one.model in worths
-            else one
-            for one in extrapolations
+            replace(row, worth=worths[row.model]())
+            if row.quantity in _ASSUMED and row.model in worths
+            else row
+            for row in extrapolations
         )
 
     def _worth_of_record(self) -> str:
-        """What the record's clouds leave of the light where it is flown."""
+        """Return what the record's clouds leave of the light at the flight altitude, in words."""
         share = 100.0 * self.share_of_clear_light()
         return f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
 
     def _worth_of_warm_modules(self) -> str:
-        """Energy of modules as cold as the air beside that of the record."""
+        """Return the energy of modules as cold as the air beside that of the record, in words."""
         done = self.performance
         air = done.mission.air.model_copy(
             update={"module_temperature_c": float(done.mission.air_state().temperature_c)}
         )
         cold = done.mission.model_copy(update={"air": air})
-        flown = weather_performance(self.aircraft, cold, self.weather, done.solar)
-        cold_w, warm_w = (float(np.sum(one.recorded.solar_power_w)) for one in (flown, done))
+        colder = weather_performance(self.aircraft, cold, self.weather, done.solar)
+        cold_w, warm_w = (
+            float(np.sum(performance.recorded.solar_power_w)) for performance in (colder, done)
+        )
         percent = 100.0 * (cold_w / max(warm_w, 1e-9) - 1.0)
         return f"as cold as the air they would give {percent:+.0f} % of solar energy"
 
     def _worth_of_warm_battery(self) -> str:
-        """Days that close with a battery as cold as the air."""
+        """Return the days that close with a battery as cold as the air, in words."""
         done = self.performance
         battery = self.aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
         cold = self.aircraft.model_copy(update={"battery": battery})
-        flown = weather_performance(cold, done.mission, self.weather, done.solar)
-        closes, before = (int(one.recorded.closes.sum()) for one in (flown, done))
+        colder = weather_performance(cold, done.mission, self.weather, done.solar)
+        closes, before = (int(performance.recorded.closes.sum()) for performance in (colder, done))
         return f"unheated {closes} instead of {before} days close"
 
     @property
@@ -220,7 +222,7 @@ class WeatherAnalysis(Result):
         return battery_condition_of_days(self.aircraft, done.air_of_days_c, done.mission.altitude_m)
 
     def share_of_clear_light(self) -> float:
-        """Global light of the record over that of the clear sky, at flight altitude [-]."""
+        """Return the light of the record over that of the clear sky, at flight altitude [-]."""
         light = self.performance.light
         up = np.maximum(light.cos_zenith, 0.0)
         recorded, clear = (
@@ -229,7 +231,7 @@ class WeatherAnalysis(Result):
         return recorded / clear if clear > 0.0 else 0.0
 
     def wind_above_airspeed_share(self) -> float | None:
-        """Share of the time in which the wind at flight altitude exceeds the airspeed [-]."""
+        """Return the share of the time in which the wind exceeds the airspeed [-]."""
         wind, airspeed = (
             self.performance.light.wind_m_per_s,
             self.performance.design.airspeed_m_per_s,
@@ -239,7 +241,7 @@ class WeatherAnalysis(Result):
         return float(np.mean(wind > float(airspeed)))
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a day: date, dawn, whether it closes, state of charge and endurance."""
+        """Return a row for each day: date, dawn, whether it closes, state of charge, endurance."""
         run, clear = self.performance.recorded, self.performance.clear
         axis = run.axis
         return data_frame(
@@ -261,7 +263,7 @@ class WeatherAnalysis(Result):
         )
 
     def to_years_frame(self) -> pd.DataFrame:
-        """A row a year: days, those that close, longest run and endurance."""
+        """Return a row for each year: days, days that close, longest run and endurance."""
         return data_frame([year.row() for year in self.years])
 
     @property
@@ -340,7 +342,7 @@ def _daily_wh(run: WeatherRun) -> Any:
 
 
 def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
-    """Days to wait, from every day, until a window of consecutive days that close begins.
+    """Return the days to wait, from every day, until a window of days that close begins.
 
     Returns whole days, 0 where a window begins; infinite where none comes before the record's end.
     """

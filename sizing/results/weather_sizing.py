@@ -76,8 +76,8 @@ def size_in_weather(
         a share that is none.
     """
     check_subjects(aircraft, mission)
-    wanted, solar = checked_objective(objective), SolarModel(model, correction)
-    check_survival(wanted, survive)
+    goal, solar = checked_objective(objective), SolarModel(model, correction)
+    check_survival(goal, survive)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
     moved, notes = mission_at_site(mission, weather)
@@ -92,7 +92,7 @@ def size_in_weather(
             "clouds are the record's",
         )
     there = in_the_record(moved)
-    search = SurvivalSizing(aircraft, there, wanted, solar, weather, survive, progress)
+    search = SurvivalSizing(aircraft, there, goal, solar, weather, survive, progress)
     result, clear, shown = search.run()
     if shown is None:
         failed = clear.status is SizingStatus.infeasible
@@ -100,13 +100,15 @@ def size_in_weather(
         return study_of(aircraft, there, result, solar, relaxations=relaxed)
     days, of_clear = (
         None
-        if one.design is None
-        else SeasonDays.of(search.days.axis, search.season, search.closes(one))
-        for one in (shown, clear)
+        if sizing.design is None
+        else SeasonDays.of(search.days.axis, search.season, search.closes(sizing))
+        for sizing in (shown, clear)
     )
     assert days is not None
     survival = Survival(
-        *(weather, there, survive),
+        weather,
+        there,
+        survive,
         days=days,
         clear_sky_status=clear.status,
         clear_sky_objective=clear.objective_value,

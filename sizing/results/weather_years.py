@@ -82,7 +82,7 @@ class YearToYear:
 
 
 def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ...]:
-    """Years of a record in their order.
+    """Return the years of a record in their order.
 
     ``recorded``, ``clear``: in the record's light, and under the clear sky.
     """

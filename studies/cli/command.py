@@ -30,8 +30,15 @@ _SUBJECTS = {
     _PLACE: ("--latitude", "--day-of-year", "--date", "--mass"),
     "Solar power model, changes of the files": ("--model", "--correction", "--set"),
     "Output": (
-        *("--out", "--table", "--table-years", "--plot", "--pareto", "--pdf", "--report"),
-        *("--verbose", "--json"),
+        "--out",
+        "--table",
+        "--table-years",
+        "--plot",
+        "--pareto",
+        "--pdf",
+        "--report",
+        "--verbose",
+        "--json",
     ),
     _FIGURES: ("--figure-size", "--dpi", "--style", "--no-title"),
     _WORK: ("--workers", "--scheduler", "--work", "--keep-parts"),
@@ -74,7 +81,7 @@ class Command(click.Command):
         self, options: type[CommandOptions], task: str, summary: str, body: str, *examples: str
     ) -> None:
         self.options, self.task, self.body, self.examples = options, task, body, examples
-        made = {one.name: one.metadata.get("made") for one in fields(options)}
+        made = {declared.name: declared.metadata.get("made") for declared in fields(options)}
         params = [make(name) for name, make in made.items() if make is not None]
         super().__init__(
             re.sub(r"(?<=[a-z])(?=[A-Z])", "-", options.__name__).lower(),
@@ -129,8 +136,10 @@ class Command(click.Command):
     def records(self, ctx: click.Context) -> dict[str, list[tuple[str, str]]]:
         """Rows of the help text by subject: an option, and what it does."""
         records: dict[str, list[tuple[str, str]]] = {_OWN: [], **{name: [] for name in _SUBJECTS}}
-        options = [one for one in self.get_params(ctx) if isinstance(one, click.Option)]
-        for option in sorted(options, key=lambda one: _position(one.opts)):
+        options = [
+            parameter for parameter in self.get_params(ctx) if isinstance(parameter, click.Option)
+        ]
+        for option in sorted(options, key=lambda option: _position(option.opts)):
             record = option.get_help_record(ctx)
             if record is not None:
                 records[_subject(option.opts)].append(_with_choices(option, *record))
@@ -219,7 +228,7 @@ def check_outputs(
 
 
 def _subject(options: Sequence[str]) -> str:
-    return next((name for name, some in _SUBJECTS.items() if set(some) & set(options)), _OWN)
+    return next((name for name, names in _SUBJECTS.items() if set(names) & set(options)), _OWN)
 
 
 def _position(options: Sequence[str]) -> int:

@@ -147,8 +147,8 @@ class Case:
 
     def holding_station(self, percentile: float) -> Case:
         """Case of a mission flown as fast as a percentile of the wind of each scenario."""
-        given = self.mission_file.document.data.get("wind")
-        file = {"file": given["file"]} if isinstance(given, dict) and "file" in given else {}
+        wind = self.mission_file.document.data.get("wind")
+        file = {"file": wind["file"]} if isinstance(wind, dict) and "file" in wind else {}
         return self.with_mission(wind={"percentile": percentile, "hold_station": True, **file})
 
     def with_total_mass(self, total_mass_kg: float) -> Case:
@@ -158,7 +158,7 @@ class Case:
         except ImpossibleDesignError as error:
             raise click.BadParameter(str(error), param_hint="--mass") from None
         key = aircraft.airframe.unaccounted_mass_key
-        now, before = (getattr(one.airframe, key) for one in (aircraft, self.aircraft))
+        now, before = (getattr(version.airframe, key) for version in (aircraft, self.aircraft))
         rest = f"{now:.4g} instead of {before:.4g}"
         tell_error(f"solar-uav: --mass {total_mass_kg:g}: airframe.{key} is {rest}")
         file = self.aircraft_file
@@ -270,7 +270,10 @@ def load(options: CaseOptions) -> Case:
     if aircraft_file is None or mission_file is None:
         raise _joined_errors(errors)
     case = Case(
-        *(aircraft_file, mission_file, is_default, solar),
+        aircraft_file,
+        mission_file,
+        is_default,
+        solar,
         as_json=isinstance(options, JsonOptions) and options.as_json,
         verbose=isinstance(options, LevelOptions) and options.verbose,
     )
@@ -336,9 +339,9 @@ def _is_default(option: str) -> bool:
 def _find(kind: Kind, name_or_path: str) -> Document:
     """Document of an aircraft or a mission; one of the other kind is refused by its keys."""
     document = find_document(kind, name_or_path)
-    own, other = (Aircraft, Mission) if kind == "aircraft" else (Mission, Aircraft)
+    kind_of_record, other = (Aircraft, Mission) if kind == "aircraft" else (Mission, Aircraft)
     keys = set(document.data)
-    if len(keys & set(other.model_fields)) > len(keys & set(own.model_fields)):
+    if len(keys & set(other.model_fields)) > len(keys & set(kind_of_record.model_fields)):
         raise WrongKindError(document.source, _OTHER[kind])
     return document
 
@@ -447,11 +450,11 @@ def require_parametric(case: Case, message: str) -> None:
 
 def require_whole_cells(case: Case) -> None:
     """Refuse an aircraft whose file lays no solar cells or has no whole cells in its battery."""
-    for section, key, given in (
+    for section, key, value in (
         ("modules", "layout", case.aircraft.modules.layout),
         ("battery", "pack", case.aircraft.battery.pack),
     ):
-        if given is None:
+        if value is None:
             message = "required key is missing: --whole-cells needs it"
             raise located_error(case.aircraft_file.document, (section, key), message)
 

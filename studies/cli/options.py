@@ -40,7 +40,8 @@ def mission_option(default: str | None) -> Any:
     """Option ``--mission``; without a default only a folder of results may stand in for it."""
     needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
     return option(
-        *("--mission", "-m"),
+        "--mission",
+        "-m",
         default=default,
         show_default=True,
         type=click.Path(),
@@ -259,13 +260,13 @@ def plot_option(text: str) -> Any:
     return _written("--plot", text=text, formats=IMAGE_FORMATS, chosen=image_format)
 
 
-def check_format(path: str, found: str | None, allowed: Iterable[str], option: str) -> None:
+def check_format(path: str, kind: str | None, allowed: Iterable[str], option: str) -> None:
     """Refuse the name of a file if its format is not one that can be written.
 
     ``found``: its format, none where it is not one of the allowed.
     """
-    missing = missing_writer(found)
-    if found is None:
+    missing = missing_writer(kind)
+    if kind is None:
         missing = f"{path!r} must end in {', '.join(f'.{name}' for name in allowed)}"
     if missing is not None:
         raise click.BadParameter(missing, param_hint=option)
@@ -314,7 +315,7 @@ class DrawnOptions(CommandOptions):
         """Refuse what does not go together."""
         super().__post_init__()
         command = click.get_current_context()
-        spelled = {str(one.name): one.opts[0] for one in command.command.params}
+        spelled = {str(parameter.name): parameter.opts[0] for parameter in command.command.params}
         places = [name for name in ("plot_file", "out_dir") if name in spelled]
         looks = ("size_in", "dots_per_inch", "style", "no_title")
         named = [name for name in looks if getattr(self, name) not in (None, False)]

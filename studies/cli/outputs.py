@@ -97,9 +97,9 @@ def call(verb: str, *others: str) -> str:
     """Call of another command on the aircraft and mission of this one, as it is typed."""
     context = click.get_current_context()
     words = ["solar-uav", verb, context.params["aircraft"]]
-    mission = given = context.params["mission"]
+    mission = chosen_mission = context.params["mission"]
     chosen = context.get_parameter_source("mission") is ParameterSource.COMMANDLINE
-    if given is None:
+    if chosen_mission is None:
         mission, chosen = mission_beside(context.params["aircraft"]), True
     if mission is not None and (chosen or verb == "size"):  # size has no mission by default
         words += ["-m", mission]
@@ -167,8 +167,8 @@ def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None
     """Refuse an output in place of what the command reads: a flight is not flown again."""
     if path is None or not os.path.isfile(path):  # noqa: PTH113
         return
-    for one in read:
-        if one is not None and os.path.isfile(one) and os.path.samefile(one, path):  # noqa: PTH113, PTH121
+    for source in read:
+        if source is not None and os.path.isfile(source) and os.path.samefile(source, path):  # noqa: PTH113, PTH121
             message = f"{printable(path)!r} is read by this command; name another file"
             raise click.BadParameter(message, param_hint=option)
 

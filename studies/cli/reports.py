@@ -35,7 +35,9 @@ def subject_of(case: Case, **others: Any) -> Subject:
     """What a report on a case is about."""
     options = {"inputs": case.inputs()} | others
     return Subject(
-        *(case.aircraft, case.mission, case.solar),
+        case.aircraft,
+        case.mission,
+        case.solar,
         mission_is_default=case.mission_is_default,
         known_mass_kg=case.total_mass_kg,
         **options,
@@ -57,10 +59,10 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
         return None
     if not known or promised[0] is None:
         return None
-    flown = performance(case.aircraft, case.mission, case.solar)
+    reached_now = performance(case.aircraft, case.mission, case.solar)
     reached = (
-        float(flown.cycle.excess_time_h[flown.worst_scenario()]),
-        float(flown.design.total_mass_kg),
+        float(reached_now.cycle.excess_time_h[reached_now.worst_scenario()]),
+        float(reached_now.design.total_mass_kg),
     )
     same = all(abs(a - b) <= _SAME_H for a, b in zip(promised, reached, strict=True))
     return dict(record) if same else None
@@ -72,12 +74,12 @@ def report_on_sizing(
     """Write the report of a sizing: the optimum on the mission that it was sized for."""
     inputs = sized_inputs(study, case.inputs())
     mission = Mission.model_validate(inputs.mission)
-    flown = replace(
+    sized = replace(
         case,
         aircraft_file=replace(case.aircraft_file, record=study.sized_aircraft()),
         mission_file=replace(case.mission_file, record=mission),
     )
-    subject = subject_of(flown, inputs=inputs, sizing=record, overrides=overrides)
+    subject = subject_of(sized, inputs=inputs, sizing=record, overrides=overrides)
     write_report(case, subject, path)
 
 

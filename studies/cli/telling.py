@@ -88,8 +88,8 @@ class _Pace:
         now = time.monotonic()
         if self._start is None:
             self._start = now, done
-        begun, before = self._start
-        return (done - before) / (now - begun) if done > before and now > begun else None
+        began, before = self._start
+        return (done - before) / (now - began) if done > before and now > began else None
 
 
 class _Lines:

@@ -39,7 +39,7 @@ _PART_BYTES = 4096
 
 
 def joined(parts: Sequence[Part]) -> Part:
-    """Parts one after the other."""
+    """Return parts one after the other."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -72,11 +72,11 @@ class ChunkStore:
                     self._remove_folder()
 
     def path(self, key: str) -> Path:
-        """File of a chunk."""
+        """Return the file of a chunk."""
         return self.folder / f"{key}.part"
 
     def read(self, key: str, blanks: Mapping[str, Any], cells: int) -> Part | None:
-        """Part of a chunk; none if there is no whole and unchanged one that can be its result.
+        """Return the part of a chunk; None unless there is a whole and unchanged one.
 
         A checksum tells accidents, not malice: what the file holds is looked at as well.
 

@@ -126,7 +126,7 @@ class DaskPool(Pool):
         return future
 
     def result(self, future: Future[T]) -> T:
-        """Result of a task."""
+        """Return the result of a task."""
         try:
             return future.result()
         except CancelledError:

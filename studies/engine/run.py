@@ -70,7 +70,7 @@ class Job:
         return len(self.cells) * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
 
     def keys(self) -> list[str]:
-        """Key of every chunk: changes with anything that may change its result."""
+        """Return the key of every chunk: it changes with anything that may change its result."""
         function = f"{self.function.__module__}.{self.function.__qualname__}"
         common = [function, __version__, np.__version__, code_digest(), sorted(self.blanks)]
         # Files that the configuration names count with their contents, not with their path alone.
@@ -82,7 +82,7 @@ class Job:
 
 @functools.cache
 def code_digest() -> str:
-    """Digest of all files of the packages: a result belongs to the code that computed it."""
+    """Return a digest of the packages' files: a result belongs to the code that computed it."""
     digest = hashlib.sha256()
     for package in _PACKAGES:
         root = Path(str(resources.files(package)))
@@ -109,7 +109,7 @@ def pool_of(
     tell: Callable[[str], None] | None = None,
     work_s: float = 0.0,
 ) -> Pool:
-    """Pool that the options ``--workers`` and ``--scheduler`` ask for, for one run.
+    """Return the pool of the options ``--workers`` and ``--scheduler``, for one run.
 
     ``workers``: 1 for this process alone, more for so many processes; None for what pays. ``tell``:
     called with what the user should know while the work waits. ``work_s``: time of the work on one
@@ -170,7 +170,7 @@ class _Run:
         return [None] * len(self.job.chunks) if self.store is None else self.job.keys()
 
     def kept(self) -> dict[int, Part]:
-        """Parts that an earlier run has left, by the number of their chunk; none with failures."""
+        """Return the parts an earlier run has left, by chunk; none with failures."""
         parts: dict[int, Part] = {}
         for number, key in enumerate(self.keys):
             if self.store is not None and key is not None:
@@ -180,7 +180,7 @@ class _Run:
         return parts
 
     def computed(self, numbers: Sequence[int]) -> Iterator[tuple[int, Part]]:
-        """Numbers of chunks with their parts, as soon as they are kept."""
+        """Yield numbers of chunks with their parts, as soon as they are kept."""
         waiting, retry = deque(numbers), []
         flying: dict[Future[Part], int] = {}
         while waiting or flying:
@@ -207,7 +207,7 @@ class _Run:
             self.store.write(key, part)
 
     def _submitted(self, chunk: IntArray, key: str | None = None) -> Future[Part]:
-        """Part of a chunk, kept by the worker that computes it if there is a key."""
+        """Return the part of a chunk, kept by the worker that computes it if there is a key."""
         task = replace(self.job, cells=self.job.cells[chunk], chunks=())
         store, code = (self.store, None) if self.pool.shares_disk else (None, code_digest())
         self.signals.held = not self.pool.in_process
@@ -225,7 +225,7 @@ class _Run:
         return finished
 
     def _part_of(self, future: Future[Part]) -> Part | None:
-        """Result of a task; none if its worker died."""
+        """Return the result of a task; None if its worker died."""
         try:
             return self.pool.result(future)
         except self.pool.deaths:
@@ -295,5 +295,5 @@ def _computed(job: Job, cells: FloatArray) -> Part:
 
 
 def _failed(job: Job, message: str) -> Part:
-    """Part of a cell that failed."""
+    """Return the part of a cell that failed."""
     return {name: np.asarray([value]) for name, value in {**job.blanks, FAILURE: message}.items()}

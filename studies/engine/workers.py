@@ -41,7 +41,7 @@ class WorkersUnavailableError(OSError):
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
+    """Return the cores that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
     except AttributeError:  # not on every system
@@ -106,7 +106,7 @@ class Pool:
         return self._executor
 
     def result(self, future: Future[T]) -> T:
-        """Result of a task that is done; raises what the task did, or one of ``deaths``."""
+        """Return the result of a task; raise what the task did, or one of ``deaths``."""
         return future.result()
 
     def check(self) -> None:

@@ -85,7 +85,7 @@ def blocks(analysis: Analysis, level: int) -> list[Any]:
 
 
 def _analysis_parts(analysis: Analysis) -> list[Any]:
-    """Power, propulsion, structure, drag and balance."""
+    """Return power, propulsion, structure, drag and balance."""
     budget, masses = analysis.power_budget, analysis.part_masses
     assert budget is not None
     shown: list[Any] = [say.power_line(budget, analysis.mission), *wind_source(analysis.mission)]
@@ -114,21 +114,25 @@ def _endurance(values: Mapping[str, Any]) -> float | str:
 
 def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
     values, design = analysis.scenario(), analysis.design
-    shown = {one: values[one.name] for one in q.IN_FLIGHT} | {q.ENDURANCE: _endurance(values)}
+    shown = {quantity: values[quantity.name] for quantity in q.IN_FLIGHT} | {
+        q.ENDURANCE: _endurance(values)
+    }
     if np.isnan(analysis.sunrise_h) or np.isnan(analysis.best_launch_h):
         del shown[q.BEST_LAUNCH]  # without sun every launch is as good
-    of_design = {one: one.of(design) for one in q.OF_AIRCRAFT}
+    of_design = {quantity: quantity.of(design) for quantity in q.OF_AIRCRAFT}
     return [
         *facts_of(shown, level),
         *_climb_facts(analysis, level),
         *facts_of(of_design, level),
-        *facts_of({one: values[one.name] for one in (q.LOAD, q.SOLAR_ENERGY)}, level),
+        *facts_of(
+            {quantity: values[quantity.name] for quantity in (q.LOAD, q.SOLAR_ENERGY)}, level
+        ),
         *say.wind_rows(analysis.mission),
     ]
 
 
 def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
-    """What climbing does in the worst scenario; nothing where the mission does not climb."""
+    """Return what climbing does in the worst scenario; nothing without climbs."""
     climb = analysis.worst_scenario.climb
     if climb is None:
         return []
@@ -157,20 +161,22 @@ def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
 
 
 def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Table:
-    """Metrics of scenarios, a row each: of all, or of those of an index."""
+    """Return the metrics of scenarios, a row each: of all, or of those of some indices."""
     scenarios = analysis.performance.day.scenarios
     rows = []
     for index in range(len(scenarios)) if shown is None else shown:
         values = analysis.scenario(index)
         place = latitude_label(float(scenarios.latitude_deg[index]))
         day = date_label(int(scenarios.day_of_year[index]))
-        rows.append((place, day, *(values[one.name] for one in q.REACHED), _endurance(values)))
+        rows.append(
+            (place, day, *(values[quantity.name] for quantity in q.REACHED), _endurance(values))
+        )
     columns = (*q.group("latitude date"), *q.REACHED, q.ENDURANCE)
     return Table("all scenarios", columns, tuple(rows))
 
 
 def flight_table(run: CalendarRun) -> Table:
-    """Replayed flight as a list of facts."""
+    """Return the replayed flight as a list of facts."""
     flight = CalendarFlight.of(run)
     first_day = day_of_year(run.launch.date)
     rows = [("launch (local time)", f"{date_label(first_day)} {run.launch.time_local}")]
@@ -198,19 +204,21 @@ _MASS_WORDS = {"mppt": "MPPT", "spar_caps": "spar caps", "spar_web": "spar web"}
 
 
 def drag_table(shares: DragShares) -> Table:
-    """Drag of the parts of level flight, with their shares."""
+    """Return the drag of the parts in level flight, with their shares."""
     columns = q.group("part drag_coefficient share_of_drag")
     rows = [
-        (_DRAG_WORDS.get(name, name), float(one), float(one / shares.total))
-        for name, one in (*shares._asdict().items(), ("sum", shares.total))
-        if one != 0.0
+        (_DRAG_WORDS.get(name, name), float(coefficient), float(coefficient / shares.total))
+        for name, coefficient in (*shares._asdict().items(), ("sum", shares.total))
+        if coefficient != 0.0
     ]
     return Table("drag budget of level flight", columns, tuple(rows))
 
 
 def balance_table(balance: BalanceAssessment) -> Table:
-    """Masses with their places."""
+    """Return the masses with their places."""
     columns = q.group("item mass_kg place_m")
-    rows = [(_MASS_WORDS.get(one.name, one.name), one.mass_kg, one.x_m) for one in balance.items]
+    rows = [
+        (_MASS_WORDS.get(item.name, item.name), item.mass_kg, item.x_m) for item in balance.items
+    ]
     rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
     return Table("balance, from the leading edge of the wing root", columns, tuple(rows))

@@ -26,7 +26,7 @@ _GLUE = "\0"
 
 
 def paragraph(text: str, width: int) -> list[str]:
-    """Text as lines; those after the first of an indented or itemised one are indented further.
+    """Return a text as lines; after the first of an indented or itemised one they are indented.
 
     ``width``: characters of a line; only a longer word is longer.
     """
@@ -48,7 +48,7 @@ class Grid:
     sections: Sequence[int] = ()
 
     def lines(self, width: int) -> list[str]:
-        """Grid as lines of at most that width, wider only where a word is."""
+        """Return the grid as lines of at most that width, wider only where a word is."""
         every = list(range(len(self.to_right)))
         if not every:
             return []
@@ -58,11 +58,11 @@ class Grid:
                 return self._block(every, widths, gap)
         gap = self._column_gaps()[-1]
         lines: list[str] = []
-        for some in self._dealt(width, gap):
-            widths = self._widths(some, width, gap, whole_cells=False)
-            least = [self._least_width(i, whole_cell=False) for i in some]
+        for columns in self._dealt(width, gap):
+            widths = self._widths(columns, width, gap, whole_cells=False)
+            least = [self._least_width(i, whole_cell=False) for i in columns]
             lines += [""] if lines else []
-            lines += self._block(some, widths or least, gap)
+            lines += self._block(columns, widths or least, gap)
         return lines
 
     def _column_gaps(self) -> tuple[int, ...]:
@@ -72,32 +72,32 @@ class Grid:
         return "" if self.headings is None else self.headings[i]
 
     def _least_width(self, i: int, *, whole_cell: bool) -> int:
-        """Least width of a column: its longest word, or its longest cell."""
+        """Return the least width of a column: its longest word, or its longest cell."""
         whole = whole_cell or self.to_right[i]
         cells = [row[i] for row in self.rows]
         words = [len(word) for cell in cells for word in ([cell] if whole else _unbroken(cell))]
         return max([1, *words, *map(len, _unbroken(self._heading(i)))])
 
     def _widths(
-        self, some: Sequence[int], width: int, gap: int, *, whole_cells: bool
+        self, columns: Sequence[int], width: int, gap: int, *, whole_cells: bool
     ) -> list[int] | None:
-        """Widths of some columns that together fit: the widest give first. None if none do.
+        """Return widths of columns that together fit: the widest give first. None if none do.
 
         Headings are broken before cells are.
         """
         widths = [
-            max([1, len(self._heading(i)), *(len(row[i]) for row in self.rows)]) for i in some
+            max([1, len(self._heading(i)), *(len(row[i]) for row in self.rows)]) for i in columns
         ]
-        room = width - gap * (len(some) - 1)
+        room = width - gap * (len(columns) - 1)
         for whole in (True, False)[: 1 if whole_cells else 2]:
-            least = [self._least_width(i, whole_cell=whole) for i in some]
+            least = [self._least_width(i, whole_cell=whole) for i in columns]
             while sum(widths) > room and widths != least:
                 slack = [(w, k) for k, w in enumerate(widths) if w > least[k]]
                 widths[max(slack)[1]] -= 1
         return widths if sum(widths) <= room else None
 
     def _dealt(self, width: int, gap: int) -> list[list[int]]:
-        """Columns of each block: those that name a row, and as many others as there is room for."""
+        """Return the columns of each block: those that name a row, and as many others as fit."""
         count = len(self.to_right)
         names = [0]
         if count > 2 and not self.to_right[0] and not self.to_right[1]:
@@ -113,19 +113,19 @@ class Grid:
             blocks[-1].append(i)
         return blocks
 
-    def _block(self, some: Sequence[int], allowed: Sequence[int], gap: int) -> list[str]:
-        """Lines of some columns, each no wider than its longest line."""
-        heads = [_broken(self._heading(i), w) for i, w in zip(some, allowed, strict=True)]
+    def _block(self, columns: Sequence[int], allowed: Sequence[int], gap: int) -> list[str]:
+        """Return the lines of columns, each no wider than its longest line."""
+        heads = [_broken(self._heading(i), w) for i, w in zip(columns, allowed, strict=True)]
         cells = [
-            [_broken(row[i], w) for i, w in zip(some, allowed, strict=True)] for row in self.rows
+            [_broken(row[i], w) for i, w in zip(columns, allowed, strict=True)] for row in self.rows
         ]
-        columns = zip(heads, *cells, strict=True)
-        widths = [max(len(line) for cell in column for line in cell) for column in columns]
+        texts = zip(heads, *cells, strict=True)
+        widths = [max(len(line) for cell in column for line in cell) for column in texts]
 
         def line(parts: Sequence[str]) -> str:
             placed = (
                 part.rjust(w) if self.to_right[i] else part.ljust(w)
-                for i, part, w in zip(some, parts, widths, strict=True)
+                for i, part, w in zip(columns, parts, widths, strict=True)
             )
             return (" " * gap).join(placed).rstrip()
 
@@ -143,18 +143,18 @@ class Grid:
 
 
 def side_by_side(left: Sequence[str], right: Sequence[str], width: int) -> list[str]:
-    """Two blocks of lines beside each other where there is room, else below each other."""
+    """Return two blocks of lines beside each other where there is room, else below each other."""
     widest = max(map(len, left), default=0) + _BESIDE
     if widest + max(map(len, right), default=0) > width:
         return [*left, "", *right]
     return [
-        f"{one.ljust(widest)}{other}".rstrip()
-        for one, other in zip_longest(left, right, fillvalue="")
+        f"{first.ljust(widest)}{other}".rstrip()
+        for first, other in zip_longest(left, right, fillvalue="")
     ]
 
 
 def _broken(text: str, width: int, indent: str = "", further: str = "") -> list[str]:
-    """Lines of a text; a number and its unit remain on one."""
+    """Return the lines of a text; a number and its unit remain on one."""
     lines = textwrap.wrap(
         _GLUED.sub(_GLUE, text),
         width,
@@ -167,5 +167,5 @@ def _broken(text: str, width: int, indent: str = "", further: str = "") -> list[
 
 
 def _unbroken(text: str) -> list[str]:
-    """What is not broken over lines."""
+    """Return the pieces of a text that are not broken over lines."""
     return _GLUED.sub(_GLUE, text).split()

@@ -16,24 +16,24 @@ _OTHERWISE = {"module_temperature": "modules as cold as the air", "battery": "un
 
 
 def extrapolation_blocks(extrapolations: Sequence[Extrapolation], level: int) -> list[Any]:
-    """Blocks of a summary: quantities in a line at level 1, a line for each of them at level 2."""
+    """Return the extrapolations in one line at level 1, in a line each at level 2."""
     if not extrapolations:
         return []
     if level > 1:
-        return [Line(HEADING, "warning"), *(f"  {one.text}" for one in extrapolations)]
-    labels = ", ".join(dict.fromkeys(one.label for one in extrapolations))
+        return [Line(HEADING, "warning"), *(f"  {row.text}" for row in extrapolations)]
+    labels = ", ".join(dict.fromkeys(row.label for row in extrapolations))
     text = labels if len(extrapolations) > 1 else replace(extrapolations[0], worth="").text
     return [Line(f"{HEADING} {text}", "warning")]
 
 
 def extrapolation_caption(extrapolations: Sequence[Extrapolation]) -> str:
-    """Line of a figure's caption; empty where nothing is outside."""
+    """Return the extrapolations for a figure's caption; empty where there are none."""
     if not extrapolations:
         return ""
     names = dict.fromkeys(
-        one.label
-        if one.excess_time_h is None
-        else f"{one.holder} ({_OTHERWISE[one.model]}: excess time {hours(one.excess_time_h)})"
-        for one in extrapolations
+        row.label
+        if row.excess_time_h is None
+        else f"{row.holder} ({_OTHERWISE[row.model]}: excess time {hours(row.excess_time_h)})"
+        for row in extrapolations
     )
     return f"extrapolated: {', '.join(names)}"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def change_text(before: float, after: float) -> str:
-    """Change over the value before it, in percent."""
+    """Return a change over the value before it, in per cent."""
     relative = relative_change(before, after)
     if relative is None:
         return MISSING
@@ -24,7 +24,7 @@ def change_text(before: float, after: float) -> str:
 
 
 def with_unit(value: float | None, digits: str, objective: Objective) -> str:
-    """Value of an objective with its unit; an excess time may be unlimited."""
+    """Return the value of an objective with its unit; an excess time may be unlimited."""
     if value is None or math.isnan(value):
         return MISSING
     return (
@@ -37,21 +37,21 @@ _FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "Wh": ".1f", "V": ".1f", "A": ".1
 
 
 def amount(value: float, unit: str) -> str:
-    """Number with its unit, with the digits that people read of it."""
+    """Return a number with its unit, with the digits that people read of it."""
     return f"{format(float(value), _FORMS[unit])} {unit}"
 
 
 def percent(share: float, form: str = ".1f") -> str:
-    """Share in per cent."""
+    """Return a share in per cent."""
     return f"{format(100.0 * float(share), form)} %"
 
 
 def hours(value: float) -> str:
-    """Hours with two decimals."""
+    """Return hours with two decimals."""
     return UNLIMITED if math.isinf(value) else f"{value:.2f} h"
 
 
 def date_and_clock(clock_h: float, first_day: int) -> str:
-    """Hours since the midnight that begins a day of the year, as a date and a clock reading."""
+    """Return hours since the first midnight of a day of the year as a date and a clock reading."""
     days, hour = divmod(round(clock_h * 60.0) / 60.0, 24.0)
     return f"{date_label(first_day + int(days))} {clock_label(hour)}"

@@ -27,29 +27,31 @@ _SCREEN, _GAPS = 80, 2 + 5 + 2  # characters of a line, and those between two co
 def in_columns(
     rows: list[tuple[str, str]], masses_kg: Mapping[str, float] | None, level: int
 ) -> list[Any]:
-    """Facts in two columns, what is too long for them below; or with the mass budget beside."""
+    """Return facts in two columns, long ones below; at level 2 with the mass budget beside."""
     if level >= ALL:
         return [facts("", rows) if masses_kg is None else (facts("", rows), mass_table(masses_kg))]
     lines: list[Any] = []
     while True:
         half = (len(rows) + 1) // 2
         halves = rows[:half], rows[half:]
-        widths = (max(map(len, cells)) for some in halves for cells in zip(*some, strict=True))
+        widths = (max(map(len, cells)) for column in halves for cells in zip(*column, strict=True))
         if sum(widths) + _GAPS <= _SCREEN:
-            return [tuple(facts("", some) for some in halves), *lines]
+            return [tuple(facts("", column) for column in halves), *lines]
         longest = max(rows, key=lambda row: len("".join(row)))
         rows = [row for row in rows if row is not longest]
         lines.append(": ".join(longest))
 
 
 def facts_of(values: Mapping[q.Quantity, Any], level: int) -> list[tuple[str, str]]:
-    """Quantities of a level that have a value."""
-    shown = ((one, value) for one, value in values.items() if one.importance <= level)
-    return [one.fact(value) for one, value in shown if value is not None]
+    """Return the quantities of a level that have a value."""
+    shown = (
+        (quantity, value) for quantity, value in values.items() if quantity.importance <= level
+    )
+    return [quantity.fact(value) for quantity, value in shown if value is not None]
 
 
 def wind_source(mission: Mission) -> Iterable[str]:
-    """Where the winds are from, and what flies against them."""
+    """Return where the winds are from, and whether the flight is as fast."""
     wind = wind_of(mission)
     if wind is None:
         return ()
@@ -58,7 +60,7 @@ def wind_source(mission: Mission) -> Iterable[str]:
 
 
 def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
-    """What was left out of the files, and which values catalogues gave."""
+    """Return what was left out of the files, and which values catalogues gave."""
     lines = [*result.reading_notes]
     if level >= ALL and (text := say.catalogue_line(result.aircraft)) is not None:
         lines.append(text)
@@ -72,7 +74,7 @@ def battery_lines(result: Analysis | SizingStudy) -> list[Any]:
 
 
 def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
-    """What sizes the structure, and what its criteria do not cover; none where no model says."""
+    """Return what sizes the structure, and what its criteria do not cover."""
     structure = result.structure
     if structure is None:
         return []
@@ -80,23 +82,23 @@ def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
 
 
 def mass_table(masses_kg: Mapping[str, float]) -> Table:
-    """Mass budget as a list of facts."""
+    """Return the mass budget as a list of facts."""
     words = {"mppt": "MPPT"}
     masses = [(words.get(item, item), amount(mass, "kg")) for item, mass in masses_kg.items()]
     return facts("", [("mass budget", ""), *masses])
 
 
 def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:
-    """Values of single parameters that suffice each for itself, smallest change first."""
+    """Return values of single parameters that each suffice alone, smallest change first."""
     parameter, now, needed, key = q.group("parameter now needed key")
     columns = (parameter, now, replace(needed, to_right=True), key)
     rows = [
         (
-            parameter_words(one.parameter),
-            one.present,
-            f"{one.direction} {one.value:g} {unit_text(one.unit)}".rstrip(),
-            one.parameter if "." in one.parameter else MISSING,
+            parameter_words(row.parameter),
+            row.present,
+            f"{row.direction} {row.value:g} {unit_text(row.unit)}".rstrip(),
+            row.parameter if "." in row.parameter else MISSING,
         )
-        for one in relaxations
+        for row in relaxations
     ]
     return Table(f"{title} with one of these, all else unchanged", columns, tuple(rows))

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 def answer(analysis: Analysis) -> str:
-    """How long the aircraft flies, in a sentence or two; times are solar, and UTC if known."""
+    """Return how long the aircraft flies, in a sentence or two; solar time, and UTC if known."""
     if analysis.mission.flight is not None:
         return landing(analysis)
     flight, status = analysis.limited_flight, analysis.status
@@ -70,10 +70,10 @@ def answer(analysis: Analysis) -> str:
 
 
 def landing(analysis: Analysis) -> str:
-    """From when to when the flight of the worst scenario goes, and what is left at its end."""
+    """Return when the flight of the worst scenario begins and ends, and what is left then."""
     window_h = analysis.mission.flight_window_h(analysis.performance.day.scenarios)
     assert window_h is not None
-    launch_h, land_h = (float(one[analysis.worst]) for one in window_h)
+    launch_h, land_h = (float(ends[analysis.worst]) for ends in window_h)
     when = f"from {clock_label(launch_h)} to {_clock_of_day(land_h)} (solar time)"
     excess_h = analysis.excess_time_h
     if excess_h > 0.0:
@@ -82,13 +82,13 @@ def landing(analysis: Analysis) -> str:
 
 
 def _clock_of_day(hour: float) -> str:
-    """Clock of an hour counted on from the first midnight, with its day."""
+    """Return the clock of an hour counted on from the first midnight, with its day."""
     days = int(hour // 24.0)
     return f"{clock_label(hour % 24.0)}" + (f" on day {days + 1}" if days else "")
 
 
 def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
-    """The same instant in UTC, where the mission has a longitude."""
+    """Return the same instant in UTC, where the mission has a longitude."""
     longitude = analysis.mission.longitude_deg
     if longitude is None:
         return ""
@@ -97,16 +97,16 @@ def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
 
 
 def relaxations_line(relaxations: Sequence[Relaxation], end: str) -> str:
-    """Single changes that suffice, in a line."""
+    """Return the single changes that suffice, in a line."""
     changes = (
-        f"{parameter_words(one.parameter)} {one.direction} {one.value:g} {unit_text(one.unit)}"
-        for one in relaxations
+        f"{parameter_words(row.parameter)} {row.direction} {row.value:g} {unit_text(row.unit)}"
+        for row in relaxations
     )
     return f"{end} with one change: {', or '.join(changes)}"
 
 
 def coverage_line(analysis: Analysis) -> str | None:
-    """Note on modules that leave less of the wing free than the file asks; None where they fit."""
+    """Return a note on modules that cover more of the wing than the file allows; else None."""
     airframe, design = analysis.aircraft.airframe, analysis.design
     if isinstance(airframe, MeasuredAirframe):
         return None
@@ -124,7 +124,7 @@ def coverage_line(analysis: Analysis) -> str | None:
 
 
 def limits_line(active: Iterable[str], aircraft: Aircraft, *, keys: bool) -> str:
-    """What limits a design, most important first.
+    """Return what limits a design, most important first.
 
     Without ``keys`` each limit once, and a scenario that they share once.
     """
@@ -132,15 +132,15 @@ def limits_line(active: Iterable[str], aircraft: Aircraft, *, keys: bool) -> str
     if keys:
         order = " (most important first)" if len(words) > 1 else ""
         return f"limited by{order}: {'; '.join(map(str, words))}"
-    first = list({one.label: one for one in reversed(words)}.values())[::-1]
-    places = {one.where for one in words if one.where}
+    first = list({limit.label: limit for limit in reversed(words)}.values())[::-1]
+    places = {limit.where for limit in words if limit.where}
     if len(places) == 1:
-        return f"limited at {places.pop()} by {'; '.join(one.label for one in first)}"
-    return f"limited by {'; '.join(one.without_key for one in first)}"
+        return f"limited at {places.pop()} by {'; '.join(limit.label for limit in first)}"
+    return f"limited by {'; '.join(limit.without_key for limit in first)}"
 
 
 def range_text(widest: WidestRange) -> str:
-    """Range of days or latitudes that one design covers."""
+    """Return the range of days or latitudes that one design covers."""
     first, last, extent = widest.first, widest.last, widest.extent
     assert first is not None
     assert last is not None
@@ -152,13 +152,13 @@ def range_text(widest: WidestRange) -> str:
 
 
 def nearest_lines(study: SizingStudy) -> list[str]:
-    """What the nearest design is, and how much of it is structure."""
+    """Return what the nearest design is, and how much of it is structure."""
     nearest = study.result.nearest
     if nearest is None:
         return []
     design = nearest.design
     known = design.variables.chosen() | {q.AIRSPEED.name: design.airspeed_m_per_s}
-    facts_of = (one.fact(known[one.name]) for one in (*q.CHOSEN, q.AIRSPEED))
+    facts_of = (quantity.fact(known[quantity.name]) for quantity in (*q.CHOSEN, q.AIRSPEED))
     lines = [f"nearest design, not a solution: {', '.join(map(' '.join, facts_of))}"]
     if study.structure is not None:
         structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
@@ -181,7 +181,7 @@ NONE_ALONE = (
 
 
 def climb_lines(study: SizingStudy) -> list[str]:
-    """What the optimum's day looks like, and what it would be without climbs."""
+    """Return the heights of the optimum's day, and the optimum without climbs."""
     climb, level, mission = study.climb, study.without_climbs, study.mission
     if climb is None or study.design is None:
         return []
@@ -198,14 +198,14 @@ def climb_lines(study: SizingStudy) -> list[str]:
 
 
 def _without_climbs(study: SizingStudy, level: SizingResult) -> str:
-    """The optimum of level flight, and how much larger it is."""
+    """Return the optimum of level flight, and how much larger it is."""
     where, objective = f"in level flight at {study.mission.altitude_m:.0f} m", study.objective
     if level.design is None or study.design is None:
         return f"{where} no design was found ({level.status.label})"
     parts = [
-        f"{one.label} {one.fact(one.of(level.design))[1]} "
-        f"({change_text(float(one.of(study.design)), float(one.of(level.design)))})"
-        for one in (q.WINGSPAN, q.TOTAL_MASS)
+        f"{quantity.label} {quantity.fact(quantity.of(level.design))[1]} "
+        f"({change_text(float(quantity.of(study.design)), float(quantity.of(level.design)))})"
+        for quantity in (q.WINGSPAN, q.TOTAL_MASS)
     ]
     if objective.variable not in (q.WINGSPAN.name, q.TOTAL_MASS.name):
         value = with_unit(level.objective_value, ".4g", objective)
@@ -217,7 +217,7 @@ def _without_climbs(study: SizingStudy, level: SizingResult) -> str:
 
 
 def reliability_text(study: SizingStudy) -> str:
-    """How reliable the design is, and what the optimum without uncertainty is."""
+    """Return how reliable the design is, and what the optimum without uncertainty is."""
     reliability, objective = study.reliability, study.objective
     assert reliability is not None
     hours_h = study.result.required_excess_time_h
@@ -234,7 +234,7 @@ def reliability_text(study: SizingStudy) -> str:
 
 
 def survival_text(survival: Survival, study: SizingStudy) -> str:
-    """Days of the season that close, beside those of the design for a clear sky."""
+    """Return the days of the season that close, beside those of the design for a clear sky."""
     days, season = survival.days, survival.mission.dates.range()
     ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
     whose = "" if study.feasible else " with the design that closes most of those found"
@@ -246,7 +246,7 @@ def survival_text(survival: Survival, study: SizingStudy) -> str:
 
 
 def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
-    """Design for a clear sky on the same dates, and what it makes of the record."""
+    """Return the design for a clear sky on the same dates, and its days that close."""
     value, clear = survival.clear_sky_objective, survival.clear_sky_days
     if value is None or clear is None:
         return "No design flies perpetually on all of these dates under a clear sky"
@@ -262,7 +262,7 @@ def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
 
 
 def sensitivities_line(study: SizingStudy) -> str:
-    """What the most important parameters change, and what relaxing a constraint gains."""
+    """Return what the most important parameters change, and what relaxing a constraint gains."""
     objective, gain = study.objective, q.TABLE["gain"]
     parts = (
         f"{parameter_words(row.parameter)} {row.per_percent:+.4f}"
@@ -280,7 +280,7 @@ _SENSITIVITIES = 3  # of a line; a table has more
 
 
 def cross_check_line(check: CrossCheck, objective: Objective) -> str:
-    """Whether a search by simulation found a better design; a search is no proof."""
+    """Return whether a search by simulation found a better design; a search is no proof."""
     from sizing.program.result import RELATIVE_TOLERANCE  # with CasADi, which analyses do without
 
     better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
@@ -306,13 +306,13 @@ def cross_check_line(check: CrossCheck, objective: Objective) -> str:
 
 
 def uncertainty_line(low: Performance, high: Performance, index: int, mission: Mission) -> str:
-    """What the RMS error of the solar power model means for the least excess time.
+    """Return what the RMS error of the solar power model means for the least excess time.
 
     ``low``, ``high``: with the solar power one RMS error lower and higher. ``index``: the worst
     scenario without the error; where it is another one with less sun, that one is named.
     ``mission``: with its uncertainty margins, which are taken off before that error.
     """
-    ends_h = [float(np.min(q.EXCESS_TIME.of(one))) for one in (low, high)]
+    ends_h = [float(np.min(q.EXCESS_TIME.of(performance))) for performance in (low, high)]
     # Less sun may turn a scenario with a short day into the worst one.
     weakest = low.worst_scenario()
     at = "" if weakest == index else f" ({low.day.scenarios.label(weakest)})"
@@ -321,8 +321,8 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
         if hours(ends_h[0]) == hours(ends_h[1])
         else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
     )
-    solar, given = low.solar, mission.uncertainty_margins.given
-    beyond = ", on top of the mission's uncertainty margins," if given else ""
+    solar, with_margins = low.solar, mission.uncertainty_margins.given
+    beyond = ", on top of the mission's uncertainty margins," if with_margins else ""
     plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"
     if where := model_error_note(mission.altitude_m):
@@ -338,12 +338,12 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
 
 
 def wind_rows(mission: Mission) -> list[tuple[str, str]]:
-    """Rows of a table of facts: the wind, from the weakest to the strongest scenario."""
+    """Return the wind as facts, from the weakest to the strongest scenario."""
     wind = wind_of(mission)
     if wind is None:
         return []
     heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
-    speeds = [mission.at_altitude(one).scenario_winds_m_per_s() for one in heights_m]
+    speeds = [mission.at_altitude(height_m).scenario_winds_m_per_s() for height_m in heights_m]
     ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(speeds), np.max(speeds)))
     everywhere = ", at all heights" if len(heights_m) > 1 else ""
     words = f"wind, {wind.percentile:g} % of the time at most{everywhere}"
@@ -351,7 +351,7 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
 
 
 def battery_line(aircraft: Aircraft, condition: BatteryCondition) -> str:
-    """State of the battery in a line, such as ``battery at 12 °C: 90 % of its capacity``."""
+    """Return the battery's state in a line, such as ``battery at 12 °C: 90 % of its capacity``."""
     words = "battery"
     if condition.pack_temperature_c is not None:
         words += f" at {_spread(condition.pack_temperature_c)} °C"
@@ -372,7 +372,7 @@ def battery_line(aircraft: Aircraft, condition: BatteryCondition) -> str:
 
 
 def _spread(value: float | Spread, factor: float = 1.0) -> str:
-    """Number, or the ends of what changes with the days."""
+    """Return a number, or the ends of what changes with the days."""
     if not isinstance(value, Spread):
         return f"{factor * value:.0f}"
     low, high = (f"{factor * end:.0f}" for end in (value.lowest, value.highest))
@@ -380,11 +380,11 @@ def _spread(value: float | Spread, factor: float = 1.0) -> str:
 
 
 def catalogue_line(aircraft: Aircraft) -> str | None:
-    """Values that catalogues gave, by product; None where they gave none."""
+    """Return the values that catalogues gave, by product; None where they gave none."""
     taken = aircraft.from_catalogues()
     parts = []
-    for label in dict.fromkeys(one.label for one in taken):
-        values = [f"{one.key} {one.text}" for one in taken if one.label == label]
+    for label in dict.fromkeys(row.label for row in taken):
+        values = [f"{row.key} {row.text}" for row in taken if row.label == label]
         parts.append(f"{', '.join(values)} of {label}")
     return f"From catalogues: {'; '.join(parts)}." if parts else None
 
@@ -431,7 +431,7 @@ _LEFT_OUT = ("lost in the ", " of level flight", " in level flight (measured)")
 
 
 def power_line(budget: PowerBudget, mission: Mission) -> str:
-    """Power budget in a sentence; faster flight against the wind is not part of it."""
+    """Return the power budget in a sentence; faster flight against the wind is not part of it."""
     parts = []
     for name, watts in power_rows(budget):
         for words in _LEFT_OUT:
@@ -443,7 +443,7 @@ def power_line(budget: PowerBudget, mission: Mission) -> str:
 
 
 def part_masses_line(masses: PartMasses) -> str:
-    """Estimated masses in a sentence."""
+    """Return the estimated masses in a sentence."""
     parts = []
     for name, size, mass_kg, fit in (
         ("motor", "torque", masses.motor_kg, motor_mass_fit()),
@@ -467,7 +467,7 @@ _REPORTED_ERROR = 1e-3
 
 
 def varying_line(varying: VaryingEfficiency) -> str:
-    """Effect of the efficiency of the moment in a sentence or two."""
+    """Return what the varying efficiency changes, in a sentence or two."""
     excess_h, level_h = varying.excess_time_h, varying.level_excess_time_h
     text = f"excess time {hours(excess_h)}" if np.isfinite(excess_h) else "unlimited excess time"
     night, most = varying.night, varying.most
@@ -483,7 +483,9 @@ def varying_line(varying: VaryingEfficiency) -> str:
         )
     if varying.interpolation_error > _REPORTED_ERROR:
         parts.append(f"; the table of the march is {varying.interpolation_error:.1e} off")
-    reasons = [one.reason for one in (night, most) if one is not None and one.reason]
+    reasons = [
+        instant.reason for instant in (night, most) if instant is not None and instant.reason
+    ]
     return "".join([*parts, ".", *(f" Beyond the parts: {reason}." for reason in reasons[:1])])
 
 
@@ -496,7 +498,7 @@ _CLOSE = 0.01  # what a weighed list and the mass budget may differ by without a
 
 
 def balance_lines(balance: BalanceAssessment) -> list[str]:
-    """Static margin, tail, trim and controls in sentences."""
+    """Return static margin, tail, trim and controls in sentences."""
     tail, level, out = balance.planes, balance.level, balance.motor_out
     stable = "stable" if balance.static_margin > 0.0 else "unstable"
     lines = [
@@ -529,7 +531,7 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
 
 
 def cells_lines(record: Mapping[str, Any]) -> list[str]:
-    """Whole cells in words, from their record: a line for modules and one for the battery."""
+    """Return whole cells in words, from their record: a line for modules, one for the battery."""
     lines = []
     solar, strings = record.get("solar_cells"), record.get("strings")
     pack = record.get("battery_pack")
@@ -564,7 +566,7 @@ def _counted(number: int, noun: str) -> str:
 
 
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
-    """What whole cells cost, from the record of a sizing."""
+    """Return what whole cells cost, from the record of a sizing."""
     chosen, loss = record["chosen"], record["loss"]
     relaxed = f"the relaxed optimum's {_value(record['relaxed'], objective)}"
     if chosen is None:
@@ -576,6 +578,6 @@ def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
 
 
 def _value(design: Mapping[str, Any], objective: Objective) -> str:
-    """Objective of a design with its unit; JSON has null for an unlimited one."""
+    """Return the objective of a design with its unit; JSON has null for an unlimited one."""
     value = design["value"]
     return with_unit(math.inf if value is None else value, ".4g", objective)

@@ -78,15 +78,19 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
-    flown = study.result.simulated
-    assert flown is not None
+    simulated = study.result.simulated
+    assert simulated is not None
     clear = "clear-sky " if study.survival is not None else ""
-    excess, charge = (one.fact(one.of(flown)[flown.worst_scenario()]) for one in q.ENOUGH)
-    where = f"{clear}{q.EXCESS_TIME.label}, {flown.day.scenarios.label(flown.worst_scenario())}"
+    excess, charge = (
+        quantity.fact(quantity.of(simulated)[simulated.worst_scenario()]) for quantity in q.ENOUGH
+    )
+    where = (
+        f"{clear}{q.EXCESS_TIME.label}, {simulated.day.scenarios.label(simulated.worst_scenario())}"
+    )
     flight, objective = study.mission.flight, study.objective
     values = {q.TABLE[key]: value for key, value in study.design_values().items()}
     rows = facts_of(values, level)
-    if objective.variable not in (*(one.name for one in values), "worst_excess_time_h"):
+    if objective.variable not in (*(quantity.name for quantity in values), "worst_excess_time_h"):
         value = with_unit(study.result.objective_value, ".4g", objective)
         rows.insert(0, (objective.label, value))
     if flight is not None:
@@ -96,7 +100,7 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
 
 
 def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
-    """What limits a design; where the excess time is to be as large as possible it is no limit."""
+    """Return what limits a design; the excess time is no limit where it is the objective."""
     active = study.result.active_constraints
     if study.objective.value == "max_excess_time" or not study.feasible:
         active = tuple(name for name in active if not name.startswith("excess_time"))
@@ -105,7 +109,7 @@ def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[
 
 
 def _requested(study: SizingStudy, level: int) -> list[Any]:
-    """What was asked about the optimum besides."""
+    """Return what was requested about the optimum besides."""
     shown: list[Any] = [*say.climb_lines(study), *_whole_cells(study, level)]
     if study.reliability is not None:
         shown.append(say.reliability_text(study))
@@ -124,7 +128,7 @@ def _requested(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _sizing_parts(study: SizingStudy) -> list[Any]:
-    """Power, propulsion, structure and balance."""
+    """Return power, propulsion, structure and balance."""
     shown: list[Any] = []
     if study.power_budget is not None:
         shown.append(say.power_line(study.power_budget, study.mission))
@@ -136,7 +140,7 @@ def _sizing_parts(study: SizingStudy) -> list[Any]:
 
 
 def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
-    """Whole cells, what they cost, and the designs that were tried."""
+    """Return whole cells, what they cost, and the designs that were tried."""
     cells = study.cells
     if study.whole_cells is None or cells is None:
         return []
@@ -145,7 +149,7 @@ def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _survival(study: SizingStudy, level: int) -> list[Any]:
-    """Days of the season that close, year by year, beside the design for a clear sky."""
+    """Return the season's days that close, year by year, beside the design for a clear sky."""
     survival = study.survival
     if survival is None:
         return []
@@ -159,7 +163,7 @@ def _survival(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _without_design(study: SizingStudy, level: int) -> list[Any]:
-    """Requirements that are missed, what holds the design back, and what would help."""
+    """Return the violated requirements, what limits the nearest design, and what would help."""
     violations = study.result.violations
     most = len(violations) if level >= ALL else _MOST_VIOLATIONS
     shown: list[Any] = [f"  {violation.text}" for violation in violations[:most]]
@@ -184,7 +188,7 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _builds(study: SizingStudy, level: int) -> list[Any]:
-    """The same requirement by each quality of building; nothing where it was not asked for."""
+    """Return the designs of each build quality; nothing where they were not requested."""
     if not study.builds:
         return []
     table = build_table(serialise(study.builds), study.objective)
@@ -192,12 +196,12 @@ def _builds(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _confidence(study: SizingStudy, level: int) -> list[Any]:
-    """How far the answer may be trusted: ranges of the models, their error, margins."""
-    flown, low, high = study.result.simulated, study.low, study.high
+    """Return how sure the answer is: ranges of the models, their error, margins."""
+    simulated, low, high = study.result.simulated, study.low, study.high
     shown: list[Any] = battery_lines(study) if level >= ALL else []
     shown += [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
-    if flown is not None and low is not None and high is not None:
-        error = say.uncertainty_line(low, high, flown.worst_scenario(), study.mission)
+    if simulated is not None and low is not None and high is not None:
+        error = say.uncertainty_line(low, high, simulated.worst_scenario(), study.mission)
         shown.append(Line(error, "faint"))
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.given or study.reliability is not None
@@ -221,7 +225,7 @@ _TO_GUARD = "to size with that margin: --set mission.uncertainty_margins.solar_m
 
 
 def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list[Any]:
-    """The optimum beside the one with a margin, and what the margin costs."""
+    """Return the optimum beside the one with a margin, and what the margin costs."""
     if study.simulated is None or guarded.as_assumed is None:
         return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
     was, now = study.to_dict(), serialise(guarded, "Guarded")
@@ -244,7 +248,7 @@ def _least_h(perf: Performance) -> float:
 def margin_table(
     objective: Objective, solar: SolarModel, sizing: Mapping[str, Any], guarded: Mapping[str, Any]
 ) -> Table:
-    """An optimum beside the one with a margin of one RMS error, by their records."""
+    """Return an optimum beside the one with a margin of one RMS error, by their records."""
     was = dict(sizing) | {
         objective.variable: sizing["objective"]["value"],
         q.EXCESS_TIME.name: sizing["simulated"][q.EXCESS_TIME.name],
@@ -254,18 +258,18 @@ def margin_table(
     shown = (*q.CHOSEN, q.TOTAL_MASS)
     rows: list[tuple[str, ...]] = [
         (
-            one.label,
-            *(one.fact(e[one.name])[1] for e in (was, now)),
-            change_text(was[one.name], now[one.name]),
+            quantity.label,
+            *(quantity.fact(e[quantity.name])[1] for e in (was, now)),
+            change_text(was[quantity.name], now[quantity.name]),
         )
-        for one in shown
+        for quantity in shown
     ]
     name = objective.variable
-    if objective.label not in (q.EXCESS_TIME.label, *(one.label for one in shown)):
-        texts = (with_unit(one[name], ".4g", objective) for one in (was, now))
+    if objective.label not in (q.EXCESS_TIME.label, *(quantity.label for quantity in shown)):
+        texts = (with_unit(record[name], ".4g", objective) for record in (was, now))
         rows.insert(0, (objective.label, *texts, change_text(was[name], now[name])))
     for key, what in ((q.EXCESS_TIME.name, ""), ("least_excess_time_h", ", that error less")):
-        ends = (np.inf if one[key] is None else one[key] for one in (was, now))
+        ends = (np.inf if record[key] is None else record[key] for record in (was, now))
         rows.append((f"{q.EXCESS_TIME.label}{what}", *map(hours, ends), ""))
     columns = (
         Column("quantity", ""),

@@ -25,18 +25,18 @@ _SENSITIVITIES = 15  # of the whole; JSON and CSV have them all
 
 
 def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
-    """Margins as a table."""
+    """Return the margins as a table."""
     columns = q.group("requirement value limit margin")
     rows = tuple(
         (
-            f"{one.label}{' (recommended)' if one.recommended else ''}",
-            _margin_value_text(one),
-            f"{one.limit:.5g} {one.unit}".strip(),
-            _margin_text(one)
-            if one.recommended or one.margin >= -ROW_TOLERANCE
-            else f"{_margin_text(one)}, violated",
+            f"{row.label}{' (recommended)' if row.recommended else ''}",
+            _margin_value_text(row),
+            f"{row.limit:.5g} {row.unit}".strip(),
+            _margin_text(row)
+            if row.recommended or row.margin >= -ROW_TOLERANCE
+            else f"{_margin_text(row)}, violated",
         )
-        for one in margins
+        for row in margins
     )
     return Table("margins of the requirements", columns, rows)
 
@@ -58,20 +58,20 @@ def _margin_text(row: RequirementMargin) -> str:
 
 
 def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
-    """A row for every quality of building, of its record."""
+    """Return a row for every build quality, of its record."""
     shown = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
-    others = objective.variable not in {one.name for one in shown}
-    of_design = (replace(one, to_right=True) for one in shown)
+    others = objective.variable not in {quantity.name for quantity in shown}
+    of_design = (replace(quantity, to_right=True) for quantity in shown)
     columns: list[Column] = [*q.group("build factor"), *of_design]
     if others:
         columns.append(Column("objective", objective.label, to_right=True))
     rows = []
-    for one in records:
-        name = f"{one['build']} (this file)" if one["of_file"] else one["build"]
-        row: list[Any] = [name, one["factor"], *(one[column.name] for column in shown)]
+    for record in records:
+        name = f"{record['build']} (this file)" if record["of_file"] else record["build"]
+        row: list[Any] = [name, record["factor"], *(record[column.name] for column in shown)]
         if others:
-            row.append(with_unit(one["objective_value"], ".4g", objective))
-        if one[q.WINGSPAN.name] is None:
+            row.append(with_unit(record["objective_value"], ".4g", objective))
+        if record[q.WINGSPAN.name] is None:
             row[2:] = ["no design", *("" for _ in row[3:])]
         rows.append(tuple(row))
     title = "the same by how well the structure is built (airframe.structure.build)"
@@ -81,18 +81,18 @@ def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> T
 def sensitivity_table(
     sensitivities: Sequence[Sensitivity], objective: Objective, most: int = _SENSITIVITIES
 ) -> Table:
-    """What each technology parameter changes, most important first."""
+    """Return what each technology parameter changes, most important first."""
     parameter, value, elasticity = q.group("parameter value elasticity")
     per_percent = Column("per_percent", f"{objective.unit} per +1 %", form="+.4f")
     columns = (parameter, replace(value, to_right=True), per_percent, elasticity)
     rows = [
         (
-            parameter_words(one.parameter),
-            f"{one.value:.4g} {unit_text(one.unit)}".rstrip(),
-            one.per_percent,
-            one.elasticity,
+            parameter_words(row.parameter),
+            f"{row.value:.4g} {unit_text(row.unit)}".rstrip(),
+            row.per_percent,
+            row.elasticity,
         )
-        for one in sensitivities[:most]
+        for row in sensitivities[:most]
     ]
     if rows:
         left = len(sensitivities) - len(rows)
@@ -109,14 +109,14 @@ _LEAST_GAIN = 1e-3
 
 
 def multiplier_table(multipliers: Sequence[ConstraintMultiplier], objective: Objective) -> Table:
-    """What relaxing each constraint gains, by its multiplier, next to nothing left out."""
+    """Return what relaxing each constraint gains, without those that gain next to nothing."""
     constraint, gain, step = q.group("constraint gain step")
     columns = (constraint, replace(gain, label=f"gain in {objective.unit}"), step)
-    least = _LEAST_GAIN * max((abs(one.gain) for one in multipliers), default=0.0)
+    least = _LEAST_GAIN * max((abs(row.gain) for row in multipliers), default=0.0)
     rows = [
-        (constraint_words(one.constraint).without_key, one.gain, one.step)
-        for one in multipliers
-        if abs(one.gain) >= least
+        (constraint_words(row.constraint).without_key, row.gain, row.step)
+        for row in multipliers
+        if abs(row.gain) >= least
     ]
     return Table("what relaxing a constraint gains", columns, tuple(rows))
 
@@ -125,13 +125,13 @@ _DESIGNS = 10  # in the table; JSON has all
 
 
 def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
-    """Designs of whole cells that were tried, the best first, infeasible ones with the reason."""
+    """Return the designs of whole cells that were tried, best first, with why some fail."""
     tried = record["tried"]
-    feasible = [one for one in tried if not one["reason"]]
-    infeasible = [one for one in tried if one["reason"]]
+    feasible = [design for design in tried if not design["reason"]]
+    infeasible = [design for design in tried if design["reason"]]
     room = max(_DESIGNS - len(infeasible), _DESIGNS // 2)
     shown = [*feasible[:room], *infeasible[: _DESIGNS - min(room, len(feasible))]]
-    strung = any(one["strings"] is not None for one in tried)
+    strung = any(design["strings"] is not None for design in tried)
     columns: list[Column] = [
         *q.group(f"cells {'strings' * strung} battery_cells"),
         Column("value", objective.label, objective.unit, ".4g"),
@@ -139,7 +139,10 @@ def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
         replace(q.TABLE["reason"], label="why not", missing=""),
     ]
     unlimited = {"value": UNLIMITED}
-    rows = (one | unlimited if one["value"] is None and not one["reason"] else one for one in shown)
+    rows = (
+        design | unlimited if design["value"] is None and not design["reason"] else design
+        for design in shown
+    )
     left = len(tried) - len(shown)
     notes = (f"{left} more were tried; the record of the sizing has all",) if left else ()
     return q.table_of("designs of whole cells", columns, rows, notes)

@@ -73,7 +73,7 @@ class Column:
         return f"{label} [{self.shown_unit}]" if self.shown_unit else label
 
     def text(self, value: Any) -> str:
-        """Value as people read it: numbers in the column's format, infinity as ``unlimited``."""
+        """Return a value as people read it: in the column's format, infinity as ``unlimited``."""
         if value is None or (isinstance(value, float) and math.isnan(value)):
             return self.missing
         if isinstance(value, str):
@@ -127,28 +127,28 @@ class Table:
                 )
 
     def texts(self) -> list[list[str]]:
-        """Cells as people read them, row by row."""
+        """Return the cells as people read them, row by row."""
         return [
             [column.text(value) for column, value in zip(self.columns, row, strict=True)]
             for row in self.rows
         ]
 
     def is_numeric(self, index: int) -> bool:
-        """Whether a column is aligned to the right: it holds numbers, or facts beside labels."""
-        given = self.columns[index].to_right
-        if given is not None:
-            return given
+        """Return whether a column is aligned to the right, as numbers and facts are."""
+        to_right = self.columns[index].to_right
+        if to_right is not None:
+            return to_right
         if not self.headings:
             return index > 0
         values = [row[index] for row in self.rows if row[index] is not None]
         return bool(values) and not any(isinstance(value, str) for value in values)
 
     def to_text(self, width: int = _WIDTH) -> str:
-        """Table as text of at most that many columns of characters."""
+        """Return the table as text of at most that many columns of characters."""
         return Summary((self,)).to_text(width)
 
     def to_markdown(self) -> str:
-        """Table in GitHub's Markdown, its notes below."""
+        """Return the table in GitHub's Markdown, its notes below."""
         rule = ["---:" if self.is_numeric(i) else "---" for i in range(len(self.columns))]
         head = [column.heading if self.headings else "" for column in self.columns]
         rows = [head, rule, *([c.replace("|", "\\|") for c in cells] for cells in self.texts())]
@@ -158,7 +158,7 @@ class Table:
         return "\n".join(lines) + "\n"
 
     def to_csv(self) -> str:
-        """Table as CSV under its columns' names, numbers with all their digits."""
+        """Return the table as CSV under its columns' names, numbers with all their digits."""
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow([column.name for column in self.columns])
@@ -166,7 +166,7 @@ class Table:
         return out.getvalue()
 
     def to_html(self) -> str:
-        """Table as an HTML fragment."""
+        """Return the table as an HTML fragment."""
         parts = ["<table>"]
         if self.title:
             parts.append(f"<caption>{html.escape(self.title)}</caption>")
@@ -181,14 +181,14 @@ class Table:
         return "".join(parts)
 
     def to_frame(self) -> pd.DataFrame:
-        """Table as a pandas frame under its columns' names."""
+        """Return the table as a pandas frame under its columns' names."""
         frame = data_frame(list(self.rows), [column.name for column in self.columns])
         frame.attrs["title"] = self.title
         frame.attrs["units"] = {c.name: c.unit for c in self.columns if c.unit}
         return frame
 
     def styled_lines(self, width: int = _WIDTH) -> list[StyledLine]:
-        """Lines of the table with their emphasis: title, cells and notes."""
+        """Return the lines of the table with their emphasis: title, cells and notes."""
         title = paragraph(self.title, width) if self.title else []
         notes = [line for note in self.notes for line in paragraph(note, width)]
         heads = [column.heading for column in self.columns] if self.headings else None
@@ -229,12 +229,12 @@ class Summary:
         return Summary((*self.blocks, *other.blocks))
 
     def styled_lines(self, width: int = _WIDTH) -> list[StyledLine]:
-        """Lines with their emphasis; a titled table stands apart from what comes before it."""
+        """Return lines with their emphasis; a titled table stands apart from what is before it."""
         lines: list[StyledLine] = []
         for block in self.blocks:
             if isinstance(block, str | Line):
-                one = Line(block) if isinstance(block, str) else block
-                lines += [(text, one.emphasis) for text in paragraph(one.text, width)]
+                line = Line(block) if isinstance(block, str) else block
+                lines += [(text, line.emphasis) for text in paragraph(line.text, width)]
             elif isinstance(block, Table):
                 lines += [("", "plain")] if block.title and lines else []
                 lines += block.styled_lines(width)
@@ -243,18 +243,18 @@ class Summary:
         return lines
 
     def to_text(self, width: int = _WIDTH) -> str:
-        """Summary as text of at most that many columns of characters; words are never broken."""
+        """Return the summary as text of at most that many columns; words are never broken."""
         return "\n".join(line for line, _ in self.styled_lines(width))
 
     def to_html(self) -> str:
-        """Summary as an HTML fragment."""
+        """Return the summary as an HTML fragment."""
         parts = []
         for block in self.blocks:
-            for one in block if isinstance(block, tuple) else (block,):
-                if isinstance(one, Table):
-                    parts.append(one.to_html())
+            for part in block if isinstance(block, tuple) else (block,):
+                if isinstance(part, Table):
+                    parts.append(part.to_html())
                 else:
-                    text = one.text if isinstance(one, Line) else one
+                    text = part.text if isinstance(part, Line) else part
                     parts.append(f"<p>{html.escape(text)}</p>")
         return "".join(parts)
 
@@ -266,7 +266,7 @@ class Summary:
 
 
 def clock_label(clock_h: float | None) -> str:
-    """Hours as a clock reading; ``-`` where there is no such time."""
+    """Return hours as a clock reading; ``-`` where there is no such time."""
     if clock_h is None or not math.isfinite(clock_h):
         return MISSING
     days, rest = divmod(round(clock_h * 60.0), 24 * 60)
@@ -274,16 +274,16 @@ def clock_label(clock_h: float | None) -> str:
 
 
 def facts(title: str, rows: Iterable[tuple[str, str]], notes: Sequence[str] = ()) -> Table:
-    """Table of labels and their values, already as text."""
+    """Return a table of labels and their values, already as text."""
     columns = (Column("quantity"), Column("value"))
     return Table(title, columns, tuple(tuple(row) for row in rows), tuple(notes), headings=False)
 
 
 def _beside(tables: Sequence[Table], width: int) -> list[StyledLine]:
-    """Tables side by side as far as there is room, their notes below."""
+    """Return tables side by side as far as there is room, their notes below."""
     lines: list[str] = []
     for number, table in enumerate(tables):
-        own = [line for line, _ in replace(table, notes=()).styled_lines(width)]
-        lines = side_by_side(lines, own, width) if number else own
+        block = [line for line, _ in replace(table, notes=()).styled_lines(width)]
+        lines = side_by_side(lines, block, width) if number else block
     notes = [line for table in tables for note in table.notes for line in paragraph(note, width)]
     return [(line, "plain") for line in (*lines, *notes)]

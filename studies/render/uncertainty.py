@@ -20,7 +20,7 @@ _INPUTS = 8  # of the table of a summary
 
 
 def headline(analysis: UncertaintyAnalysis) -> str:
-    """Aircraft, mission and probability in one line."""
+    """Return aircraft, mission and probability in one line."""
     return (
         f"{analysis.aircraft.name} on {analysis.mission.name}: perpetual flight in "
         f"{percent(analysis.probability_perpetual.value)} of {analysis.samples} draws"
@@ -28,7 +28,7 @@ def headline(analysis: UncertaintyAnalysis) -> str:
 
 
 def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
-    """Probabilities, spread, and what the excess time depends on: all inputs at level 2."""
+    """Return probabilities, spread, and what the excess time depends on."""
     mission, inputs = analysis.mission, analysis.inputs
     rows = [("probability of perpetual flight", analysis.probability_perpetual.text())]
     if analysis.required_h > 0.0:
@@ -44,24 +44,28 @@ def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
         text += " Inputs are correlated: shares of the variance are not defined."
     return [
         Line(headline(analysis), "strong"),
-        *(facts("", rows), input_table(analysis, _INPUTS if level < ALL else len(inputs))),
+        facts("", rows),
+        input_table(analysis, _INPUTS if level < ALL else len(inputs)),
         *extrapolation_blocks(analysis.extrapolations, level),
         Line(text, "faint"),
     ]
 
 
 def _spread_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
-    """Spread of excess time, endurance and state of charge; of two lobes each by itself."""
+    """Return the spread of excess time, endurance and state of charge; of each lobe by itself."""
     scattered, lobes = analysis.scattered(), analysis.lobes
     if not lobes:
         return [
             ("excess time: P90, P50, P10 of draws", _three(q.EXCESS_TIME, scattered)),
-            *((one.label, _three(one, scattered)) for one in (q.ENDURANCE, q.MINIMUM_CHARGE)),
+            *(
+                (quantity.label, _three(quantity, scattered))
+                for quantity in (q.ENDURANCE, q.MINIMUM_CHARGE)
+            ),
         ]
     rows = []
     for name, varied in (("perpetual", q.MINIMUM_CHARGE), ("limited", q.ENDURANCE)):
         chosen = lobes[name]
-        within = {one: values[chosen[: len(values)]] for one, values in scattered.items()}
+        within = {quantity: values[chosen[: len(values)]] for quantity, values in scattered.items()}
         share = f"{name}, {percent(float(np.mean(chosen)))} of draws"
         rows.append((f"{share}: excess time, P90, P50, P10", _three(q.EXCESS_TIME, within)))
         rows.append((f"{share}: {varied.label}", _three(varied, within)))
@@ -74,7 +78,7 @@ def _three(quantity: q.Quantity, values: dict[str, Any]) -> str:
 
 
 def input_table(analysis: UncertaintyAnalysis, most: int) -> Table:
-    """Inputs with their spread and their shares of the excess time's variance."""
+    """Return the inputs with their spread and their shares of the excess time's variance."""
     shares = {key: (index.first, index.total) for key, index in analysis.sobol.items()}
     nothing, spread = (math.nan, math.nan), q.TABLE["nominal"].text
     order = sorted(analysis.inputs.inputs, key=lambda row: -shares.get(row.key, (0.0, 0.0))[1])

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def headline(analysis: WeatherAnalysis) -> str:
-    """Aircraft, site and days that close in one line."""
+    """Return aircraft, site and days that close in one line."""
     return (
         f"{analysis.aircraft.name} in the weather of {analysis.weather.site.label}: "
         f"{analysis.days_that_close} of {analysis.days} days close"
@@ -24,7 +24,7 @@ def headline(analysis: WeatherAnalysis) -> str:
 
 
 def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
-    """Days that close; at level 2 by month and year, and windows of days."""
+    """Return the days that close; at level 2 by month and year, and windows of days."""
     shown: list[Any] = [Line(headline(analysis), "strong"), facts("", _rows(analysis))]
     if level >= ALL:
         shown += _weather_tables(analysis)
@@ -74,7 +74,7 @@ def _rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
 
 
 def _year_rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
-    """Rows on the spread of the years; none where there are not two whole ones."""
+    """Return rows on the spread of the years; none where there are not two whole ones."""
     spread = analysis.year_to_year
     if spread is None:
         return []
@@ -88,7 +88,7 @@ def _year_rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
 
 
 def _weather_tables(analysis: WeatherAnalysis) -> list[Table]:
-    """Years, where there are several whole ones, months, and windows of days."""
+    """Return the years, where there are several whole ones, months, and windows of days."""
     tables = []
     closed = "days days_that_close clear_sky_days_that_close"
     if analysis.year_to_year is not None:

@@ -18,7 +18,7 @@ from sizing.parameters import catalogue, label
 
 @cache
 def requirements() -> Mapping[str, Mapping[str, str]]:
-    """Words, key and reason of every requirement with a name of its own."""
+    """Return words, key and reason of every requirement by its name."""
     rows = data_rows("requirements", "studies")
     return MappingProxyType({row["name"]: MappingProxyType(row) for row in rows})
 
@@ -43,7 +43,7 @@ class Words(NamedTuple):
 
 
 def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
-    """Words for a requirement or bound as results name it.
+    """Return the words for a requirement or bound as results name it.
 
     ``name``: such as ``excess_time (45° N, 15 Aug)``, ``stall_margin_minimum``, ``wingspan_m at its
     maximum`` or ``wingspan_m at its bound``. ``aircraft``: whose design space has the keys of

@@ -20,14 +20,14 @@ def analyse(options: Analyse) -> None:
         analyse_in_weather(case, options, options.weather_file)
         return
     result = analysis.analyse(**case.arguments, known_mass_kg=case.total_mass_kg)
-    flown = result.flight
+    replay = result.flight
     files = {
         options.table_file: table_of(result.trajectory, "cycle"),
         options.plot_file: figure_of(
             lambda: (
                 plot_cycle(result, figure=options.figure)
-                if flown is None
-                else plot_flight(result, flown, figure=options.figure)
+                if replay is None
+                else plot_flight(result, replay, figure=options.figure)
             )
         ),
     }

@@ -47,6 +47,8 @@ def compare(options: Compare) -> None:
         write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
 
     deliver(case, compared, files, writers={options.out_dir: write})
-    sized = [one.built for one in compared.cases if one.built is not None]
+    sized = [
+        case_of_model.built for case_of_model in compared.cases if case_of_model.built is not None
+    ]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)

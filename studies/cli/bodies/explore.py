@@ -18,7 +18,7 @@ def explore(options: Explore) -> None:
     case = load_flyable(options)
     aircraft, mission = case.aircraft_file.document, case.mission_file.document
     words = [options.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
-    words += [word for one in options.overrides for word in ("--set", one)]
+    words += [word for override in options.overrides for word in ("--set", override)]
     session = Session(aircraft, mission, case.solar, command=words)
     from studies.explorer.serve import ADDRESS, bound_socket, serve  # of the extra
 

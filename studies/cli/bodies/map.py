@@ -36,7 +36,11 @@ def map_(options: Map) -> None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
     study = prepare(
-        *(case.aircraft, case.mission, options.latitudes, options.days, case.solar),
+        case.aircraft,
+        case.mission,
+        options.latitudes,
+        options.days,
+        case.solar,
         endurance=options.endurance,
         objective=options.objective,
     )

@@ -22,7 +22,9 @@ def reproduce_report(options: ReproduceReport) -> None:
         tables = "\n".join(table.to_markdown() for table in result.tables())
         drawing = figure_of(lambda: study.reproduction_figure(result, figure=options.figure))
         write_run_folder(
-            *(Path(folder), case.inputs(), case.named(result.to_dict())),
+            Path(folder),
+            case.inputs(),
+            case.named(result.to_dict()),
             {"report.md": tables.encode()},
             {"report.png": drawing},
         )

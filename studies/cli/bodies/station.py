@@ -17,9 +17,7 @@ def station(options: Station) -> None:
     refuse_climb(case, "station", IN_WINDS)
     require_path(case)
     require_parametric(case, "station needs a parametric aircraft, this one is measured")
-    study = prepare(
-        *(case.aircraft, case.mission, options.latitudes, options.altitudes, case.solar)
-    )
+    study = prepare(case.aircraft, case.mission, options.latitudes, options.altitudes, case.solar)
     with completed(study, options, options.out_file) as data:
         result = station_of(study, data)
 

@@ -133,8 +133,8 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
             raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
         if (self.weather_file is None) != (self.survive is None):
             names = ("--weather", "--survive")
-            given, other = names if self.survive is None else names[::-1]
-            raise click.UsageError(f"{given} needs {other} as well")
+            present, other = names if self.survive is None else names[::-1]
+            raise click.UsageError(f"{present} needs {other} as well")
         if self.survive is not None:
             self.refuse_with_weather()
             if self.report_file is not None:
@@ -155,8 +155,8 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
 
 def _refuse_given(options: Mapping[str, bool], why: str) -> None:
     """Refuse the first of some options that is given; its name stands for the braces."""
-    for name, given in options.items():
-        if given:
+    for name, is_set in options.items():
+        if is_set:
             raise click.UsageError(why.format(name))
 
 
