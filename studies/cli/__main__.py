@@ -37,17 +37,17 @@ class _Group(click.Group):
     """Group of all commands, whose page has them by task, and the options of several of them."""
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Command of a name, in either spelling; None where there is none."""
+        """Return the command of a name, in either spelling; None where there is none."""
         return super().get_command(ctx, _SPELLED.get(cmd_name, cmd_name))
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of all commands."""
+        """Return the names of all commands."""
         return list(COMMANDS)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Command of the first argument; one that is misspelt is refused with the one meant."""
+        """Return the command of the first argument; refuse a misspelt one with the one meant."""
         try:
             return super().resolve_command(ctx, args)
         except click.UsageError as error:

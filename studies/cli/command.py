@@ -6,6 +6,7 @@ in ``studies.cli.bodies``, imported with everything heavy once the options go to
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import textwrap
@@ -60,12 +61,12 @@ class CommandOptions:
 
 
 def option(*spelled: str, **settings: Any) -> Any:
-    """Field that an option fills; ``settings`` are those of :func:`click.option`."""
+    """Return a field that an option fills; ``settings`` are those of :func:`click.option`."""
     return field(metadata={"made": lambda name: click.Option([*spelled, name], **settings)})
 
 
 def argument(**settings: Any) -> Any:
-    """Field that an argument fills; ``settings`` are those of :func:`click.argument`."""
+    """Return a field that an argument fills; ``settings``: of :func:`click.argument`."""
     return field(metadata={"made": lambda name: click.Argument([name], **settings)})
 
 
@@ -98,6 +99,9 @@ class Command(click.Command):
 
             fork_from(self.module)  # while this process imports the same
         body = self.loaded_body()
+        if not gc.isenabled():  # as the command was started: what is imported stays
+            gc.freeze()
+            gc.enable()
         paths: dict[type[Any], dict[str, str | None]] = {OutputFile: {}, OutputFolder: {}}
         for parameter in self.params:
             if type(parameter.type) in paths:
@@ -134,7 +138,7 @@ class Command(click.Command):
                 formatter.write_dl(named)
 
     def records(self, ctx: click.Context) -> dict[str, list[tuple[str, str]]]:
-        """Rows of the help text by subject: an option, and what it does."""
+        """Return rows of the help text by subject: an option, and what it does."""
         records: dict[str, list[tuple[str, str]]] = {_OWN: [], **{name: [] for name in _SUBJECTS}}
         options = [
             parameter for parameter in self.get_params(ctx) if isinstance(parameter, click.Option)
@@ -168,7 +172,7 @@ def write_examples(formatter: click.HelpFormatter, examples: Sequence[str]) -> N
 
 
 def _names(rows: Sequence[tuple[str, str]]) -> str:
-    """Names of options, of the rows that explain them."""
+    """Return the names of options, of the rows that explain them."""
     return ", ".join(left.split()[0] for left, _ in rows)
 
 
@@ -232,13 +236,13 @@ def _subject(options: Sequence[str]) -> str:
 
 
 def _position(options: Sequence[str]) -> int:
-    """Place of an option among those of its subject; a command's own stay in theirs, help last."""
+    """Return the place of an option in its subject; a command's own keep theirs, help is last."""
     names = [*_SUBJECTS.get(_subject(options), ()), "--help"]
     return next((place for place, name in enumerate(names) if name in options), 0)
 
 
 def _with_choices(option: click.Option, left: str, right: str) -> tuple[str, str]:
-    """Names to choose from as one writes them; long lists in the text, where lines break."""
+    """Return names to choose from as one writes them; long lists go into the text."""
     if not isinstance(option.type, click.Choice):
         return left, right
     names = [str(name) for name in option.type.choices]

@@ -122,7 +122,7 @@ class Case:
         )
 
     def named(self, record: Mapping[str, Any]) -> dict[str, Any]:
-        """Record of a result with the names of aircraft and mission, JSON-ready."""
+        """Return the record of a result with the names of aircraft and mission, JSON-ready."""
         return {
             **record,
             "aircraft": self.aircraft.name,
@@ -131,13 +131,13 @@ class Case:
         }
 
     def with_mission(self, **values: Any) -> Case:
-        """Case on a mission with other values, checked as the file's own are."""
+        """Return the case on a mission with other values, checked as the file's are."""
         document = with_overrides(self.mission_file.document, values, prefix=MISSION_PREFIX)
         file = replace(self.mission_file, record=validate(document, Mission), document=document)
         return replace(self, mission_file=file)
 
     def at(self, place: PlaceOptions) -> Case:
-        """Case at another place or on another day; the mission's launch is one at its own."""
+        """Return the case at another place or on another day, without the mission's launch."""
         moved: dict[str, Any] = {}
         if place.latitude is not None:
             moved["latitude_deg"] = place.latitude
@@ -146,13 +146,13 @@ class Case:
         return self.with_mission(**moved, launch=None) if moved else self
 
     def holding_station(self, percentile: float) -> Case:
-        """Case of a mission flown as fast as a percentile of the wind of each scenario."""
+        """Return the case of flight as fast as a percentile of the wind of each scenario."""
         wind = self.mission_file.document.data.get("wind")
         file = {"file": wind["file"]} if isinstance(wind, dict) and "file" in wind else {}
         return self.with_mission(wind={"percentile": percentile, "hold_station": True, **file})
 
     def with_total_mass(self, total_mass_kg: float) -> Case:
-        """Case of an aircraft of a known total mass; the rest is told on standard error."""
+        """Return the case of an aircraft of a known total mass; print the rest as a note."""
         try:
             aircraft = with_total_mass(self.aircraft, self.mission, total_mass_kg)
         except ImpossibleDesignError as error:
@@ -167,7 +167,7 @@ class Case:
         return replace(self, aircraft_file=file, total_mass_kg=total_mass_kg)
 
     def inputs(self, weather: str | None = None, **others: Path) -> RunInputs:
-        """Everything that a folder of results keeps of what went in.
+        """Return everything that a folder of results keeps of what went in.
 
         ``weather``: weather record, by its file or a shipped one's name. ``**others``: further
         files that were read, by what they are.
@@ -204,7 +204,7 @@ def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _with_whole_key(override: str) -> str:
-    """Override with the key of a design variable that is given by its short name."""
+    """Return an override with the whole key of a design variable's short name."""
     key, equals, value = override.partition("=")
     return f"{design_keys().get(key, key)}{equals}{value}"
 
@@ -286,7 +286,7 @@ def load(options: CaseOptions) -> Case:
 
 
 def _with_values(case: Case, options: CaseOptions) -> Case:
-    """Case with what options give in place of the files' own."""
+    """Return the case with what options give in place of the files' values."""
     if isinstance(options, PlaceOptions):
         case = case.at(options)
     if isinstance(options, RequirementOptions) and options.required_h is not None:
@@ -305,7 +305,7 @@ def load_flyable(options: CaseOptions) -> Case:
 
 
 def mission_beside(aircraft: str) -> str | None:
-    """Mission file that ``init`` writes beside an aircraft's; None where there is none."""
+    """Return the mission file that ``init`` writes beside an aircraft's; None without one."""
     beside = f"{os.path.splitext(aircraft)[0]}-mission.yaml"  # noqa: PTH122 - takes any text
     return beside if os.path.isfile(beside) else None  # noqa: PTH113
 
@@ -319,7 +319,7 @@ def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:
 
 
 def _joined_errors(errors: Sequence[InputError]) -> InputError:
-    """All problems as one error; two files in each other's place are one mistake."""
+    """Return all problems as one error; two files in each other's place are one mistake."""
     swapped = [error for error in errors if isinstance(error, WrongKindError)]
     if len(swapped) == 2:
         first, second = (_A_KIND[error.found] for error in swapped)
@@ -329,7 +329,7 @@ def _joined_errors(errors: Sequence[InputError]) -> InputError:
 
 
 def _is_default(option: str) -> bool:
-    """Whether nobody gave an option of the command that runs."""
+    """Return whether an option of the running command has its default value."""
     context = click.get_current_context(silent=True)
     if context is None:
         return False
@@ -337,7 +337,7 @@ def _is_default(option: str) -> bool:
 
 
 def _find(kind: Kind, name_or_path: str) -> Document:
-    """Document of an aircraft or a mission; one of the other kind is refused by its keys."""
+    """Return the document of an aircraft or a mission; refuse one of the other kind."""
     document = find_document(kind, name_or_path)
     kind_of_record, other = (Aircraft, Mission) if kind == "aircraft" else (Mission, Aircraft)
     keys = set(document.data)
@@ -347,7 +347,7 @@ def _find(kind: Kind, name_or_path: str) -> Document:
 
 
 def _checksum(kind: Kind, name_or_path: str) -> str | None:
-    """SHA-256 of a file that was read; None for a pipe, which cannot be read again."""
+    """Return the SHA-256 of a file that was read; None for a pipe, which is read once."""
     if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
         return hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
     return InputFile.of(Path(name_or_path)).sha256
@@ -471,7 +471,7 @@ def uncertain_inputs_of(case: Case) -> Iterator[None]:
 
 
 def _placed(case: Case, error: InputError) -> InputError:
-    """Error with the lines of the files that its keys stand on."""
+    """Return an error with the lines of the files that its keys stand on."""
     documents = {
         case.mission.name: case.mission_file.document,
         case.aircraft.name: case.aircraft_file.document,

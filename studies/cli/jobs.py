@@ -86,7 +86,7 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
 
 
 def parts_folder(target: str | os.PathLike[str]) -> Path | None:
-    """Folder for the parts of a result file; none for a device or a pipe, which none stands by."""
+    """Return the folder for the parts of a result file; None for a device or a pipe."""
     path = Path(target)
     if path.exists() and not path.is_file():
         return None

@@ -37,7 +37,7 @@ FormatOf: TypeAlias = Callable[[str], str | None]
 
 
 def mission_option(default: str | None) -> Any:
-    """Option ``--mission``; without a default only a folder of results may stand in for it."""
+    """Return option ``--mission``; without a default a folder of results may stand in for it."""
     needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
     return option(
         "--mission",
@@ -51,7 +51,7 @@ def mission_option(default: str | None) -> Any:
 
 
 def json_option(text: str = "Print JSON instead of tables.") -> Any:
-    """Option ``--json``."""
+    """Return option ``--json``."""
     return option("--json", is_flag=True, help=text)
 
 
@@ -221,7 +221,7 @@ class WorkOptions(CommandOptions):
 
 
 def out_option(contents: str) -> Any:
-    """Option ``--out`` of commands that write a folder."""
+    """Return option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
     return option("--out", type=OutputFolder(), help=text)
 
@@ -229,7 +229,7 @@ def out_option(contents: str) -> Any:
 def _written(
     *spelled: str, text: str, formats: Sequence[str], chosen: FormatOf, **settings: Any
 ) -> Any:
-    """Option of a file that is written in a format that its name asks for."""
+    """Return the option of a file whose format its name tells."""
 
     def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
         if path:
@@ -241,7 +241,7 @@ def _written(
 
 
 def table_option(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
-    """Option ``--table FILE`` of commands that write a table.
+    """Return option ``--table FILE`` of commands that write a table.
 
     ``older``: what the option was called when CSV was all that it wrote.
     """
@@ -250,13 +250,13 @@ def table_option(contents: str, name: str = "--table", *, older: str = "--csv") 
 
 
 def grid_option(contents: str) -> Any:
-    """Option ``--out FILE`` of commands whose result lies on a grid."""
+    """Return option ``--out FILE`` of commands whose result lies on a grid."""
     text = f"Write {contents}"
     return _written("--out", text=text, formats=GRID_FORMATS, chosen=grid_format)
 
 
 def plot_option(text: str) -> Any:
-    """Option ``--plot FILE`` of commands that draw."""
+    """Return option ``--plot FILE`` of commands that draw."""
     return _written("--plot", text=text, formats=IMAGE_FORMATS, chosen=image_format)
 
 
@@ -273,13 +273,13 @@ def check_format(path: str, kind: str | None, allowed: Iterable[str], option: st
 
 
 def report_option() -> Any:
-    """Option ``--report`` of commands whose results a page may show."""
+    """Return option ``--report`` of commands whose results a page may show."""
     text = "Also write a report, .html or .pdf; see docs/report.md."
     return option("--report", type=click.Path(), metavar="FILE", help=text)
 
 
 def weather_option(text: str) -> Any:
-    """Option ``--weather FILE``."""
+    """Return option ``--weather FILE``."""
     return option("--weather", type=click.Path(), metavar="FILE", help=text)
 
 

@@ -107,7 +107,7 @@ def call(verb: str, *others: str) -> str:
 
 
 def _headed(shown: Summary | Table, case: Case) -> Summary:
-    """Summary whose first line names aircraft and mission, and says whether that one was chosen."""
+    """Return a summary whose first line names aircraft and mission, a default one as such."""
     summary = Summary((shown,)) if isinstance(shown, Table) else shown
     first, *others = summary.blocks
     text = first if isinstance(first, str) else getattr(first, "text", getattr(first, "title", ""))
@@ -140,12 +140,12 @@ def write_results(files: Mapping[str | None, Content]) -> None:
 
 
 def table_of(frame: Callable[[], pd.DataFrame], title: str) -> Content:
-    """Table in the format that the name of its file asks for."""
+    """Return what makes a table in the format of its file's name."""
     return lambda path: table_bytes(frame(), path, title=title)
 
 
 def figure_of(draw: Callable[[], Figure]) -> Content:
-    """Figure in the format that its file name asks for, which was checked before."""
+    """Return what makes a figure in the format of its file's name, which was checked before."""
 
     def content(path: str) -> bytes:
         figure = draw()

@@ -32,7 +32,7 @@ _SAME_H = 1e-6
 
 
 def subject_of(case: Case, **others: Any) -> Subject:
-    """What a report on a case is about."""
+    """Return what a report on a case is about."""
     options = {"inputs": case.inputs()} | others
     return Subject(
         case.aircraft,
@@ -45,7 +45,7 @@ def subject_of(case: Case, **others: Any) -> Subject:
 
 
 def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
-    """Record of the sizing that a folder holds; None where the case is not what was sized.
+    """Return the record of the sizing in a folder; None where the case is not what was sized.
 
     ``case``: what it was read as; another mission or other values are not what was sized.
     """

@@ -22,8 +22,9 @@ def start() -> None:
     # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
     # command holds any.
     _modules().setdefault("dask", None)
-    # What is imported lives as long as the process: to look through it time and again for garbage
-    # takes a fifteenth of a short command.
+    # What is imported lives as long as the process: to look through it for garbage takes a tenth of
+    # a short command, which begins to look once it has imported everything.
+    gc.disable()
     gc.set_threshold(_ALLOCATIONS)
     from studies.output.figures.options import ignore_settings_of_folder
 
@@ -38,5 +39,5 @@ def let_dask_in() -> None:
 
 
 def _modules() -> dict[str, Any]:
-    """Imported modules; Python refuses to import one that is None."""
+    """Return the imported modules; Python refuses to import one that is None."""
     return cast("dict[str, Any]", sys.modules)

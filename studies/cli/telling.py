@@ -23,7 +23,7 @@ _LONGEST_WORD, _LONGEST_LINE, _MOST_LINES = 200, 4000, 30
 
 
 def brief(message: str) -> str:
-    """Message that fits a screen: the first mistakes, and no word or line that goes on for pages.
+    """Return a message that fits a screen: the first mistakes, without overlong words or lines.
 
     Control characters, which a name of a file may hold, are spelled: they would steer a terminal.
     """

@@ -61,7 +61,7 @@ class Parsed(ParamType[Any]):
 
 
 def latitude_deg(text: str) -> float:
-    """Latitude [deg], north positive, of ``-33.9``, ``-33.9°``, ``33.9S`` or ``33.9° S``.
+    """Return the latitude [deg], north positive, of ``-33.9``, ``-33.9°`` or ``33.9S``.
 
     Another text is a ValueError.
     """

@@ -35,7 +35,7 @@ def analyse(options: Analyse) -> None:
 
 
 def _next_step(case: Case, *, perpetual: bool) -> str:
-    """What to do after an analysis."""
+    """Return what to do after an analysis."""
     if perpetual:
         return f"{call('map')} (where and when else)"
     flies = "flies perpetually" if case.mission.flight is None else "lands with power left"

@@ -61,7 +61,7 @@ def validate(options: Validate) -> None:
 
 
 def _record_of(keys: set[str]) -> type[Aircraft | Mission]:
-    """What a file with these keys describes: an aircraft, unless more are keys of a mission."""
+    """Return what a file with these keys describes: an aircraft, unless more are a mission's."""
     distinct = set(Aircraft.model_fields) ^ set(Mission.model_fields)
     of_mission = keys & distinct & set(Mission.model_fields)
     return Mission if 2 * len(of_mission) > len(keys & distinct) else Aircraft

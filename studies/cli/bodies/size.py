@@ -69,7 +69,7 @@ def size(options: Size) -> None:
 
 
 def _summary(study: SizingStudy, options: Size) -> Summary:
-    """Summary of a sizing, and what the other solar power models say of the optimum."""
+    """Return the summary of a sizing, with what the other models say of the optimum."""
     summary: Summary = study.at_level(SUMMARY + options.verbose)
     if not study.feasible or options.weather_file is not None:
         return summary
@@ -122,7 +122,7 @@ def _designed(case: Case, options: Size) -> SizingStudy:
 
 
 def _next_step(study: SizingStudy, written: str | None) -> str:
-    """What to do after a sizing."""
+    """Return what to do after a sizing."""
     if written is not None:
         folder = shlex.quote(written)
         return f"solar-uav report {folder} --out report.html; solar-uav analyse {folder}"

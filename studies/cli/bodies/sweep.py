@@ -66,7 +66,7 @@ def sweep(options: Sweep) -> None:
 
 
 def _prepared(case: Case, options: Sweep) -> Study:
-    """Points ready to be computed; what is wrong with them is told by the option."""
+    """Return points ready to be computed; refuse wrong ones by the option."""
     try:
         return prepare(
             case.aircraft,
@@ -105,7 +105,7 @@ def _check_names(option: str, names: Sequence[str], allowed: list[str]) -> None:
 
 
 def _chart(data: Dataset, options: Sweep) -> Figure:
-    """Chart of the points, or of their front."""
+    """Return the chart of the points, or of their front."""
     from studies.sweeps.plots import plot_pareto, plot_sweep  # matplotlib
 
     if options.pareto is None:
