@@ -57,7 +57,7 @@ def verification_model(
     surroundings: Surroundings | None = None,
     albedo: float = 0.0,
 ) -> FloatArray:
-    """Specific power of the Verification Model: the CAM on the central wing's flat surface.
+    """Compute the specific power of the Verification Model: CAM on the central wing's flat surface.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def full_model(
     surroundings: Surroundings | None = None,
     albedo: float = 0.0,
 ) -> ModulePower:
-    """Specific power and component efficiencies of the Full Model.
+    """Compute the specific power and component efficiencies of the Full Model.
 
     Every surface meets the light at its own angle; its efficiency falls with little light and at
     flat angles; the modules warm up with the power they give (eq. 9 and 10), and the MPPT's
@@ -188,7 +188,7 @@ def full_model(
 def _from_below(
     irradiance: Irradiance, sun_vector: FloatArray, normals: FloatArray, albedo: float
 ) -> FloatArray:
-    """Light that the earth reflects to surfaces, ``A GHI (1 - cos b) / 2`` by tilt [W/m2].
+    """Return light that the earth reflects to surfaces, ``A GHI (1 - cos b) / 2`` by tilt [W/m2].
 
     Source: Liu, B. Y. H. and Jordan, R. C. (1963), The long-term average performance of flat-plate
     solar-energy collectors, Solar Energy 7, 53-74; a plain that is lit evenly.

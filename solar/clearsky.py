@@ -102,7 +102,7 @@ def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArra
 
 
 def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficients:
-    """Coefficients A [W/m2], B [-] and C [-] for a day and a hemisphere, and the day's light.
+    """Return A [W/m2], B [-] and C [-] for a day and a hemisphere, and the day's light.
 
     B and C describe the season's water vapour and dust, so south of the equator they are shifted
     by half a year; A follows the distance to the sun and does not depend on the hemisphere.
@@ -132,7 +132,7 @@ def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficient
 
 
 def air_mass(cos_zenith: ArrayLike) -> FloatArray:
-    """Relative optical air mass [-], 35 at and below the horizon.
+    """Return the relative optical air mass [-], 35 at and below the horizon.
 
     Source: Rodgers et al. (1978) / ASHRAE form ``m = 35 / sqrt(1224 cos^2 z + 1)``.
     """
@@ -141,7 +141,7 @@ def air_mass(cos_zenith: ArrayLike) -> FloatArray:
 
 
 def pressure_ratio(altitude_m: ArrayLike) -> FloatArray:
-    """Pressure at altitude over pressure at sea level [-].
+    """Return the pressure at altitude over pressure at sea level [-].
 
     Up to the tropopause at 11 km by the formula of the clear-sky model, above it falling
     exponentially as in the isothermal stratosphere: 0.4 % below the standard atmosphere at 11 km,
@@ -158,7 +158,7 @@ _THIN_AIR_BELOW_RATIO = float(pressure_ratio(THIN_AIR_FROM_M))
 
 
 def extraterrestrial_irradiance(day_of_year: ArrayLike) -> FloatArray:
-    """Irradiance normal to the beam outside the atmosphere [W/m2].
+    """Return the irradiance normal to the beam outside the atmosphere [W/m2].
 
     Source: Spencer, J. W. (1971), Fourier series representation of the position of the sun,
     Search 2 (5), 172: the squared ratio of mean to actual distance.
@@ -180,7 +180,7 @@ def clear_sky(
     cos_zenith: ArrayLike,
     altitude_m: ArrayLike = 0.0,
 ) -> Irradiance:
-    """Direct normal and diffuse horizontal irradiance under a clear sky.
+    """Compute direct normal and diffuse horizontal irradiance under a clear sky.
 
     A horizontal surface never gets more light than the sun sends to it from outside the
     atmosphere: ``DHI <= (E0 - DNI) cos z``. From 9 km up the sky of the ground passes into that of
@@ -209,7 +209,7 @@ def clear_sky(
 def irradiance_under(
     sky: Coefficients, cos_zenith: ArrayLike, relative_pressure: ArrayLike
 ) -> Irradiance:
-    """Irradiance [W/m2] under a sky of given coefficients, at a pressure relative to sea level.
+    """Compute the irradiance [W/m2] for a sky's coefficients, at a pressure relative to sea level.
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def irradiance_under(
 
 
 def _share_of_thin_air(relative_pressure: FloatArray) -> FloatArray:
-    """0 up to 9 km, 1 from 12 km on, and without a kink in between."""
+    """Return 0 up to 9 km, 1 from 12 km on, without a kink between."""
     span = _GROUND_SKY_DOWN_TO_RATIO - _THIN_AIR_BELOW_RATIO
     way = np.clip((_GROUND_SKY_DOWN_TO_RATIO - relative_pressure) / span, 0.0, 1.0)
     return np.asarray(way * way * (3.0 - 2.0 * way))
@@ -249,12 +249,11 @@ def _share_of_thin_air(relative_pressure: FloatArray) -> FloatArray:
 def thin_air_irradiance(
     extraterrestrial_w_per_m2: ArrayLike, cos_zenith: ArrayLike, relative_pressure: ArrayLike
 ) -> Irradiance:
-    """Irradiance [W/m2] under air without water and dust, as above the tropopause.
+    """Compute the irradiance [W/m2] under air without water and dust, as above the tropopause.
 
-    The direct light passes Rayleigh scattering, the ozone layer (all of it, which lies above the
-    aircraft for the most part) and the absorption by carbon dioxide and oxygen; half of what is
-    scattered comes down. Light outside 0.3 to 3 um, 3.4 % of all, is not counted: no silicon cell
-    uses it.
+    The direct light passes Rayleigh scattering, the whole ozone layer, which lies mostly above the
+    aircraft, and absorption by carbon dioxide and oxygen; half of the scattered light comes down.
+    Light outside 0.3 to 3 um, 3.4 % of all, is not counted: no silicon cell uses it.
 
     Source: Bird, R. E. and Hulstrom, R. L. (1981), A simplified clear sky model for direct and
     diffuse insolation on horizontal surfaces, SERI/TR-642-761, with no water vapour, aerosol or
@@ -267,7 +266,7 @@ def thin_air_irradiance(
     cos_zenith : array_like
         Cosine of the zenith angle.
     relative_pressure : array_like
-        Pressure over that at sea level [-]; what is above that at 9 km counts as that.
+        Pressure over pressure at sea level [-], at most its value at 9 km.
 
     Returns
     -------
@@ -277,7 +276,7 @@ def thin_air_irradiance(
     cos_z = np.maximum(np.asarray(cos_zenith, float), 0.0)
     sun = np.where(cos_z > 0.0, np.asarray(extraterrestrial_w_per_m2, float), 0.0)
     mass = air_mass(cos_z)
-    # The formula of Rayleigh scattering turns at an air mass of some 16, that at 9 km is below 11.
+    # The formula of Rayleigh scattering turns at an air mass of some 16; at 9 km it is below 11.
     relative = np.minimum(np.asarray(relative_pressure, float), _GROUND_SKY_DOWN_TO_RATIO)
     air = mass * relative
     ozone = OZONE_CM * mass
@@ -293,7 +292,7 @@ def thin_air_irradiance(
 
 
 def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:
-    """Global horizontal irradiance [W/m2].
+    """Return the global horizontal irradiance [W/m2].
 
     Parameters
     ----------

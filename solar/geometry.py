@@ -17,7 +17,7 @@ from solar.types import BoolArray, FloatArray
 
 
 def direction_cosines(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
-    """Rotation matrix that takes a vector from body axes to North-East-Down.
+    """Return the rotation matrix that takes a vector from body axes to North-East-Down.
 
     Its columns are the body axes x, y and z seen in North-East-Down. Its transpose takes a vector
     the other way, for instance the one to the sun.
@@ -126,7 +126,7 @@ class ModuleGeometry(Record):
         return np.array([s.facing == "down" for s in self.surfaces])
 
     def normals(self) -> FloatArray:
-        """Unit normals of the surfaces in body axes, shape ``(surface, 3)``."""
+        """Return the unit normals of the surfaces in body axes, shape ``(surface, 3)``."""
         sides = {"left": 1.0, "centre": 0.0, "right": -1.0}
         roll = np.radians([sides[s.side] * s.dihedral_deg for s in self.surfaces])
         pitch = np.radians([s.pitch_deg for s in self.surfaces])
@@ -137,7 +137,7 @@ class ModuleGeometry(Record):
         return np.asarray(turned * (surface_normal(roll, pitch) @ set_on_body.T))
 
     def central_wing_normal(self) -> FloatArray:
-        """Unit normal of the central wing in body axes: the mean of its module surfaces.
+        """Return the central wing's unit normal in body axes: the mean of its module surfaces.
 
         An aircraft without surfaces in the centre takes the mean of all, in which the dihedral of
         the two sides cancels. Surfaces of the lower face count where there are no others.
@@ -151,7 +151,7 @@ class ModuleGeometry(Record):
 
 
 def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
-    """Upward normal of a flat surface that is pitched, then rolled, in body axes; ``(..., 3)``.
+    """Return the upward normal of a surface pitched, then rolled, in body axes; ``(..., 3)``.
 
     A level surface has the normal ``[0, 0, -1]``. Pitching its nose up turns the normal aft; a
     positive roll (right side down) turns it to the right.
@@ -173,7 +173,7 @@ def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
 
 
 def cos_angle_of_incidence(normals: ArrayLike, sun_vector: ArrayLike) -> FloatArray:
-    """Cosine of the angle between surface normals and the sun, negative from behind.
+    """Return the cosine of the angle between normals and the sun, negative from behind.
 
     Both are unit vectors on the last axis and in the same frame; the others broadcast.
 

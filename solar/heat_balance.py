@@ -50,7 +50,7 @@ class Surroundings(NamedTuple):
 
 
 def long_wave_w_per_m2(relative_pressure: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Long-wave radiation from above and from below [W/m2].
+    """Return the long-wave radiation from above and from below [W/m2].
 
     Between the means at the surface and at the top of the atmosphere, linear in the pressure
     (assumption): a grey atmosphere absorbs and emits by its mass.
@@ -66,7 +66,7 @@ def balanced_temperature_c(
     cell: SolarCell,
     surroundings: Surroundings,
 ) -> FloatArray:
-    """Module temperature at which the heat balance closes.
+    """Solve for the module temperature at which the heat balance closes.
 
     Parameters
     ----------

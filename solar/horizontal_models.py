@@ -34,7 +34,7 @@ from solar.types import FloatArray
 def conceptual_design_model(
     irradiance: Irradiance, cos_aoi: ArrayLike, cell: SolarCell, module_temperature_c: ArrayLike
 ) -> FloatArray:
-    """Specific power of the Conceptual Design Model (CDM): one efficiency for all light.
+    """Compute the specific power of the Conceptual Design Model (CDM): a constant efficiency.
 
     Equation 4 of the report with ``eta = eta_STC eps_T eps_cbr`` and a constant MPPT
     efficiency.
@@ -68,7 +68,7 @@ def conceptual_design_model(
 def conceptual_analysis_model(
     irradiance: Irradiance, cos_aoi: ArrayLike, cell: SolarCell, module_temperature_c: ArrayLike
 ) -> FloatArray:
-    """Specific power of the Conceptual Analysis Model (CAM): direct and diffuse light apart.
+    """Compute the specific power of the Conceptual Analysis Model (CAM), by kind of light.
 
     Equation 5 of the report; the efficiency of direct light depends on its angle of incidence,
     that of diffuse light is constant and knows no camber (eq. 12 and 13).
@@ -124,7 +124,7 @@ def horizontal_specific_power(
     correct: CorrectionName = "none",
     sky: ClearSky = clear_sky,
 ) -> FloatArray:
-    """Specific power of horizontal modules under the clear sky, over latitude x day x time.
+    """Compute the specific power of horizontal modules under the clear sky, latitude x day x time.
 
     Parameters
     ----------

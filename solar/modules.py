@@ -1,4 +1,4 @@
-"""Solar modules and their MPPT: efficiencies, constant or as curves, shipped or the user's own."""
+"""Solar modules and their MPPT: efficiencies, constant or as curves, shipped or user-defined."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class MpptTable(_Table):
 
 
 class Curve(Record):
-    """A tabulated curve ``y(x)``, interpolated monotonically and held constant outside.
+    """Tabulated curve ``y(x)``, interpolated monotonically and constant outside.
 
     The interpolant is a piecewise cubic that is monotone by the criterion of Fritsch & Carlson
     (1980): it passes through every point and never over- or undershoots between two of them. It is
@@ -87,7 +87,7 @@ class Curve(Record):
         return _Pieces.of(np.asarray(self.x), np.asarray(self.y))
 
     def __call__(self, x: ArrayLike) -> FloatArray:
-        """Value of the curve at ``x``, shape of ``x``."""
+        """Return the value of the curve at ``x``, shape of ``x``."""
         return self._pieces.at(np.minimum(np.maximum(x, self.x[0]), self.x[-1]))
 
 
@@ -122,7 +122,7 @@ class _Pieces:
         return cls(begin, end, _cubics(x, y), scale, piece_of_bin)
 
     def at(self, x: FloatArray) -> FloatArray:
-        """Value at points within the axis."""
+        """Return the value at points within the axis."""
         if self.piece_of_bin is None:
             piece = np.searchsorted(self.end, x, side="right")
         else:
@@ -138,7 +138,7 @@ class _Pieces:
 
 
 def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Coefficients of the pieces, the highest power first; shape (4, points - 1).
+    """Return the coefficients of the pieces, the highest power first; shape (4, points - 1).
 
     Cubic Hermite polynomials, de Boor, A Practical Guide to Splines (1978), chapter IV.
     """
@@ -150,7 +150,7 @@ def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def _slopes(h: FloatArray, secant: FloatArray) -> FloatArray:
-    """Slopes at the points, from the steps between them and the slopes of the secants.
+    """Return the slopes at the points, from the steps between them and the slopes of the secants.
 
     Weighted harmonic mean of the neighbouring secants where both rise or both fall, else zero:
     Fritsch & Butland, A Method for Constructing Local Monotone Piecewise Cubic Interpolants (1984),
@@ -171,7 +171,7 @@ def _slopes(h: FloatArray, secant: FloatArray) -> FloatArray:
 
 
 def _end_slope(h: float, next_h: float, secant: float, next_secant: float) -> float:
-    """Slope of a parabola at an end, limited to keep the shape (Moler, chapter 3)."""
+    """Return the slope of a parabola at an end, limited to keep the shape (Moler, chapter 3)."""
     slope = ((2.0 * h + next_h) * secant - h * next_secant) / (h + next_h)
     if np.sign(slope) != np.sign(secant):
         return 0.0
@@ -221,14 +221,12 @@ HIGHEST_EFFICIENCY = 0.868
 class SolarCell(Record):
     """Efficiencies of module and maximum power point tracker (MPPT; eq. 6-13 of the report).
 
-    The defaults are those of AtlantikSolar AS-2: SunPower E60 cells, foil covered. The constants
-    ``mppt_efficiency`` and the curves ``mppt`` and ``low_light`` exclude each other: the simple
-    models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
-    the modules are ``temperature_rise_k`` warmer than the air and to which the MPPT's load is
-    related; left out it is that of AS-2 (265 W of 1.35 m2, 12 K) in proportion to the efficiency,
-    because modules heat up by the light, not by the power they make of it. A balance of heat with
-    what ``thermal`` says takes the place of ``temperature_rise_k`` on missions that give no
-    temperature of the modules.
+    Defaults: AtlantikSolar AS-2, SunPower E60 cells, foil covered. The simple models use the
+    constant ``mppt_efficiency``, the Full Model the curves ``mppt`` and ``low_light``.
+    ``rated_power_w_per_m2``: power at which the modules are ``temperature_rise_k`` warmer than the
+    air, and full load of the MPPT; by default AS-2's (265 W of 1.35 m2, 12 K) in proportion to the
+    efficiency, because modules heat up by the light, not by their power. On missions without a
+    module temperature a heat balance with ``thermal`` replaces ``temperature_rise_k``.
     """
 
     efficiency_stc: Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)] = 0.237
@@ -251,22 +249,22 @@ class SolarCell(Record):
         return _AS2_RATED_W_PER_M2 * self.efficiency_stc / _AS2_EFFICIENCY
 
     def temperature_efficiency(self, module_temperature_c: ArrayLike) -> FloatArray:
-        """Component efficiency ``eps_T`` [-]: linear in the temperature above 25 C (eq. 9)."""
+        """Return ``eps_T`` [-]: linear in the temperature above 25 C (eq. 9)."""
         excess_k = np.asarray(module_temperature_c, float) - STC_TEMPERATURE_C
         return np.asarray(np.maximum(1.0 - self.temperature_coefficient_per_k * excess_k, 0.0))
 
     def incidence_efficiency(self, cos_aoi: ArrayLike) -> FloatArray:
-        """Component efficiency ``eps_gamma`` [-] of direct light; zero for light from behind."""
+        """Return ``eps_gamma`` [-] of direct light; zero for light from behind."""
         cosine = np.asarray(cos_aoi, float)
         angle_deg = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
         return np.where(cosine > 0.0, self._incidence_curve(angle_deg), 0.0)
 
     def low_light_efficiency(self, irradiance_w_per_m2: ArrayLike) -> FloatArray:
-        """Component efficiency ``eps_I`` [-] of the irradiance on a module."""
+        """Return ``eps_I`` [-] of the irradiance on a module."""
         return self._low_light_curve(irradiance_w_per_m2)
 
     def mppt_efficiency_at(self, relative_load: ArrayLike) -> FloatArray:
-        """Efficiency of the MPPT [-] at a load relative to the rated power."""
+        """Return the efficiency of the MPPT [-] at a load relative to the rated power."""
         return self._mppt_curve(relative_load)
 
     @cached_property

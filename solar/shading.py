@@ -79,7 +79,7 @@ class TailGeometry(Record):
         return self.vertical_height_m > 0.0 and above_boom > 0.5
 
     def panels(self) -> tuple[FloatArray, FloatArray]:
-        """Corners of the horizontal and of the vertical tail in body axes, each ``(4, 3)``."""
+        """Return the corners of horizontal and vertical tail in body axes, each ``(4, 3)``."""
         front, side, z = -self.horizontal_aft_m, 0.5 * self.horizontal_span_m, -self.height_m
         rear = front - self.horizontal_chord_m
         horizontal = [(front, -side, z), (front, side, z), (rear, side, z), (rear, -side, z)]
@@ -90,7 +90,7 @@ class TailGeometry(Record):
 
 
 def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatArray:
-    """Corners of a module in body axes [m], from the leading edge of the wing root.
+    """Return the corners of a module in body axes [m], from the leading edge of the wing root.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatAr
 def shaded_fraction(
     geometry: ModuleGeometry, tail: TailGeometry | None, sun_vector_body: ArrayLike
 ) -> FloatArray:
-    """Shaded part of every module's outline, between zero and one.
+    """Return the shaded part of every module's outline, between zero and one.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def shaded_fraction(
 def shaded_area(
     geometry: ModuleGeometry, tail: TailGeometry | None, sun_vector_body: ArrayLike
 ) -> FloatArray:
-    """Shaded area of every module [m2], shape ``(..., surface)``.
+    """Return the shaded area of every module [m2], shape ``(..., surface)``.
 
     The shaded fraction of the outline times the module's area, which is smaller than the outline's
     by gaps and by the cut corners of the cells.
@@ -188,7 +188,7 @@ def shaded_area(
 def elevation_free_of_shading_deg(
     geometry: ModuleGeometry, tail: TailGeometry | None, roll: float = 0.0, pitch: float = 0.0
 ) -> float:
-    """Least sun elevation above which no module is shaded, wherever the sun stands [deg].
+    """Return the least sun elevation [deg] above which no module is shaded, at any azimuth.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def proportional_losses(shaded: FloatArray) -> FloatArray:
 
 
 def string_losses(substrings: int = 4, threshold: float = 0.005) -> LossModel:
-    """Example of a loss by wiring: a series string with a bypass diode for each sub-string.
+    """Return a loss by wiring: a series string with a bypass diode for each sub-string.
 
     Parameters
     ----------
@@ -385,7 +385,7 @@ class Shading:
 
 
 def _shading_rays(geometry: ModuleGeometry, tail: TailGeometry) -> list[FloatArray]:
-    """Directions from the corners of every module to the corners of every panel, body axes."""
+    """Return directions from every module's corners to every panel's corners, body axes."""
     rays = []
     for surface in geometry.surfaces:
         frame = module_frame(surface, geometry)
@@ -397,7 +397,7 @@ def _shading_rays(geometry: ModuleGeometry, tail: TailGeometry) -> list[FloatArr
 
 
 def _steepest_sine(rays: FloatArray, up: FloatArray) -> float:
-    """Sine of the steepest elevation in the cone of the rays; zero if all point downwards."""
+    """Return the sine of the steepest elevation in the rays' cone; zero if all point downwards."""
     from scipy.optimize import nnls
 
     weights, _ = nnls(rays.T, up)

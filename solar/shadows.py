@@ -75,7 +75,7 @@ def module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> ModuleFram
 
 
 def _middle(outline: ModuleOutline, side: float, dihedral: float, hinge: float) -> FloatArray:
-    """Middle of an outline in the axes of the wing: body axes turned by the incidence."""
+    """Return the middle of an outline in the wing's axes: body axes turned by the incidence."""
     along = 0.5 * (outline.inboard_m + outline.outboard_m)
     aft = 0.5 * (outline.front_m + outline.rear_m)
     if side == 0.0:
@@ -86,7 +86,7 @@ def _middle(outline: ModuleOutline, side: float, dihedral: float, hinge: float) 
 
 
 def covered_area(frame: ModuleFrame, panels: Sequence[FloatArray], sun: FloatArray) -> FloatArray:
-    """Area of the union of the shadows of at most two panels on a module [m2], shape ``(sun,)``."""
+    """Return the area of a module in the shadows of at most two panels [m2], shape ``(sun,)``."""
     covered = np.zeros(len(sun))
     local = sun @ frame.axes.T
     above = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
@@ -157,7 +157,7 @@ def _clipped(polygons: FloatArray, heights: FloatArray) -> FloatArray:
 
 
 def _areas(polygons: FloatArray) -> FloatArray:
-    """Areas of plane polygons of the shape ``(polygon, corner, 2)``, negative if clockwise."""
+    """Return areas of plane polygons, shape ``(polygon, corner, 2)``, negative if clockwise."""
     arms = polygons - polygons[:, :1]
     return np.asarray(0.5 * _cross(arms[:, :-1], arms[:, 1:]).sum(axis=1))
 

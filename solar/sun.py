@@ -29,12 +29,12 @@ _DEGREES_PER_HOUR = 15.0
 
 
 def day_angle(day_of_year: ArrayLike) -> FloatArray:
-    """Angle of the Earth on its orbit since the start of the year [rad]."""
+    """Return the angle of the Earth on its orbit since the start of the year [rad]."""
     return np.asarray(2.0 * np.pi * (np.asarray(day_of_year, float) - 1.0) / DAYS_PER_YEAR)
 
 
 def declination(day_of_year: ArrayLike) -> FloatArray:
-    """Declination of the sun [rad] from the fractional day of year.
+    """Return the declination of the sun [rad] from the fractional day of year.
 
     Source: Spencer, J. W. (1971), Fourier series representation of the position of the sun,
     Search 2(5), p. 172; also Duffie & Beckman, Solar Engineering of Thermal Processes, eq. 1.6.1b.
@@ -52,7 +52,7 @@ def declination(day_of_year: ArrayLike) -> FloatArray:
 
 
 def equation_of_time_h(day_of_year: ArrayLike) -> FloatArray:
-    """Apparent minus mean solar time [h] from the fractional day of year.
+    """Return apparent minus mean solar time [h] from the fractional day of year.
 
     Source: Spencer (1971); Duffie & Beckman, eq. 1.5.3.
     """
@@ -68,7 +68,7 @@ def equation_of_time_h(day_of_year: ArrayLike) -> FloatArray:
 
 
 def solar_time_h(utc_h: ArrayLike, day_of_year: ArrayLike, longitude_deg: ArrayLike) -> FloatArray:
-    """Local solar time [h], not wrapped to a day, from universal time and east longitude.
+    """Return local solar time [h], not wrapped to a day, from universal time and longitude.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def solar_time_h(utc_h: ArrayLike, day_of_year: ArrayLike, longitude_deg: ArrayL
 
 
 def hour_angle(time_solar_h: ArrayLike) -> FloatArray:
-    """Hour angle [rad], zero at solar noon, positive in the afternoon."""
+    """Return the hour angle [rad], zero at solar noon, positive in the afternoon."""
     return np.asarray((np.asarray(time_solar_h, float) - NOON_H) * (2.0 * np.pi / HOURS_PER_DAY))
 
 
@@ -101,7 +101,7 @@ class SunArc(NamedTuple):
 
 
 def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
-    """Path of the sun at a latitude [deg] for a declination [rad].
+    """Return the path of the sun at a latitude [deg] for a declination [rad].
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
 
 
 def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayLike) -> FloatArray:
-    """Cosine of the geometric zenith angle, negative below the horizon.
+    """Return the cosine of the geometric zenith angle, negative below the horizon.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayL
 def sun_vector_ned(
     latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayLike
 ) -> FloatArray:
-    """Unit vector from the aircraft to the sun, North-East-Down, on the last axis.
+    """Return the unit vector from the aircraft to the sun, North-East-Down, on the last axis.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class SunTimes(NamedTuple):
 
 
 def sun_times(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunTimes:
-    """Sunrise and sunset of the geometric sun (no refraction, sun's centre).
+    """Return sunrise and sunset of the geometric sun (no refraction, sun's centre).
 
     Polar night is a day of length zero around noon, polar day one of 24 hours; at a pole, and
     at the horizon-grazing limit, the result is one of these two. Nothing is NaN.
@@ -228,7 +228,7 @@ class SunPosition(NamedTuple):
 def sun_position(
     unix_time_s: ArrayLike, latitude_deg: ArrayLike, longitude_deg: ArrayLike
 ) -> SunPosition:
-    """Geometric position of the sun from universal time and place, for flight logs.
+    """Compute the geometric position of the sun from universal time and place.
 
     Without refraction and seen from the centre of the Earth: the sun's parallax is below 0.0025
     degrees. Source: Michalsky, J. J. (1988), The Astronomical Almanac's algorithm for approximate
@@ -264,7 +264,7 @@ def sun_position(
 
 
 def _equatorial(days: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Right ascension and declination [rad] from days since J2000."""
+    """Return right ascension and declination [rad] from days since J2000."""
     mean_longitude = np.radians(280.460 + 0.9856474 * days)
     anomaly = np.radians(357.528 + 0.9856003 * days)
     longitude = mean_longitude + np.radians(1.915 * np.sin(anomaly) + 0.020 * np.sin(2.0 * anomaly))
@@ -277,7 +277,7 @@ def _equatorial(days: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _greenwich_sidereal_deg(days: FloatArray) -> FloatArray:
-    """Mean sidereal time at Greenwich [deg].
+    """Return the mean sidereal time at Greenwich [deg].
 
     The almanac's ``6.697375 h + 0.0657098242 h/d`` plus universal time is one linear function; the
     whole days are dropped first, which keeps the digits.

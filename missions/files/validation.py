@@ -78,7 +78,7 @@ def _located(document: Document, path: KeyPath, message: str, *, at_key: bool = 
         prefix = path[:end]
         if prefix in document.overridden:
             return Problem(OVERRIDE + document.overridden[prefix], None, None, key, message)
-        # A block mapping starts on the line below its key; its key says better what is meant.
+        # A block mapping starts on the line below its key: point at the key.
         whole = at_key or isinstance(_value_at(document.data, prefix), dict | list)
         keys, values = document.key_marks.get(prefix), document.value_marks.get(prefix)
         if mark := (keys or values) if whole else (values or keys):
@@ -274,7 +274,7 @@ def _models_in(kind: Any) -> Iterator[type[BaseModel]]:
 
 # ---- the words ----
 
-# Pydantic's words, and those of a file's reader.
+# Pydantic's words, and their replacements.
 _WORDS = [
     (re.compile(expression), words)
     for expression, words in (

@@ -35,11 +35,11 @@ from missions.logs.units import (
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 
-# Where on the wing the modules of an MPPT are, in the name of its column.
+# Place of an MPPT's modules on the wing, in the name of its column.
 _PLACE = re.compile(r"[ _.-]?(?:left|right|cent(?:re|er)|front|rear|inner|outer)", re.IGNORECASE)
-# Made of others, never a column of the result.
+# Factors of the power, never a column of the result.
 _PARTS = ("solar_voltage_v", "solar_current_a")
-# What may stand in brackets behind a time and is no unit.
+# Words in brackets behind a time that are no unit.
 _ZONES = ("UTC", "Z", "GMT", "ISO", "LOCAL", "UNIX")
 
 
@@ -77,7 +77,7 @@ class ColumnMap(Record):
         Parameters
         ----------
         columns, timezone, start, ignore, exclude
-            As the keys of a map: the first three instead of its own, the others beside them.
+            As the keys of a map: the first three replace its values, the others add to them.
 
         Returns
         -------
@@ -222,7 +222,7 @@ def recipes_for(
                 taken.add(column.column)
     if guess and "solar_power_w" not in recipes:
         recipes |= _power_of_mppts(header, taken)
-    # Power from voltage and current where it has no column of its own.
+    # Power from voltage and current, if it has no column.
     volts, amps = (recipes.pop(part, None) for part in _PARTS)
     if amps is not None and volts is None:
         volts = recipes.get("mppt_voltage_v")
@@ -231,7 +231,7 @@ def recipes_for(
         recipes["solar_power_w"] = Recipe("solar_power_w", (tuple(pair),), guessed=True)
     for quantity in layout.ignore:
         recipes.pop(quantity, None)
-    # Guessed angles that are not all three are forgotten: a course alone is no attitude.
+    # Drop guessed angles unless there are all three: a course alone is no attitude.
     angles = [name for name in ATTITUDE if name in recipes]
     unwanted = any(name in layout.ignore for name in ATTITUDE)
     if len(angles) < len(ATTITUDE) and (unwanted or all(recipes[n].guessed for n in angles)):

@@ -46,7 +46,7 @@ def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = No
     path : path
         The file.
     columns : ColumnMap, optional
-        Which column is what; without, and for quantities it does not name, that is guessed.
+        Quantities of the columns; guessed for quantities that it does not name.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     recipes = recipes_for(text.header, layout)
     matched = recipes.by_quantity
     used = {name for recipe in matched.values() for name in recipe.columns}
-    # Dates beside times of day.
+    # Dates in a column, times of day in another.
     free = [name for name in text.header if name not in used.union(layout.ignore)]
     date = next((name for name in free if name.lower() in ("date", "date_utc")), None)
     notes = [*text.notes, *_check_header(text, recipes, date)]

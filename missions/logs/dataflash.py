@@ -125,7 +125,7 @@ def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
     table = np.ascontiguousarray(rows).view(kind.dtype)[:, 0]
     fields = {f: table[f].astype(float) * s for f, s in kind.scales.items()}
     clock, step = ("TimeUS", 1e-6) if "TimeUS" in fields else ("TimeMS", 1e-3)
-    if "Week" in fields and "T" in fields:  # GPS until 2014: TimeMS is that of the week
+    if "Week" in fields and "T" in fields:  # GPS until 2014: TimeMS counts from the week's start
         clock = "T"
     if clock not in fields:
         return {}

@@ -166,7 +166,7 @@ def _sheet_text(source: str) -> tuple[str, list[str]]:
 def _check_cells(content: BinaryIO, source: str) -> None:
     """Refuse sheets larger than a log: the reader would fill all between their cells.
 
-    Of each part of the file the rectangle around its cells counts, and what it unpacks to.
+    Counts the rectangle around the cells of each part of the file, and its unpacked size.
     """
     with zipfile.ZipFile(content) as book:
         unpacked = 0

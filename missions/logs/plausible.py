@@ -32,14 +32,14 @@ _WORDS: Mapping[Kind, str] = {
 # What loggers write for no value: nines, and the ends of integers; MAVLink has -1 % of charge.
 _CODES = (999.0, 9999.0, 99999.0, 999999.0, 32767.0, 65535.0, 2147483647.0, 4294967295.0)
 _SIGNED_CODES = (*_CODES, *(-c for c in _CODES), -32768.0, -2147483648.0)
-# A code is beyond the other values by more than this share of what they span.
+# A code is beyond the other values by more than this share of their range.
 _APART = 0.5
-# Sunlight on modules is never three times that of a clear sky: Gueymard (2017), Solar Energy 153,
-# 755-765, measured 1.9 kW/m2 below broken clouds. Of five neighbours most are no spikes.
+# Light on modules is never three times a clear sky's: Gueymard (2017), Solar Energy 153, 755-765,
+# measured 1.9 kW/m2 below broken clouds. Most of five neighbours are no spikes.
 _SPIKE, _NEIGHBOURS = 3.0, 5
-# A channel is frozen that repeats one value for so long [s] and in so many samples, that repeats
-# none elsewhere for a fifth of that, and whose usual step is three of its finest differences: a
-# coarse channel is not. Beyond half of the log it is a constant.
+# A frozen channel repeats a value for so long [s] and so many samples, but nowhere else for a fifth
+# of that; its usual step is at least three of its finest differences, unlike a coarse channel's. A
+# value held for more than half of the log is a constant.
 _FROZEN_S, _LEAST_FROZEN, _RATIO, _STEPS, _MOST_HELD = 60.0, 10, 5, 3.0, 0.5
 _USUAL = 0.2  # quantile of the steps
 _DARK = 0.02  # share of the highest power below which there is none to speak of
@@ -71,7 +71,7 @@ class LeftOut(NamedTuple):
 
 
 def utc_text(time_s: float) -> str:
-    """Universal time, to the second."""
+    """Return universal time, to the second."""
     instant = datetime.datetime.fromtimestamp(round(float(time_s)), datetime.UTC)
     return instant.strftime("%Y-%m-%d %H:%M:%S")
 

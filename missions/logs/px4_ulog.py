@@ -19,7 +19,7 @@ from missions.logs.units import ATTITUDE, MPPT
 
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")
-# Fields in degrees and metres, and those of old logs, integers in a unit.
+# Fields in degrees and metres, and the integers of old logs with their unit.
 _POSITION_FIELDS = {
     "latitude_deg": ("latitude_deg", "lat", 1e-7),
     "longitude_deg": ("longitude_deg", "lon", 1e-7),
@@ -38,7 +38,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     """Read a PX4 ULog; needs the package pyulog.
 
     Power and MPPT voltage come from ``sensor_mppt``, or where ``columns`` says; their times are
-    the log's. Boot time becomes universal time by the median difference to that of the satellites.
+    the log's. Boot time becomes universal time by the median difference to the satellites' time.
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))
@@ -127,7 +127,7 @@ def _characters_of(
 
 
 def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream], list[str]]:
-    """Topics in the log, of the first instance without a number; what of the log is lost."""
+    """Return the topics of the log, the first instance without a number, and notes on losses."""
     try:
         from pyulog import ULog
     except ImportError:

@@ -40,7 +40,7 @@ MAXIMUM_DROPPED = 0.5
 _SHOWN_PROBLEMS = 3
 _YEAR_S = 365.25 * 86400.0  # no flight is as long
 
-# A sample of what is logged at times of its own stands for a time no further from it than this [s].
+# A sample of a channel logged at other times is valid for times no further from it than this [s].
 _AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(REQUIRED[:3], 2.0)}
 _OTHER_AGE_S = 5.0
 
@@ -147,7 +147,7 @@ class FlightLog:
         return float(np.median(np.diff(self.time_s)))
 
     def segment(self) -> IntArray:
-        """Number of the uninterrupted stretch that each sample belongs to."""
+        """Return the number of each sample's uninterrupted stretch."""
         ends = np.array([gap.end_s for gap in self.gaps])
         return np.searchsorted(ends, self.time_s, side="right").astype(int)
 

@@ -37,9 +37,9 @@ def quantity_of(column: str) -> str:
     return column.partition(":")[0]
 
 
-# A place, an altitude held to the metre, a full battery, the air and the voltage of an MPPT may
-# rest; power and attitude never do. Times: where the almanac behind the sun's position
-# holds. Air: the highest on record is 56.7 C (World Meteorological Organization).
+# Position, an altitude held to the metre, a full battery, the air and an MPPT's voltage may be
+# constant; power and attitude never are. Times: range of the almanac of the sun's position. Air:
+# the highest on record is 56.7 C (World Meteorological Organization).
 QUANTITIES: Mapping[str, Quantity] = {
     "time": Quantity("time", -631152000.0, 2524608000.0, False,
         "time timestamp datetime utc timeutc utctime gpstime timegps epoch unixtime timeunix unix "
@@ -88,7 +88,7 @@ class Unit(NamedTuple):
 
 _DEG = 180.0 / np.pi
 _FOOT = 0.3048  # international foot of 1959
-# The first spelling of each is that of messages. Angles are degrees in log files.
+# Messages use the first spelling. Angles are degrees in log files.
 _SPELLINGS: Mapping[Dimension, Mapping[str, Unit]] = {
     "time": {
         "s sec seconds": Unit(1.0), "ms": Unit(1e-3), "us µs": Unit(1e-6), "ns": Unit(1e-9),
@@ -115,7 +115,7 @@ UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
     dimension: {name: unit for names, unit in known.items() for name in names.split()}
     for dimension, known in _SPELLINGS.items()
 }
-# Of any dimension, as no spelling is of two; what has no unit is in that of the log format.
+# Units of all dimensions, which share no spelling; None is the log format's unit.
 SCALES: dict[str | None, Unit] = {None: Unit(1.0)}
 for _units in UNITS.values():
     SCALES.update(_units)

@@ -1,4 +1,4 @@
-"""Days of a weather record: where they begin in its light, and their dates."""
+"""Days of a weather record: their nodes and dates."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _NEAR_MIDNIGHT_H = 3.0
 class DayAxis:
     """Days of a record, from one local solar midnight to the next, and their nodes.
 
-    ``nodes``: places in the record; a day's last node is the next day's first. ``time_h``: hours
-    since the day's first node [h]. ``midnight_h``: solar time of each day's first node, about 0
-    [h]. ``date``: date of each day in the calendar of the place. ``day_of_year``: that of the date,
-    1 to 365; 29 February counts as 28 February. ``time_s``: universal time of each day's first node
-    [s since 1970-01-01].
+    ``nodes``: indices in the record, shape ``(day, node)``; a day's last node is the next day's
+    first. ``time_h``: hours since the day's first node [h]. ``midnight_h``: solar time of each
+    day's first node, about 0 [h]. ``date``: date of each day in the site's calendar.
+    ``day_of_year``: 1 to 365; 29 February counts as 28 February. ``time_s``: universal time of each
+    day's first node [s since 1970-01-01].
     """
 
     nodes: IntArray
@@ -39,12 +39,12 @@ class DayAxis:
 
     @property
     def year(self) -> IntArray:
-        """Return the calendar year of each day."""
+        """Calendar year of each day."""
         return self.date.astype("datetime64[Y]").astype(int) + 1970
 
     @property
     def month(self) -> IntArray:
-        """Return the month of each day, 1 to 12."""
+        """Month of each day, 1 to 12."""
         return self.date.astype("datetime64[M]").astype(int) % 12 + 1
 
     @classmethod
@@ -62,7 +62,7 @@ class DayAxis:
         nodes = np.minimum(first[:, np.newaxis] + np.arange(per_day + 1), len(light.time_s) - 1)
         clock_h = light.time_solar_h[first]
         midnight_h = np.where(clock_h > 12.0, clock_h - HOURS_PER_DAY, clock_h)
-        # Dates are those of the place at its noon, not of Greenwich.
+        # Dates at the site's noon, not Greenwich's.
         noon_h = HOURS_PER_DAY / 2.0 - midnight_h + light.site.calendar_offset_h
         date = (light.time_s[first] + SECONDS_PER_HOUR * noon_h).astype("datetime64[s]")
         date = date.astype("datetime64[D]")

@@ -30,7 +30,7 @@ def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -
     Returns
     -------
     Weather
-        Equal intervals without gaps; what was repaired is told in ``repairs``.
+        Equal intervals without gaps; ``repairs`` lists repairs.
 
     Raises
     ------

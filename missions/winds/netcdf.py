@@ -47,7 +47,7 @@ _SPEEDS = {
 
 
 _HDF5 = b"\x89HDF"
-# A century of hours is 0.9 million; what is read at once is then some 2 GB in memory.
+# A century of hours is 0.9 million; values read at once take some 2 GB of memory.
 _LONGEST_AXIS, _MOST_AT_ONCE = 10_000_000, 100_000_000
 
 
@@ -63,7 +63,9 @@ def wind_table_from_netcdf(
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
         u, v, at = _at_longitude(u, v, longitude_deg, source)
-        months = _months(u, source)
+        if u["time"].dtype.kind != "M":
+            raise file_error(source, "has times that are no dates")
+        months = np.asarray(u["time"].dt.month.to_numpy())
         altitude_m = altitudes_m(u["level"], source)
         kept = (altitude_m >= MINIMUM_ALTITUDE_M) & (altitude_m <= MAXIMUM_ALTITUDE_M)
         levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
@@ -73,11 +75,11 @@ def wind_table_from_netcdf(
         percentiles = np.unique([*PERCENTILES, *([] if also is None else [also])])
         known = sorted(set(months.tolist()))
         north = np.argsort(latitudes)
-        rows = []
-        for i in north.tolist():
+        winds = np.empty((len(north), len(levels), len(known), len(percentiles)))
+        for row, i in zip(winds, north.tolist(), strict=True):  # one by one, for the memory
             speed = _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors, source)
-            rows.append(_of_latitude(speed, months, known, percentiles))
-        winds = np.stack(rows)
+            for column, month in enumerate(known):
+                row[:, column] = np.percentile(speed[months == month], percentiles, axis=(0, 2)).T
     if not np.isfinite(winds).all():
         raise file_error(source, "has gaps in the wind")
     fewest = min(int(np.sum(months == month)) for month in known) * u.shape[-1]
@@ -230,12 +232,6 @@ def nearest_longitude(longitudes: FloatArray, longitude_deg: float, source: str)
     return nearest
 
 
-def _months(u: xr.DataArray, source: str) -> FloatArray:
-    if u["time"].dtype.kind != "M":
-        raise file_error(source, "has times that are no dates")
-    return np.asarray(u["time"].dt.month.to_numpy())
-
-
 def altitudes_m(level: Any, source: str) -> FloatArray:
     """Return the altitude of levels [m]; of pressures in the standard atmosphere."""
     unit = str(level.attrs.get("units", "")).lower()
@@ -245,29 +241,16 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
     if unit not in _PASCALS:
         known = ", ".join([*_PASCALS, *_METRES])
         raise file_error(source, f"has levels in {unit or 'no unit'} (known: {known})")
-    # No pressure at all, or one below zero, is as high as one without a height.
+    # Pressures of zero or below are as high as the least one.
     return pressure_altitude_m(np.maximum(values * _PASCALS[unit], 1e-9))
 
 
 def _speed_m_per_s(
     u: xr.DataArray, v: xr.DataArray, factors: list[float], source: str
 ) -> FloatArray:
-    """Return the wind speed at a latitude; latitudes are read one by one."""
-    components = [
-        f * values_of(component, source) for f, component in zip(factors, (u, v), strict=True)
-    ]
-    speed = np.hypot(*components)
+    """Return the wind speed at a latitude [m/s], shape ``(time, level, longitude)``."""
+    speed = np.hypot(factors[0] * values_of(u, source), factors[1] * values_of(v, source))
     if np.any(speed > STRONGEST_M_PER_S):
         fastest = f"{np.nanmax(speed):.4g} m/s"
         raise file_error(source, f"has a wind of {fastest}: a code of missing values or its unit")
     return np.asarray(speed)
-
-
-def _of_latitude(
-    speed: FloatArray, months: FloatArray, known: list[int], percentiles: FloatArray
-) -> FloatArray:
-    """Return percentiles at a latitude, shape ``(level, month, percentile)``."""
-    of_months = [
-        np.percentile(speed[months == month], percentiles, axis=(0, 2)).T for month in known
-    ]
-    return np.stack(of_months, axis=1)

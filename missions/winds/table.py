@@ -23,7 +23,7 @@ from solar.types import FloatArray
 COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
 SHIPPED_SOURCE = "the shipped table"
 _SHIPPED = "zonal-p95.csv.gz"
-# Strongest wind of a table: that of the stratosphere's polar night jet is some 200 m/s.
+# Strongest wind of a table: the stratosphere's polar night jet reaches some 200 m/s.
 STRONGEST_M_PER_S = 400.0
 _ENDS = {
     "latitude_deg": (-90.0, 90.0),
@@ -127,7 +127,7 @@ class WindTable:
         altitude_m: ArrayLike,
         month: ArrayLike,
     ) -> FloatArray:
-        """Share of the time in which the wind is at most so strong [-].
+        """Return the share of the time in which the wind is at most so strong [-].
 
         Linear between the percentiles of the table; below the lowest and above the highest the
         speeds are distributed as Rayleigh's, through that percentile:
@@ -147,7 +147,7 @@ class WindTable:
 
 
 def _rayleigh(speed: FloatArray, wind: FloatArray, share: float) -> FloatArray:
-    """Share of Rayleigh's distribution below a speed, of which ``share`` lies below ``wind``."""
+    """Return the share below ``speed`` of a Rayleigh distribution with ``share`` below ``wind``."""
     calm = wind <= 0.0
     ratio = np.maximum(speed, 0.0) / np.where(calm, 1.0, wind)
     return np.where(calm, 1.0, -np.expm1(np.log1p(-share) * ratio**2))
@@ -202,7 +202,7 @@ def _number_rows(lines: list[str], first: int, names: list[str], source: str) ->
     kept = [s for s in lines if s.strip()]
     if not kept:
         raise file_error(source, "has no row")
-    try:  # fast; what it refuses is read again line by line, to name the place
+    try:  # fast; refused text is read again line by line, to name the place
         rows = np.loadtxt(io.StringIO("\n".join(kept)), delimiter=",", ndmin=2, comments=None)
     except ValueError:
         rows = np.empty((0, 0))

@@ -47,7 +47,7 @@ _LEFT_OUT: dict[Reason, tuple[str, str]] = {
 }
 _LOGGED: dict[str, Any] = {"color": VERMILLION, "linestyle": "-"}
 _ESTIMATED: dict[str, Any] = {"color": BLUE, "linestyle": "--"}
-# More points than this are not told apart on a page.
+# More points than this cannot be distinguished on a page.
 _MOST_POINTS = 4000
 _BRIGHT = 0.1  # of the peak: below, shares of MPPTs are noise
 

@@ -85,11 +85,10 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
 
 
 def _continued(excess_h: FloatArray) -> FloatArray:
-    """Return excess times whose zero is the edge of perpetual flight between cells as well.
+    """Return excess times whose zero is the edge of perpetual flight also between cells.
 
-    Excess time tends to zero on one side of the edge, and jumps to the other by an hour or two.
-    Cells on that other side have what the two cells beyond the edge lead to, a number in the same
-    band of colours.
+    At the edge excess time jumps from zero by an hour or two. Cells behind the jump get the
+    extrapolation of the two cells before it, within the same band of colours.
     """
     rows, columns = excess_h.shape
     around, band_h = np.pad(excess_h, 2, constant_values=np.nan), LEVELS_H[-4]
@@ -101,9 +100,9 @@ def _continued(excess_h: FloatArray) -> FloatArray:
                 sign * around[2 + k * down :, 2 + k * right :][:rows, :columns] for k in (1, 2)
             )
             ahead = np.fmax(ahead, np.where(near <= 0.0, 2.0 * near - far, np.nan))
-        beside = (sign * excess_h > 0.0) & (sign * excess_h < band_h) & np.isfinite(ahead)
-        changed = np.where(beside, sign * np.clip(ahead, 1e-6, 0.999 * band_h), excess_h)
-        results.append((int((ahead[beside] > 0.0).sum()), sign, changed))
+        changeable = (sign * excess_h > 0.0) & (sign * excess_h < band_h) & np.isfinite(ahead)
+        changed = np.where(changeable, sign * np.clip(ahead, 1e-6, 0.999 * band_h), excess_h)
+        results.append((int((ahead[changeable] > 0.0).sum()), sign, changed))
     return max(results, key=lambda result: result[:2])[2]
 
 

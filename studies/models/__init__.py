@@ -1,4 +1,4 @@
-"""Solar power models side by side: what they predict, and what each would have built.
+"""Comparison of solar power models: predictions for an aircraft, and designs sized with each.
 
 * ``comparison``: ``compare``: predictions, seasons and designs by model and correction
 * ``prediction``: what a model says of an aircraft; ``solar_models``: which models there are

@@ -78,7 +78,9 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     for spare in panels[columns:]:
         spare.remove()
     panels = panels[:columns]
-    heights = _heights(comparison.cases)
+    models = [case.solar.model for case in comparison.cases]
+    gaps = np.cumsum([0, *(a != b for a, b in itertools.pairwise(models))])
+    heights = np.arange(len(models)) + 0.5 * gaps
     for case, y in zip(comparison.cases, heights, strict=True):
         for axes, draw in zip(panels, _PANELS, strict=False):
             draw(axes, comparison, case, y)
@@ -118,13 +120,6 @@ def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
         f"design: {promised}{objective.label} [{objective.unit}],\n"
         f"{required:g} h of excess time required",
     )
-
-
-def _heights(cases: tuple[Case, ...]) -> Any:
-    """Return the heights of the rows, with a gap between models."""
-    models = [case.solar.model for case in cases]
-    changes = np.cumsum([0, *(a != b for a, b in itertools.pairwise(models))])
-    return np.arange(len(cases)) + 0.5 * changes
 
 
 def _legend(comparison: Comparison) -> list[Line2D]:

@@ -123,9 +123,9 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
     if not objective:
         return "excess_time", "charge_margin"
     sized = Objective(objective)
-    beside = (sized.beside, "battery_mass", "module_area", "wingspan")
+    others = (sized.beside, "battery_mass", "module_area", "wingspan")
     varied = {_label(data, str(name)) for name in data.coords}
-    return sized.column, next(name for name in beside if _label(data, name) not in varied)
+    return sized.column, next(name for name in others if _label(data, name) not in varied)
 
 
 def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
@@ -166,14 +166,15 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
 
 
 def _names_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
-    """Both variables of products of a catalogue, a line each; the reason where there is no result.
+    """Draw both variables by product of a catalogue, or the reason without a result.
 
     Nothing lies between two names.
     """
     (name,) = (str(n) for n in data["status"].dims)
     places = _axis_positions(data, name)
     figure, panels = new_figure(
-        *(1, 2),
+        1,
+        2,
         canvas=canvas,
         **_title_and_notes(data),
         size_in=(8.0, 1.6 + 0.28 * len(places)),
@@ -258,7 +259,7 @@ def _axis_positions(data: xr.Dataset, name: str) -> NDArray[Any]:
     return np.arange(data[name].size) if _has_names(data, name) else data[name].to_numpy()
 
 
-# Letters of all names of a horizontal axis that stand beside each other.
+# Letters of all names of a horizontal axis that fit in a row.
 _LETTERS_IN_A_ROW = 45
 
 
