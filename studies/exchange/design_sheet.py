@@ -54,17 +54,18 @@ class Entry:
     unit: str
     value: float | str | None
 
-    def text(self) -> str:
-        """Return the value for people: results with four digits, inputs as in the file.
+    def shown(self) -> tuple[str, str]:
+        """Return value and unit as people read them: in the form of the table of quantities.
 
-        Quantities of results have the digits of their table.
+        Other results have four digits, inputs as many as they were given.
         """
         known = q.TABLE.get(self.key)
-        if known is not None and known.digits and isinstance(self.value, float):
-            return known.text(self.value).replace(",", "")
+        if known is not None:
+            text, _, unit = known.fact(self.value)[1].replace(",", "").partition(" ")
+            return text, unit
         if self.group == "technology" and isinstance(self.value, float):
-            return f"{self.value:g}"
-        return number_text(self.value)
+            return f"{self.value:g}", unit_text(self.unit)
+        return number_text(self.value), unit_text(self.unit)
 
 
 @dataclass(frozen=True)
@@ -81,9 +82,7 @@ class DesignSheet:
     def table(self) -> Table:
         """Return a table for people, with a line between the groups."""
         columns = (Column("quantity"), Column("value", to_right=True), Column("unit"))
-        rows = tuple(
-            (entry.label, entry.text(), unit_text(entry.unit)) for entry in self.quantities
-        )
+        rows = tuple((entry.label, *entry.shown()) for entry in self.quantities)
         sections = group_starts(self.quantities)
         return Table(self.title, columns, rows, self.notes, sections=sections)
 

@@ -135,9 +135,9 @@ def escaped(text: str) -> str:
 
 def _latex_row(quantity: Entry) -> str:
     symbol = f"${quantity.symbol}$" if quantity.symbol else ""
-    value = quantity.text()
+    value, unit = quantity.shown()
     shown = value if value == UNLIMITED or isinstance(quantity.value, str) else f"${_power(value)}$"
-    return f"{escaped(quantity.label)} & {symbol} & {shown} & {_latex_unit(quantity.unit)} \\\\"
+    return f"{escaped(quantity.label)} & {symbol} & {shown} & {_latex_unit(unit)} \\\\"
 
 
 def _power(number: str) -> str:
@@ -147,7 +147,7 @@ def _power(number: str) -> str:
 
 def _latex_unit(unit: str) -> str:
     """Return a unit in upright letters, exponents raised."""
-    if unit == "1":
+    if not unit:
         return ""
-    raised = re.sub(r"([A-Za-z])([23])", r"\1^\2", unit)
+    raised = unit.replace("²", "^2").replace("³", "^3").replace("%", r"\%")
     return rf"$\mathrm{{{raised}}}$"

@@ -57,7 +57,7 @@ class Explorer:
         self._assets = _assets()
 
     def application(self, *, port: int, token: str) -> ASGIApp:
-        """ASGI application for a port, guarded by a token."""
+        """Return the ASGI application for a port, guarded by a token."""
         routes = [
             Route("/api/alive", self._alive),
             Route("/api/session", self._describe),
@@ -115,7 +115,7 @@ class Explorer:
             return _error(503, "ended", str(error))
 
     async def _view(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
-        """Day curve, numbers and map of some settings."""
+        """Return day curve, numbers and map of settings."""
         _only(body, "settings", "season", "client", "sequence")
         season = _one_of(body, "season", _SEASONS)
         client = body.get("client", "")
@@ -132,15 +132,15 @@ class Explorer:
         return await self._latest.run(client, work) | {"sequence": shown(body.get("sequence"))}
 
     async def _files(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
-        """Aircraft and mission as they stand, and the command that analyses them."""
+        """Return aircraft and mission of settings, and the command that analyses them."""
         _only(body, "settings")
         settings = self.session.settings(body.get("settings"))
         return self.session.saved(settings)
 
     async def _size(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
-        """Best design for the point or the whole mission."""
+        """Return the best design for the point or the whole mission."""
         _only(body, "settings", "objective", "scenarios")
-        names = tuple(one.value for one in Objective if not one.of_range)
+        names = tuple(objective.value for objective in Objective if not objective.of_range)
         objective = Objective(
             _one_of({"objective": Objective.min_mass.value} | body, "objective", names)
         )
@@ -171,10 +171,10 @@ class Explorer:
         while not (await asyncio.wait({running}, timeout=_LOOK_S))[0]:
             if await request.is_disconnected() and not running.done():
                 await loop.run_in_executor(None, self.worker.end)
-        found = running.result()
-        if "error" in found:
-            raise RefusedError([Refusal("mission", None, found["error"])])
-        return found
+        answer = running.result()
+        if "error" in answer:
+            raise RefusedError([Refusal("mission", None, answer["error"])])
+        return answer
 
 
 class _MalformedError(ValueError):
@@ -186,7 +186,7 @@ class _MalformedError(ValueError):
 
 
 def _assets() -> dict[str, bytes]:
-    """Files of the page by their path; there is no other way to a file."""
+    """Return the files of the page by their path; there is no other way to a file."""
     root = resources.files("studies.explorer") / "static"
     assets = {}
     for folder, prefix in ((root, ""), (root / "vendor", "vendor/")):
@@ -197,7 +197,7 @@ def _assets() -> dict[str, bytes]:
 
 
 async def _body(request: Request) -> dict[str, Any]:
-    """Body of a request as a JSON object."""
+    """Read the body of a request as a JSON object."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
         raise _MalformedError(415, "the body must be application/json")

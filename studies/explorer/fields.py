@@ -99,7 +99,7 @@ class Field:
         return f"{kind} from {self.minimum:g} to {self.maximum:g}{unit}"
 
     def to_dict(self) -> dict[str, Any]:
-        """For the page."""
+        """Return the field for the page."""
         return {**vars(self), "whole": self.whole, "allowed": self.allowed}
 
 
@@ -140,7 +140,7 @@ _CORRECTION_LABELS = {
 def fields_of(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, at: tuple[float, int]
 ) -> dict[str, Field | Choice]:
-    """Fields of an aircraft on a mission, by key.
+    """Return the fields of an aircraft on a mission by their keys.
 
     ``at``: latitude [deg] and day of year at the start. Returns in the order of the page.
     """
@@ -203,7 +203,7 @@ def _number_field(
 
 
 def _payload_ends(aircraft: Aircraft, mission: Mission) -> dict[str, float]:
-    """Far ends of the payload's sliders, about what such an aircraft may carry and feed."""
+    """Return the far ends of the payload's sliders: what such an aircraft may carry."""
     try:
         design = design_of(aircraft, mission)
     except ImpossibleDesignError:
@@ -215,7 +215,7 @@ def _payload_ends(aircraft: Aircraft, mission: Mission) -> dict[str, float]:
 
 
 def _round(value: float, rounded: Any) -> float:
-    """Number of two digits next to a positive one."""
+    """Return the number of two digits next to a positive one."""
     if value <= 0.0:
         return 0.0
     scale = 10.0 ** (math.floor(math.log10(value)) - 1)

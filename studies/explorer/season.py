@@ -76,7 +76,7 @@ class SeasonMaps:
         coarse: bool,
         design: Design | None = None,
     ) -> dict[str, Any]:
-        """Excess time in every cell that is known.
+        """Return the excess time of the cells of a map.
 
         ``aircraft``, ``mission``: what flies, in which air, with which load; the mission's own
         place plays no part. ``coarse``: every second row and column, in steps of a quarter of an
@@ -122,7 +122,7 @@ class SeasonMaps:
     def _light_of(
         self, aircraft: Aircraft, mission: Mission, solar: SolarModel, step_h: float
     ) -> _Light:
-        """Light that is kept, or room for it."""
+        """Return the light that is kept for settings, or an empty one to be filled."""
         modules = aircraft.modules.model_copy(update={"area_m2": 1.0})
         names = _KEYS_OF_LIGHT + (_KEYS_OF_PATH if solar.needs_path else ())
         key = _Key(modules, tuple(getattr(mission, name) for name in names), solar, step_h)
@@ -134,7 +134,7 @@ class SeasonMaps:
 
 
 def _fill(
-    light: _Light, sunlit: Callable[[FloatArray], SolarDay], known: list[int], turn_s: float
+    light: _Light, sunlight_at: Callable[[FloatArray], SolarDay], known: list[int], turn_s: float
 ) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
     end = time.monotonic() + turn_s
@@ -143,6 +143,6 @@ def _fill(
     for row in dict.fromkeys(n for stride in (8, 4, 2, 1) for n in range(0, count, stride)):
         if row in light.rows or row not in known:
             continue
-        light.add(row, sunlit(COARSE_LATITUDES_DEG[row : row + 1]))
+        light.add(row, sunlight_at(COARSE_LATITUDES_DEG[row : row + 1]))
         if time.monotonic() > end:
             return

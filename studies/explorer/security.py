@@ -40,12 +40,12 @@ _HEADERS = {
 
 
 def new_token() -> str:
-    """Random token of 256 bits."""
+    """Return a random token of 256 bits."""
     return secrets.token_urlsafe(32)
 
 
 def error_body(kind: str, message: str, problems: list[dict[str, Any]] | None = None) -> bytes:
-    """Error as the page and scripts read it.
+    """Return an error as the page and scripts read it.
 
     ``problems``: field, value, message and what is allowed, of each field that is wrong.
     """
@@ -92,7 +92,7 @@ class Guard:
     def _refused(
         self, scope: Scope, headers: dict[bytes, list[bytes]]
     ) -> tuple[int, str, str] | None:
-        """Status, kind and words of a refusal; None for a request that may pass."""
+        """Return status, kind and words of a refusal; None for a request that may pass."""
         hosts, origins = headers.get(b"host", []), headers.get(b"origin", [])
         if len(hosts) != 1 or hosts[0].lower() not in self._hosts:
             allowed = ", ".join(sorted(h.decode() for h in self._hosts))
@@ -113,22 +113,22 @@ class Guard:
         return None
 
     def _knows_token(self, scope: Scope, headers: dict[bytes, list[bytes]]) -> bool:
-        given = []
+        tokens = []
         for value in headers.get(b"authorization", []):
             scheme, _, token = value.partition(b" ")
-            given += [token.strip()] if scheme.lower() == b"bearer" else []
+            tokens += [token.strip()] if scheme.lower() == b"bearer" else []
         for value in headers.get(b"cookie", []):
-            given += _cookies(value, self.cookie)
+            tokens += _cookies(value, self.cookie)
         if scope["path"] == "/":
-            given += _tokens(scope)
-        return self._is_ours(given)
+            tokens += _tokens(scope)
+        return self._is_ours(tokens)
 
     def _is_ours(self, tokens: list[bytes]) -> bool:
-        return any(secrets.compare_digest(one, self._token) for one in tokens)
+        return any(secrets.compare_digest(token, self._token) for token in tokens)
 
 
 def _allowed_length(value: bytes) -> bool:
-    """Whether a length is a number of bytes that a body may have."""
+    """Return whether a length is a number of bytes that a body may have."""
     # Python refuses to read numbers of thousands of digits.
     return value.isdigit() and len(value) <= 20 and int(value) <= MAXIMUM_BODY_BYTES
 
@@ -145,7 +145,7 @@ def _tokens(scope: Scope) -> list[bytes]:
 
 
 def _cookies(header: bytes, name: str) -> list[bytes]:
-    """Values of a cookie, whatever other programs of this machine have set beside it.
+    """Return the values of a cookie among those that other programs have set.
 
     ``SimpleCookie`` drops all of them where it does not understand one.
     """
@@ -154,7 +154,7 @@ def _cookies(header: bytes, name: str) -> list[bytes]:
 
 
 def _limited(receive: Receive) -> Receive:
-    """Stream of a request's body that ends where it grows too long, whatever its header says.
+    """Return the stream of a body, which ends where it grows too long.
 
     The body must come within a time; what is received behind it, such as the end of the
     connection, may take as long as it likes.

@@ -25,7 +25,7 @@ _MOST_WAITING = 40  # connections that wait for a request; then the oldest of th
 
 
 def bound_socket(port: int) -> socket.socket:
-    """Socket that listens on this machine."""
+    """Return a socket that listens on this machine."""
     # Named as TCP, or asyncio leaves Nagle's algorithm on: every other answer came 40 ms late.
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
@@ -62,7 +62,7 @@ class Connection(H11Protocol):
         self._since_s = self.loop.time()
         waiting = [c for c in self.connections if isinstance(c, Connection) and c.waits]
         if len(waiting) >= _MOST_WAITING:
-            min(waiting, key=lambda one: one._since_s).leave()
+            min(waiting, key=lambda connection: connection._since_s).leave()
         super().connection_made(transport)
         self.loop.call_later(REQUEST_S, self._look, None)
 
@@ -95,7 +95,7 @@ class _Server(uvicorn.Server):
 
 
 def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
-    """Server of an explorer, not yet running."""
+    """Return the server of an explorer, not yet running."""
     server = _Server(
         uvicorn.Config(
             explorer.application(port=port, token=token),
@@ -118,7 +118,7 @@ def configured(explorer: Explorer, *, port: int, token: str) -> uvicorn.Server:
 
 
 def _is_a_mistake(record: logging.LogRecord) -> bool:
-    """Whether a message is worth a terminal: not that the end of the server broke a request off."""
+    """Return whether a message is more than that the server's end broke a request off."""
     error = record.exc_info[1] if record.exc_info else None
     broken_off = isinstance(error, asyncio.CancelledError)
     return not broken_off and not str(record.msg).startswith("Cancel ")

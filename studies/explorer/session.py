@@ -57,7 +57,7 @@ class Inputs:
 
     @property
     def files(self) -> dict[str, Document]:
-        """Data of both files, by ``aircraft`` and ``mission``."""
+        """Return the texts of the two files by ``aircraft`` and ``mission``."""
         return {"aircraft": self.aircraft_file, "mission": self.mission_file}
 
 
@@ -99,15 +99,15 @@ class Session:
         return isinstance(self.aircraft.airframe, MeasuredAirframe)
 
     def describe(self) -> dict[str, Any]:
-        """What the page is built from, JSON-ready: names, fields, choices and objectives."""
+        """Return names, fields, choices and objectives of the page, JSON-ready."""
         objectives = [
             {
-                "name": one.value,
-                "label": f"{'largest' if one.maximised else 'least'} {one.label}",
-                "unit": "" if one.unit == "1" else one.unit,
+                "name": entry.value,
+                "label": f"{'largest' if entry.maximised else 'least'} {entry.label}",
+                "unit": "" if entry.unit == "1" else entry.unit,
             }
-            for one in Objective
-            if not one.of_range
+            for entry in Objective
+            if not entry.of_range
         ]
         return {
             "version": __version__,
@@ -124,7 +124,9 @@ class Session:
                 "climbs": self.mission.climb is not None,
                 "wind": self.mission.wind_statistics is not None,
             },
-            "fields": [one.to_dict() for one in self.fields.values() if isinstance(one, Field)],
+            "fields": [
+                entry.to_dict() for entry in self.fields.values() if isinstance(entry, Field)
+            ],
             "choices": [
                 {**vars(choice), "options": [vars(option) for option in choice.options]}
                 for choice in self.fields.values()
@@ -144,7 +146,7 @@ class Session:
         return read_settings({} if data is None else data, self.fields)
 
     def inputs(self, settings: Settings, *, every_scenario: bool = False) -> Inputs:
-        """Aircraft and mission of settings, as their files would be.
+        """Return aircraft and mission of settings, as their files would be.
 
         ``every_scenario``: keep latitudes and dates of the mission's file instead of the single
         point.
@@ -174,7 +176,7 @@ class Session:
         return Inputs(aircraft, mission, aircraft_file, mission_file, settings.solar)
 
     def _at_point(self, settings: Settings) -> dict[str, Any]:
-        """Values that move the mission to a point; none where it is there already."""
+        """Return values that move the mission to a point; none where it is there already."""
         unmoved = all(settings.values[key] == self.fields[key].value for key in _PLACE)
         if unmoved and len(self.scenarios) == 1:
             return {}
@@ -186,13 +188,13 @@ class Session:
         return place if self.mission.launch is None else {**place, "launch": None}
 
     def analysis(self, settings: Settings) -> Analysis:
-        """Analysis of the point, as ``solar-uav analyse`` makes it."""
+        """Analyse the point, as ``solar-uav analyse`` does."""
         made = self.inputs(settings)
         with _told_to_the_page(made.solar):
             return _analysed(made.aircraft, made.mission, made.solar)
 
     def day(self, settings: Settings) -> dict[str, Any]:
-        """Day curve and numbers of the point, JSON-ready.
+        """Return day curve and numbers of the point, JSON-ready.
 
         Returns ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
         time, to five digits, and ``flight_charge``, that of a limited flight in the first day after
@@ -206,7 +208,7 @@ class Session:
         analysis = self.analysis(settings)
         perf, record = analysis.performance, analysis.to_dict()
         del record["scenarios"]
-        notes = [one.text for one in analysis.extrapolations]
+        notes = [extrapolation.text for extrapolation in analysis.extrapolations]
         if record["airspeed_above_wind"] is False:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
             held = "is raised to" if analysis.mission.holds_station else "is below"
@@ -231,7 +233,7 @@ class Session:
         return view.copy()
 
     def season(self, settings: Settings, *, coarse: bool = False) -> dict[str, Any]:
-        """Map of excess time over latitude and day of year."""
+        """Return the map of excess time over latitude and day of year."""
         made, known = self.inputs(settings), self._last_day
         design = known[2] if known is not None and known[0] == settings else None
         with _told_to_the_page(made.solar):
@@ -240,7 +242,7 @@ class Session:
             )
 
     def file_names(self) -> dict[str, str]:
-        """Names for what is saved: ``aircraft``, ``mission`` and ``report``."""
+        """Return names for what is saved: ``aircraft``, ``mission`` and ``report``."""
         name = re.sub(r"[^A-Za-z0-9_.-]+", "-", self.aircraft.name).strip("-.")[:60] or "aircraft"
         if names_a_device(name):
             name = f"aircraft-{name}"
@@ -252,7 +254,7 @@ class Session:
         }
 
     def report_task(self, settings: Settings) -> ReportTask:
-        """What a report on the point needs, which takes seconds to be made."""
+        """Return the task of a report on the point, which takes seconds."""
         made = self.inputs(settings)
         files = {
             kind: InputFile(f"{document.source}, as explored", None)
@@ -262,7 +264,7 @@ class Session:
         return ReportTask(made.aircraft, made.mission, inputs)
 
     def saved(self, settings: Settings) -> dict[str, Any]:
-        """Files of :meth:`files`, with names for them and the command that analyses them."""
+        """Return the files, names for them, and the command that analyses them."""
         names, solar = self.file_names(), settings.solar
         words = ["solar-uav", "analyse", names["aircraft"], "--mission", names["mission"]]
         words += ["--model", solar.model, "--correction", solar.correction]
@@ -273,7 +275,7 @@ class Session:
         }
 
     def files(self, settings: Settings) -> dict[str, str]:
-        """Text of the two files as they stand, by ``aircraft`` and ``mission``."""
+        """Return the texts of the two files by ``aircraft`` and ``mission``."""
         head = f"Written by solar-uav {__version__} explore from"
         return {
             kind: file_text(f"{head} {document.source}", document.data)
@@ -282,7 +284,7 @@ class Session:
 
 
 def _analysed(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Analysis:
-    """Aircraft on its mission, without the replay of its launch."""
+    """Analyse an aircraft on its mission, without the replay of its launch."""
     return analyse(aircraft, mission, model=solar.model, correction=solar.correction, replay=False)
 
 
@@ -298,12 +300,12 @@ def _told_to_the_page(solar: SolarModel) -> Iterator[None]:
 
 
 def _flight_charge(analysis: Analysis) -> list[float | None]:
-    """State of charge of the longest flight at the nodes of the day, null before and after it."""
+    """Return the charge of the longest flight at the nodes of the day, None outside it."""
     time_h, flight = analysis.performance.day.time_h, analysis.limited_flight
     if flight is None:
         return [None] * len(time_h)
-    flown = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
-    clock_h, _, _, charge = flown
+    course = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
+    clock_h, _, _, charge = course
     at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
     # What remains of the second day ends a node before the launch, where the battery was full.
     at_h[max(int(np.searchsorted(time_h, flight.launch_h)) - 1, 0)] = np.inf
@@ -311,12 +313,12 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
 
 
 def _digits(values: Any) -> list[float]:
-    """Numbers to five digits: more than a screen has pixels."""
+    """Return numbers with five digits: more than a screen has pixels."""
     return [float(f"{value:.5g}") for value in np.asarray(values).tolist()]
 
 
 def _refusals(error: InputError, settings: Settings) -> list[Refusal]:
-    """Mistakes by the field of the page that they belong to."""
+    """Return mistakes by the field of the page that they belong to."""
     refusals = []
     for problem in error.problems:
         at = _ALTITUDE if problem.key == _FLOOR else problem.key

@@ -27,7 +27,7 @@ class Refusal:
     allowed: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
+        """Return the refusal, JSON-ready."""
         return dict(vars(self))
 
 
@@ -69,7 +69,7 @@ def read_settings(data: object, fields: Mapping[str, Field | Choice]) -> Setting
     if not isinstance(data, Mapping):
         raise RefusedError([Refusal("settings", shown(data), "must be an object of values by key")])
     refusals = []
-    given: dict[str, Any] = {key: field.value for key, field in fields.items()}
+    accepted: dict[str, Any] = {key: field.value for key, field in fields.items()}
     for key, value in data.items():
         field = fields.get(key)
         if field is None:
@@ -82,15 +82,17 @@ def read_settings(data: object, fields: Mapping[str, Field | Choice]) -> Setting
             name = shown(key)
             refusals.append(Refusal(str(name), shown(value), message, allowed))
         else:
-            given[key] = value
+            accepted[key] = value
     if refusals:
         raise RefusedError(refusals)
-    values = {key: float(given[key]) for key, field in fields.items() if isinstance(field, Field)}
-    return Settings(values, SolarModel(given["model"], given["correction"]))
+    values = {
+        key: float(accepted[key]) for key, field in fields.items() if isinstance(field, Field)
+    }
+    return Settings(values, SolarModel(accepted["model"], accepted["correction"]))
 
 
 def _number_mistake(field: Field, value: object) -> str:
-    """What is wrong with a number; empty if nothing is."""
+    """Return what is wrong with a number; empty if nothing is."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return "must be a number"
     # An integer may be too large for a float.
@@ -104,7 +106,7 @@ def _number_mistake(field: Field, value: object) -> str:
 
 
 def _choice_mistake(choice: Choice, value: object) -> str:
-    """What is wrong with a name; empty if nothing is."""
+    """Return what is wrong with a name; empty if nothing is."""
     for option in choice.options:
         if option.name == value:
             return option.reason
@@ -112,7 +114,7 @@ def _choice_mistake(choice: Choice, value: object) -> str:
 
 
 def shown(value: object) -> Any:
-    """Value as a message may repeat it: a short text, or a number that JSON has."""
+    """Return a value as a message may repeat it: a short text, or a number of JSON."""
     if value is None or isinstance(value, bool):
         return value
     if isinstance(value, float) and math.isfinite(value):

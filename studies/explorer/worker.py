@@ -111,7 +111,7 @@ class Worker:
 
 
 def _serve(pipe: Connection) -> None:
-    """Work of the process: one task after the other, until the other end is closed."""
+    """Work on one task after the other, until the other end of the pipe is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's, which ends this one
     ignore_settings_of_folder()
     with suppress(EOFError, OSError):
@@ -169,10 +169,10 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
             constraint_words(name, study.aircraft).without_key
             for name in study.result.active_constraints
         ],
-        "missed": [one.text for one in study.result.violations],
+        "missed": [entry.text for entry in study.result.violations],
         "relaxations": [
-            one | {"label": _parameter_label(one["parameter"])}
-            for one in record.get("relaxations", [])
+            entry | {"label": _parameter_label(entry["parameter"])}
+            for entry in record.get("relaxations", [])
         ],
         "values": _short_values(study),
         "worst_scenario": record["worst_scenario"],
@@ -181,7 +181,7 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
 
 
 def _margin_record(guarded: SizingStudy) -> dict[str, Any]:
-    """Optimum that keeps its requirement with one RMS error less solar power."""
+    """Return the optimum that bears one RMS error less solar power, JSON-ready."""
     percent = f"{100 * guarded.solar.rms_relative:.0f} %"
     return {
         "error": f"one RMS error of {guarded.solar.model} ({percent})",
@@ -192,7 +192,7 @@ def _margin_record(guarded: SizingStudy) -> dict[str, Any]:
 
 
 def _short_values(study: SizingStudy) -> dict[str, float] | None:
-    """Optimum by the keys of the page; in six digits where such a design meets the requirement."""
+    """Return the optimum by keys, in six digits where that meets the requirement."""
     if study.design is None:
         return None
     chosen, payload = study.design.variables, study.sized_mission().payload
@@ -203,14 +203,14 @@ def _short_values(study: SizingStudy) -> dict[str, float] | None:
     aircraft, mission = study.sized_aircraft(), study.sized_mission()
     for key, value in short.items():
         aircraft, mission = with_parameter(aircraft, mission, key, value)
-    flown = performance(aircraft, mission, study.solar, keep_trajectory=False)
-    enough = float(flown.cycle.excess_time_h.min()) >= study.result.required_excess_time_h
-    fits = flown.design.variables.module_area_m2 <= flown.design.wing_area_m2
+    perf = performance(aircraft, mission, study.solar, keep_trajectory=False)
+    enough = float(perf.cycle.excess_time_h.min()) >= study.result.required_excess_time_h
+    fits = perf.design.variables.module_area_m2 <= perf.design.wing_area_m2
     return short if enough and fits else exact
 
 
 def _parameter_label(key: str) -> str:
-    """Parameter in words; its key where the catalogue has none."""
+    """Return a parameter in words; its key where the catalogue has none."""
     try:
         return label(key)
     except KeyError:

@@ -73,33 +73,34 @@ _ATTRIBUTES = {"specific_energy_wh_per_kg": "specific_energy", "capacity_ah": "c
 
 
 def catalogue_table(kind: Kind) -> Table:
-    """Entries of a catalogue with what they give, a row each."""
+    """Return the entries of a catalogue, a row each."""
     columns = (Column("name"), Column("label", "product"), *_COLUMNS[kind])
     rows = tuple(
-        (name, one.label, *_values(one, _COLUMNS[kind])) for name, one in entries(kind).items()
+        (name, entry.label, *_values(entry, _COLUMNS[kind]))
+        for name, entry in entries(kind).items()
     )
     return Table(_TITLES[kind], columns, rows, (_NOTES[kind],))
 
 
-def _values(one: Entry, columns: Sequence[Column]) -> Iterator[float | str | None]:
-    """Values of an entry in the units of the columns."""
+def _values(entry: Entry, columns: Sequence[Column]) -> Iterator[float | str | None]:
+    """Yield the values of an entry in the units of the columns."""
     for column in columns:
         name = column.name
-        if isinstance(one, CellEntry) and name == "mass_kg_per_m2":
-            value = one.parameters({"efficiency_stc": 1.0}).get(name)
-        elif isinstance(one, MotorEntry) and name == "efficiency_24_v":
-            value = one.best_efficiency(24.0)
-        elif isinstance(one, MpptEntry) and name == "mass_g_per_w":
-            value = 1000.0 * one.mass_kg_per_w
+        if isinstance(entry, CellEntry) and name == "mass_kg_per_m2":
+            value = entry.parameters({"efficiency_stc": 1.0}).get(name)
+        elif isinstance(entry, MotorEntry) and name == "efficiency_24_v":
+            value = entry.best_efficiency(24.0)
+        elif isinstance(entry, MpptEntry) and name == "mass_g_per_w":
+            value = 1000.0 * entry.mass_kg_per_w
         else:
-            value = getattr(one, _ATTRIBUTES.get(name, name))
+            value = getattr(entry, _ATTRIBUTES.get(name, name))
         yield 100.0 * value if column.unit.startswith("%") and value is not None else value
 
 
 def catalogue_record(kind: Kind) -> dict[str, Any]:
-    """Entries of a catalogue by their names, JSON-ready: numbers, sources, basis of batteries."""
+    """Return the entries of a catalogue by their names, JSON-ready."""
     return {
-        name: one.model_dump(mode="json", exclude_none=True)
-        | ({"basis": one.basis} if isinstance(one, BatteryEntry) else {})
-        for name, one in entries(kind).items()
+        name: entry.model_dump(mode="json", exclude_none=True)
+        | ({"basis": entry.basis} if isinstance(entry, BatteryEntry) else {})
+        for name, entry in entries(kind).items()
     }

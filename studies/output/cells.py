@@ -33,7 +33,7 @@ _UNLIMITED = VERMILLION  # a colour that the scale does not have
 
 
 def cell_edges(centres: FloatArray) -> FloatArray:
-    """Edges half-way between the centres of cells."""
+    """Return the edges half-way between the centres of cells."""
     centres = np.asarray(centres, float)
     if len(centres) == 1:
         half = 0.05 * abs(centres[0]) or 0.5
@@ -44,7 +44,7 @@ def cell_edges(centres: FloatArray) -> FloatArray:
 
 
 def finite_range(values: FloatArray) -> Normalize:
-    """Range of colours from the least to the largest finite value."""
+    """Return the range of colours from the least to the largest finite value."""
     finite = values[np.isfinite(values)]
     if not len(finite):
         return Normalize(0.0, 1.0)
@@ -113,7 +113,7 @@ def hatch_cells(
 
 
 def _area(marked: NDArray[np.bool_], across: FloatArray, up: FloatArray) -> Path:
-    """Marked cells as one path, which is hatched at once: ten thousand of them take a second.
+    """Return marked cells as one path: hatching ten thousand of them takes a second.
 
     Neighbours in a row are one rectangle.
     """

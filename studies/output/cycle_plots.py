@@ -62,7 +62,7 @@ def _error_band(axes: Axes, x: Any, low: Any, high: Any, colour: str, label: str
 def plot_cycle(
     analysis: Analysis, scenario: int | None = None, *, figure: Canvas = DEFAULT
 ) -> Figure:
-    """State of charge and power over the cycle of one scenario, or over its flight if that ends.
+    """Draw power and state of charge over the day of a scenario, or over its flight.
 
     An aircraft that flies perpetually is drawn on its repeated day. One that does not has none: it
     is drawn from the launch of its longest flight until the battery is empty.
@@ -163,7 +163,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
 
 
 def _draw_excess(axes: Axes, perf: Performance, index: int) -> None:
-    """Interval of the excess time: what is left at equal power would carry the load that long."""
+    """Draw the interval of the excess time, from equal power in the morning on."""
     excess = float(perf.cycle.excess_time_h[index])
     if not np.isfinite(excess):
         return
@@ -203,7 +203,7 @@ def _set_altitudes(axes: Axes, altitude_m: FloatArray) -> None:
 
 
 def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
-    """Interval of the charge margin; a short one has no room for an arrow and gets a text alone."""
+    """Draw the interval of the charge margin; a short one gets a text alone."""
     text = f"charge margin {margin_h:.1f} h"
     if margin_h < 2.0:
         _beside(axes, text, (full_h, 62))
@@ -214,7 +214,7 @@ def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
 def _draw_interval(
     axes: Axes, start_h: float, end_h: float, level: float, text: str, *, below: bool = False
 ) -> None:
-    """Arrow over an interval of time, and what it is."""
+    """Draw an arrow over an interval of time, and what it is."""
     arrow = {"arrowstyle": "<->", "color": ink(), "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (end_h, level), (start_h, level), arrowprops=arrow)
     middle = (start_h + end_h) / 2.0
@@ -230,7 +230,7 @@ _MOST_DAYS = 12  # labels along the axis of a long flight
 
 
 def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas: Canvas) -> Figure:
-    """Power and state of charge from the launch of the longest flight to the empty battery."""
+    """Draw the longest flight from its launch to the empty battery."""
     perf = analysis.performance
     hours, launch = float(longest.endurance_h), float(longest.launch_h)
     where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
@@ -244,21 +244,24 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         sharex=True,
     )
     end = launch + hours
-    flown, less, greater = (
-        one.course(index, launch, hours) for one in (perf, analysis.low, analysis.high)
+    nominal, less, greater = (
+        course.course(index, launch, hours) for course in (perf, analysis.low, analysis.high)
     )
-    clock_h = flown.clock_h
+    clock_h = nominal.clock_h
     (least_w, least), (most_w, most) = (
-        [np.interp(clock_h, one.clock_h, v) for v in (one.solar_power_w, one.state_of_charge)]
-        for one in (less, greater)
+        [
+            np.interp(clock_h, course.clock_h, v)
+            for v in (course.solar_power_w, course.state_of_charge)
+        ]
+        for course in (less, greater)
     )
-    power.plot(clock_h, flown.solar_power_w, SUN_LINE, color=SUN, label="solar power")
-    where = model_error_note(perf.mission.altitude_m)
+    power.plot(clock_h, nominal.solar_power_w, SUN_LINE, color=SUN, label="solar power")
+    where = where_error_is_known(perf.mission.altitude_m)
     error = f"RMS error of the model{where}, {100 * perf.solar.rms_relative:.0f} %"
     _error_band(power, clock_h, least_w, most_w, SUN, error)
-    power.plot(clock_h, flown.load_w, LOAD_LINE, color=LOAD, label="load")
+    power.plot(clock_h, nominal.load_w, LOAD_LINE, color=LOAD, label="load")
     power.set(ylabel="power [W]", ylim=(0, None))
-    percent = 100.0 * flown.state_of_charge
+    percent = 100.0 * nominal.state_of_charge
     charge.plot(clock_h, percent, CHARGE_LINE, color=CHARGE, label="state of charge")
     _error_band(charge, clock_h, 100.0 * least, 100.0 * most, CHARGE, _WITH_ERROR)
     sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
@@ -268,8 +271,8 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         nights = [(launch, end)]
     shown = [(max(a, launch), min(b, end)) for a, b in nights if a < end and b > launch]
     for axes in more:
-        axes.plot(clock_h, flown.altitude_m, color=LOAD)
-        _set_altitudes(axes, flown.altitude_m)
+        axes.plot(clock_h, nominal.altitude_m, color=LOAD)
+        _set_altitudes(axes, nominal.altitude_m)
     last = [power, charge, *more][-1]
     for axes in (power, charge, *more):
         shade(axes, shown)
@@ -287,7 +290,7 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
 
 @styled
 def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEFAULT) -> Figure:
-    """State of charge and power of a replayed flight over local time.
+    """Draw power and state of charge of a replayed flight over local time.
 
     Parameters
     ----------
@@ -333,7 +336,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
 
 
 def _label_clock(axes: Axes, ends: tuple[float, float], day_label: Callable[[int], str]) -> None:
-    """Clock along the axis, and at midnight the day, counted from 0 for the first."""
+    """Write the clock along the axis, and the day at midnight, counted from 0."""
     first, last = ends
     step = next((s for s in (3, 6, 12) if last - first <= 12 * s), 24)
     ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)

@@ -50,7 +50,7 @@ def plot_sensitivities(
     extrapolations: Sequence[Extrapolation] = (),
     figure: Canvas = DEFAULT,
 ) -> Figure:
-    """Change of the objective by one per cent more of each parameter.
+    """Draw the change of the objective by one per cent more of each parameter.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def plot_sensitivities(
 def plot_masses(
     masses_kg: dict[str, float], title: str, *, notes: Sequence[str] = (), figure: Canvas = DEFAULT
 ) -> Figure:
-    """Mass budget as horizontal bars, heaviest on top.
+    """Draw the mass budget as horizontal bars, heaviest on top.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def plot_masses(
 
 @styled
 def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Figure:
-    """V-n diagram: manoeuvres, gusts, and the limit loads that the structure is sized for.
+    """Draw the V-n diagram: manoeuvres, gusts and limit loads of the structure.
 
     Parameters
     ----------
@@ -158,33 +158,35 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
     structure = analysis.structure
     if structure is None or structure.flight_envelope is None:
         raise ValueError(f"{analysis.aircraft.name} has no rib_wing: its loads are not known")
-    one = structure.flight_envelope
+    envelope = structure.flight_envelope
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{analysis.aircraft.name}: flight envelope",
         notes=(f"{float(analysis.performance.design.total_mass_kg):.2f} kg", "CS 23.333"),
         size_in=(7.0, 4.6),
     )
-    airspeed = np.linspace(0.0, one.dive_speed_m_per_s, 400)
-    up, down = one.manoeuvre(airspeed)
+    airspeed = np.linspace(0.0, envelope.dive_speed_m_per_s, 400)
+    up, down = envelope.manoeuvre(airspeed)
     axes.fill_between(airspeed, down, up, color=CHARGE, alpha=0.15, linewidth=0)
     outline = np.concatenate([up, down[::-1]])
     axes.plot(np.concatenate([airspeed, airspeed[::-1]]), outline, color=CHARGE, label="manoeuvres")
     for number, sign in enumerate((1.0, -1.0)):
-        ends = [(0.0, 1.0), *((v, 1.0 + sign * dn) for v, dn in one.gusts)]
+        ends = [(0.0, 1.0), *((v, 1.0 + sign * dn) for v, dn in envelope.gusts)]
         for speed, factor in ends[1:]:
             axes.plot((0.0, speed), (1.0, factor), ":", color=SUN, linewidth=1.0)
         label = "gusts at cruise and dive speed" if not number else ""
         axes.plot(*np.transpose(ends[1:]), "o--", color=SUN, markersize=4, label=label)
-    for number, limit in enumerate((one.limit_load_factor, -one.negative_limit_load_factor)):
+    for number, limit in enumerate(
+        (envelope.limit_load_factor, -envelope.negative_limit_load_factor)
+    ):
         label = "limit loads of the structure" if not number else ""
         axes.axhline(limit, color=LOAD, linestyle="-.", linewidth=1.2, label=label)
     axes.axhline(0.0, color=ink(), linewidth=0.8)
     axes.axhline(1.0, color=ink(), linewidth=0.5, linestyle=":")
     for name, speed in (
-        ("$V_S$", one.stall_speed_m_per_s),
-        ("$V_C$", one.cruise_speed_m_per_s),
-        ("$V_D$", one.dive_speed_m_per_s),
+        ("$V_S$", envelope.stall_speed_m_per_s),
+        ("$V_C$", envelope.cruise_speed_m_per_s),
+        ("$V_D$", envelope.dive_speed_m_per_s),
     ):
         axes.axvline(speed, color=ink(), linewidth=0.5, linestyle=":")
         axes.annotate(
@@ -196,7 +198,7 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
             fontsize="small",
         )
     axes.set(
-        xlim=(0.0, 1.1 * one.dive_speed_m_per_s),
+        xlim=(0.0, 1.1 * envelope.dive_speed_m_per_s),
         xlabel="equivalent airspeed [m/s]",
         ylabel="load factor [-]",
     )
@@ -206,7 +208,7 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
 
 @styled
 def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
-    """Wing, and tail where it bears cells, from above with every solar cell and keep-out."""
+    """Draw the wing, and a tail with cells, from above with all cells and keep-outs."""
     mpl = library()
 
     def drawn_as(shapes: Sequence[Patch], **style: Any) -> None:

@@ -22,19 +22,19 @@ _LONGEST_SHEET, _NOT_IN_SHEETS = 31, "[]:*?/\\"
 
 
 def image_format(path: str) -> str | None:
-    """Image format of a file name, none if it is not one that can be drawn."""
+    """Return the image format of a file name; None if it cannot be drawn."""
     suffix = PurePath(path).suffix.lstrip(".").lower()
     return suffix if suffix in IMAGE_FORMATS else None
 
 
 def grid_format(path: str) -> str | None:
-    """Format of the file of a result on a grid, none if it is not one that can be written."""
+    """Return the format of a file on a grid; None if it cannot be written."""
     suffix = PurePath(path).suffix.lstrip(".").lower()
     return suffix if suffix in GRID_FORMATS else None
 
 
 def table_format(path: str) -> str | None:
-    """Format of a table's file name, none if it is not one that can be written.
+    """Return the format of a table's file; None if it cannot be written.
 
     A name without an ending, such as ``/dev/stdout``, means CSV.
     """
@@ -43,7 +43,7 @@ def table_format(path: str) -> str | None:
 
 
 def missing_writer(file_format: str | None) -> str | None:
-    """What to install before a format can be written; None where nothing is missing."""
+    """Return what to install for a format; None where nothing is missing."""
     if file_format not in _WRITERS:
         return None
     name, library, extra = _WRITERS[file_format]
@@ -53,7 +53,7 @@ def missing_writer(file_format: str | None) -> str | None:
 
 
 def table_bytes(table: pd.DataFrame, path: str | None, *, title: str = "table") -> bytes:
-    """Table without its index in the format that the name of its file asks for."""
+    """Return a table in the format that the name of its file requests."""
     file_format = None if path is None else table_format(path)
     if file_format == "xlsx":
         return workbook_bytes({title: table})
@@ -65,7 +65,7 @@ def table_bytes(table: pd.DataFrame, path: str | None, *, title: str = "table") 
 
 
 def workbook_bytes(tables: Mapping[str, pd.DataFrame]) -> bytes:
-    """Tables as the sheets of an Excel workbook; text stays text, whatever it begins with."""
+    """Return tables as the sheets of an Excel workbook; text stays text."""
     import pandas as pd
 
     from missions.files.writing import OutputError  # help texts import this module alone
@@ -86,7 +86,7 @@ def workbook_bytes(tables: Mapping[str, pd.DataFrame]) -> bytes:
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """Table as CSV without its index.
+    """Return a table as CSV without its index.
 
     Text that a spreadsheet would take for a formula gets a quote before it, as OWASP advises
     against CSV injection; numbers stay numbers.

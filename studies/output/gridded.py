@@ -73,7 +73,7 @@ class Gridded:
 
 
 def dataset(variables: Any, coordinates: Any, attrs: Mapping[str, Any]) -> xr.Dataset:
-    """Dataset of variables, coordinates and attributes as xarray takes them."""
+    """Return a dataset of variables, coordinates and attributes of xarray."""
     import xarray as xr
 
     return xr.Dataset(dict(variables), dict(coordinates), dict(attrs))
@@ -84,7 +84,7 @@ OnGrid: TypeAlias = "Gridded | xr.Dataset"
 
 
 def to_netcdf_bytes(data: OnGrid) -> bytes:
-    """NetCDF-4 file of a result, made in memory: HDF5 crashes where a disk is full.
+    """Return a result as NetCDF-4, made in memory: HDF5 crashes where a disk is full.
 
     The file is the same whether xarray writes it or not.
     """
@@ -117,7 +117,7 @@ def status_names(data: OnGrid) -> dict[int, str]:
 
 
 def to_bytes(data: OnGrid, file_format: str | None, cells: str) -> bytes:
-    """Content of a file in one of :data:`studies.output.formats.GRID_FORMATS`; NetCDF for none.
+    """Return a file in one of :data:`studies.output.formats.GRID_FORMATS`, by default NetCDF.
 
     A CSV file has the configuration as JSON in its first line, behind ``#``; a Parquet file in the
     table's attributes; a workbook in a sheet of its own, beside that of the ``cells``.
@@ -135,7 +135,7 @@ def to_bytes(data: OnGrid, file_format: str | None, cells: str) -> bytes:
 
 
 def to_table(data: OnGrid) -> pd.DataFrame:
-    """One row per cell of a map or point of a trade study.
+    """Return a row for each cell of a map or point of a trade study.
 
     Parameters
     ----------
@@ -179,14 +179,17 @@ _REASONS = {
 }
 # Variable -> unit, long name.
 DESCRIBED: dict[str, tuple[str, str]] = {
-    **{one.variable: one.described for one in DESIGN_COLUMNS},
-    **{one.variable: (one.unit or "1", f"{one.label} of the worst scenario") for one in REACHED},
+    **{quantity.variable: quantity.described for quantity in DESIGN_COLUMNS},
+    **{
+        quantity.variable: (quantity.unit or "1", f"{quantity.label} of the worst scenario")
+        for quantity in REACHED
+    },
     **described("power_out_w shortfall violated_requirement message extrapolations status"),
 }
 
 
 def requirement_label(name: str) -> str:
-    """Requirement that is not met, in words.
+    """Return a requirement that is not met in words.
 
     ``name``: as a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
     """
@@ -199,7 +202,7 @@ def requirement_label(name: str) -> str:
 
 
 def reasons_without_result(data: OnGrid) -> NDArray[Any]:
-    """Why each cell has no result, in words; empty for those that have one."""
+    """Return why each cell has no result, in words; empty where it has one."""
     names, status = status_names(data), data["status"].to_numpy()
     reasons = np.full(status.shape, "", dtype=object)
     for value, name in names.items():
@@ -214,7 +217,7 @@ def reasons_without_result(data: OnGrid) -> NDArray[Any]:
 
 
 def resize_objective(name: str | Objective) -> Objective:
-    """Objective that every cell of a map and every point of a trade study can have."""
+    """Return an objective that cells of maps and points of trade studies can have."""
     if name not in RESIZE_NAMES:
         raise ValueError(f"unknown objective {str(name)!r}; allowed: {', '.join(RESIZE_NAMES)}")
     return Objective(name)
@@ -226,7 +229,7 @@ def variables(
     described: Mapping[str, tuple[str, str]],
     flags: Iterable[IntEnum],
 ) -> dict[str, Labelled]:
-    """Variables of a dataset, with CF attributes.
+    """Return the variables of a dataset, with CF attributes.
 
     ``columns``: values by name; what is not described is left out. Returns by name;
     :class:`xarray.Dataset` takes them as well.
@@ -248,7 +251,7 @@ def variables(
 def attributes(
     title: str, aircraft: Aircraft, mission: Mission, solar: SolarModel
 ) -> dict[str, Any]:
-    """Attributes of a dataset: everything that it was computed from.
+    """Return the attributes of a dataset: everything that it was computed from.
 
     Returns texts by name, those of CF among them.
     """
@@ -266,20 +269,20 @@ def attributes(
 
 
 def flown_caption(data: OnGrid) -> str:
-    """Model and correction that a map or a trade study was computed with, and its climbs."""
+    """Return the model and correction of a map or a trade study, and its climbs."""
     label = SolarModel(data.attrs["solar_model"], data.attrs["correction"]).label
     return "; ".join(filter(None, (label, data.attrs.get(CLIMB, ""))))
 
 
 def extrapolation_attribute(extrapolations: Sequence[Extrapolation]) -> dict[str, str]:
-    """Attribute that tells what lies outside the range of a model; none where nothing does."""
+    """Return the attribute of what is extrapolated; none where nothing is."""
     if not extrapolations:
         return {}
-    return {"extrapolations": to_json([one.to_dict() for one in extrapolations])}
+    return {"extrapolations": to_json([quantity.to_dict() for quantity in extrapolations])}
 
 
 def extrapolations_of(data: OnGrid) -> tuple[Extrapolation, ...]:
-    """What lies outside the range of a model in a map or a trade study, each quantity once."""
+    """Return what is extrapolated in a map or a trade study, each quantity once."""
     records = json.loads(data.attrs.get("extrapolations", "[]"))
     return tuple(map(Extrapolation.from_dict, records))
 
@@ -287,7 +290,7 @@ def extrapolations_of(data: OnGrid) -> tuple[Extrapolation, ...]:
 def told_of_cells(
     columns: Mapping[str, Any], described: Sequence[int], what: str
 ) -> tuple[Extrapolation, ...]:
-    """What the cells or points of a study tell, each quantity once with its worst value.
+    """Return what is extrapolated in cells or points, with its worst values.
 
     ``columns``: with the status and the text of every cell.
     """
@@ -297,7 +300,7 @@ def told_of_cells(
 
 
 def shown_places(values: Sequence[float], most: int) -> list[int]:
-    """Places of the values that a table of so many rows shows: of many, those of round values."""
+    """Return the indices of values that a table of so many rows shows, round ones first."""
     every = list(range(len(values)))
     if len(every) <= most:
         return every
@@ -315,6 +318,6 @@ def feasible(data: OnGrid) -> NDArray[np.bool_]:
 
 
 def failed_count(data: OnGrid) -> int:
-    """Number of cells that could not be computed."""
+    """Return the number of cells that could not be computed."""
     failed = data["status"].to_numpy() == SizingStatus.failed
     return int(failed.sum())  # the same in every status

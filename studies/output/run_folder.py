@@ -54,7 +54,7 @@ class InputFile:
 
     @classmethod
     def of(cls, path: Path) -> InputFile:
-        """File at a path; one that is no plain file has no checksum."""
+        """Return the file at a path; one that is no plain file has no checksum."""
         data = path.read_bytes() if path.is_file() else None
         return cls(str(path), None if data is None else hashlib.sha256(data).hexdigest())
 
@@ -69,7 +69,7 @@ class RunInputs:
     files: Mapping[str, InputFile]
 
     def of_aircraft(self, aircraft: Mapping[str, Any]) -> RunInputs:
-        """Same inputs with an aircraft that a command has made of them."""
+        """Return the same inputs with an aircraft that a command has made of them."""
         return dataclasses.replace(self, aircraft=aircraft)
 
 
@@ -108,7 +108,7 @@ def _refuse_newer(record: Any, text: str, source: str) -> None:
     trouble = format_trouble(version)
     if trouble is not None:
         lines = enumerate(text.splitlines(), start=1)
-        line = next((number for number, one in lines if f'"{FORMAT_KEY}"' in one), None)
+        line = next((number for number, content in lines if f'"{FORMAT_KEY}"' in content), None)
         raise InputError([Problem(source, line, None, FORMAT_KEY, trouble)])
 
 
@@ -156,7 +156,7 @@ def write_run_folder(
 def _drawn(
     figures: Mapping[str, Callable[[str], bytes]],
 ) -> tuple[dict[str, bytes], Exception | None]:
-    """Files of figures, or none and the reason."""
+    """Return the files of figures, or none and the reason."""
     try:
         return {name: draw(name) for name, draw in figures.items()}, None
     except Exception as error:
@@ -168,7 +168,7 @@ def _read(path: Path) -> bytes:
 
 
 def _files_of_run(folder: Path) -> set[str]:
-    """Files that an earlier run wrote into a folder; none but its own, and none elsewhere."""
+    """Return the files that an earlier run wrote into a folder."""
     try:
         names = json.loads(_read(folder / RUN))["files"]
         return {name for name in names if _NAME.fullmatch(name)}
@@ -177,7 +177,7 @@ def _files_of_run(folder: Path) -> set[str]:
 
 
 def _json_bytes(record: Any) -> bytes:
-    """Record as strict JSON."""
+    """Return a record as strict JSON."""
     return (to_json(record, indent=2) + "\n").encode()
 
 
@@ -186,7 +186,7 @@ def _described_file(data: Mapping[str, Any], file: InputFile) -> bytes:
 
 
 def _with_named_files(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[str, Path]]:
-    """Aircraft whose own files, such as an airfoil's table, lie beside it; and those files.
+    """Return the aircraft with the files that it names beside it, and those files.
 
     The files are named by their role, a folder of polars by the one file that holds them all.
     """
@@ -208,14 +208,14 @@ def _with_named_files(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], d
     propeller = (airframe.get("propulsion") or {}).get("propeller") or {}
     if table := propeller.get("table"):
         # Names of runs in a wind tunnel hold size and speed.
-        paths = [Path(one) for one in ([table] if isinstance(table, str) else table)]
+        paths = [Path(name) for name in ([table] if isinstance(table, str) else table)]
         propeller["table"] = [path.name for path in paths]
         files |= {path.name: path for path in paths}
     return (data, files) if files else (aircraft, files)
 
 
 def run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:
-    """What ``run.json`` tells of a run, except for the files that it wrote."""
+    """Return what ``run.json`` holds of a run, but for the files that it wrote."""
     return {
         "command": shlex.join(["solar-uav", *sys.argv[1:]]),
         **software_record(),

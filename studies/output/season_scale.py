@@ -39,7 +39,7 @@ def colours() -> FloatArray:
 
 
 def page_scale() -> dict[str, Any]:
-    """Scale for a page: ``levels_h``, ``unlimited_h``, and ``colours`` from 0 to 255."""
+    """Return the scale for a page: ``levels_h``, ``unlimited_h``, ``colours`` (0 to 255)."""
     return {
         "levels_h": LEVELS_H,
         "unlimited_h": UNLIMITED_H,
@@ -48,7 +48,7 @@ def page_scale() -> dict[str, Any]:
 
 
 def _srgb_of_lab(lab: FloatArray) -> FloatArray:
-    """Colours of a screen, IEC 61966-2-1, of CIE L*a*b* with the white point D65."""
+    """Return the colours of a screen (IEC 61966-2-1) of CIE L*a*b* with white D65."""
     f_y = (lab[:, 0] + 16.0) / 116.0
     f = np.stack([f_y + lab[:, 1] / 500.0, f_y, f_y - lab[:, 2] / 200.0], axis=1)
     edge = 6.0 / 29.0

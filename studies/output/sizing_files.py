@@ -32,7 +32,7 @@ _NOT_OF_A_RECORD = ("launch", "clearness", "required_excess_time_h")
 
 
 def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
-    """What a folder of results keeps: the sized aircraft, on the mission that it was sized for.
+    """Return the sized aircraft, and the mission that it was sized for, as files.
 
     Returns analysed, they give the excess time of the sizing: the mission has the payload that the
     optimum carries, and the range of days or latitudes that it covers.
@@ -47,7 +47,7 @@ def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
 
 
 def _at_the_site(mission: dict[str, Any], study: SizingStudy) -> dict[str, Any]:
-    """Mission's data at the site of a weather record, if it was sized for one."""
+    """Return a mission's data at the site of a weather record, if it was sized for one."""
     if study.survival is None:
         return mission
     site = study.survival.weather.site
@@ -56,7 +56,7 @@ def _at_the_site(mission: dict[str, Any], study: SizingStudy) -> dict[str, Any]:
 
 
 def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[str, Any]:
-    """Mission's data with the days or latitudes of a range, if there is one."""
+    """Return a mission's data with the days or latitudes of a range, if there is one."""
     data: dict[str, Any] = copy.deepcopy(dict(mission))
     if coverage is None or coverage.first is None or coverage.last is None:
         return data
@@ -75,7 +75,7 @@ def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[
 
 
 def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
-    """Tables of an optimum, by the names of their files.
+    """Return the tables of an optimum by the names of their files.
 
     Returns contents of the files.
     """
@@ -92,22 +92,22 @@ def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
 def sizing_figures(
     study: SizingStudy, figure: FigureOptions = DEFAULT
 ) -> dict[str, Callable[[], Figure]]:
-    """Functions that draw an optimum, by the names of their files.
+    """Return functions that draw an optimum, by the names of their files.
 
     Sensitivities, where there are any, come as a tornado plot, whole cells on their wing.
     """
-    result, worth, solar = study.result, study.sensitivities, study.solar
+    result, sensitivities, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None
     parts, sized = result.design.masses._asdict(), study.sized_aircraft()
     mission = study.sized_mission()
 
     @cache
-    def flown() -> Analysis:
+    def analysis() -> Analysis:
         return analyse(sized, mission, model=solar.model, correction=solar.correction, replay=False)
 
     notes = (extrapolation_caption(study.extrapolations),)
-    drawn: dict[str, Callable[[], Figure]] = {
-        "cycle.png": lambda: plot_cycle(flown(), figure=figure),
+    drawings: dict[str, Callable[[], Figure]] = {
+        "cycle.png": lambda: plot_cycle(analysis(), figure=figure),
         "masses.png": partial(
             design_plots.plot_masses,
             *(parts, f"{sized.name}: mass budget"),
@@ -116,16 +116,16 @@ def sizing_figures(
         ),
     }
     if isinstance(getattr(sized.airframe, "structure", None), RibWingStructure):
-        drawn["flight-envelope.png"] = lambda: design_plots.plot_flight_envelope(
-            flown(), figure=figure
+        drawings["flight-envelope.png"] = lambda: design_plots.plot_flight_envelope(
+            analysis(), figure=figure
         )
     if sized.modules.layout is not None:
-        drawn["cells.png"] = partial(design_plots.plot_cells, sized, figure=figure)
-    if worth:
-        drawn["sensitivities.png"] = partial(
+        drawings["cells.png"] = partial(design_plots.plot_cells, sized, figure=figure)
+    if sensitivities:
+        drawings["sensitivities.png"] = partial(
             design_plots.plot_sensitivities,
-            *(worth, result.objective, sized.name, solar),
+            *(sensitivities, result.objective, sized.name, solar),
             extrapolations=study.extrapolations,
             figure=figure,
         )
-    return drawn
+    return drawings

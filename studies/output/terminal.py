@@ -29,7 +29,7 @@ _STYLES: dict[Emphasis, dict[str, Any]] = {
 
 
 def line_width() -> int:
-    """Characters of a line: those of the terminal, 80 into a pipe or a file, or ``COLUMNS``."""
+    """Return the characters of a line: the terminal's, 80 in a file, or ``COLUMNS``."""
     if os.environ.get("COLUMNS", "").isdecimal() or sys.stdout.isatty():
         return shutil.get_terminal_size().columns
     return _PIPED
@@ -49,7 +49,7 @@ def tell_line(text: str, emphasis: Emphasis = "plain") -> None:
 
 
 def _printable(text: str) -> str:
-    """Text without control characters, and of plain letters where a terminal has no others."""
+    """Return a text without control characters, in letters that the terminal has."""
     text = printable(text)
     try:
         RULE.encode(sys.stdout.encoding or "ascii")

@@ -19,7 +19,7 @@ class Text:
 
 
 def sentence(clause: str, looks: str = "plain") -> Text:
-    """A clause of a summary as a paragraph."""
+    """Return a clause of a summary as a paragraph."""
     return Text(f"{clause[:1].upper()}{clause[1:]}.", looks)
 
 

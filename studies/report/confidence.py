@@ -33,7 +33,7 @@ from studies.report.subject import Subject
 
 
 def margins_section(subject: Subject) -> Section:
-    """How much worse each assumption may become."""
+    """Return how much worse each assumption may become."""
     text = (
         "Each quantity is moved alone until the weakest scenario just has what is required; all "
         "else stays as it is, the mass with the battery's specific energy as well."
@@ -49,14 +49,14 @@ def margins_section(subject: Subject) -> Section:
 
 
 def belief_section(subject: Subject) -> Section:
-    """Ranges of the models that were left, errors of the solar models, and what is left out."""
+    """Return what is extrapolated, the solar models' errors, and what is left out."""
     blocks: list[Block] = []
     if subject.verification is None:
         analysis = subject.analysis
         outside = analysis.extrapolations
         if outside:
             blocks.append(Text("Outside the range of a model:", "warning"))
-            blocks.append(Items(tuple(one.text for one in outside)))
+            blocks.append(Items(tuple(extrapolation.text for extrapolation in outside)))
         else:
             blocks.append(Text("Nothing lies outside the range of a model.", "good"))
         blocks.append(
@@ -124,7 +124,11 @@ def glossary_section() -> Section:
     models = "; ".join(f"{name}: {model.label}" for name, model in MODELS.items())
     rows = [
         ("perpetual flight", "After each day the battery is as full as a day before."),
-        *((one.label, one.definition) for one in TABLE.values() if one.definition),
+        *(
+            (quantity.label, quantity.definition)
+            for quantity in TABLE.values()
+            if quantity.definition
+        ),
         (
             "scenario",
             "A latitude and a date of the mission; the weakest has the least excess time.",
@@ -137,7 +141,7 @@ def glossary_section() -> Section:
 
 
 def inputs_section(subject: Subject) -> Section:
-    """Aircraft and mission as they were used."""
+    """Return aircraft and mission as they were used."""
     blocks: list[Block] = []
     if subject.overrides:
         blocks.append(Text("Values given in place of the files' own:"))
@@ -147,7 +151,7 @@ def inputs_section(subject: Subject) -> Section:
     taken = subject.aircraft.from_catalogues()
     if taken:
         columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))
-        rows = [(one.key, one.text, one.label, one.source) for one in taken]
+        rows = [(entry.key, entry.text, entry.label, entry.source) for entry in taken]
         blocks.append(Tables((Table("values from catalogues", columns, tuple(rows)),)))
     for title, data in (
         (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
@@ -158,7 +162,7 @@ def inputs_section(subject: Subject) -> Section:
 
 
 def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
-    """Command line, software and files that the report was made from."""
+    """Return the command line, software and files of the report."""
     solar = subject.solar
     made = [
         ("date (UTC)", run["date_utc"].replace("T", " ").removesuffix("+00:00")),
@@ -205,7 +209,7 @@ class _Quantity(NamedTuple):
 
 
 def margin_table(subject: Subject) -> Table | None:
-    """Margin of every quantity to the end of perpetual flight, or what it lacks.
+    """Return the margin of every quantity to the end of perpetual flight, or its gap.
 
     Without those that have next to none; None where that is true of all.
     """
@@ -216,14 +220,16 @@ def margin_table(subject: Subject) -> Table | None:
     holds = bool(np.all(_hold(nominal.cycle, required)))
     quantities = _quantities(subject.aircraft, subject.mission)
     rows = []
-    for one, limit in zip(quantities, _limits(quantities, day, required, holds=holds), strict=True):
-        change = None if limit is None else limit - one.value
-        scale = max(abs(one.value), 100.0 if one.unit == "%" else 1.0)
+    for quantity, limit in zip(
+        quantities, _limits(quantities, day, required, holds=holds), strict=True
+    ):
+        change = None if limit is None else limit - quantity.value
+        scale = max(abs(quantity.value), 100.0 if quantity.unit == "%" else 1.0)
         if change is not None and abs(change) <= _NO_MARGIN * scale:
             continue
-        relative = None if limit is None else relative_change(one.value, limit)
+        relative = None if limit is None else relative_change(quantity.value, limit)
         percent = None if relative is None else 100.0 * relative
-        rows.append((one.label, one.unit, one.value, limit, change, percent))
+        rows.append((quantity.label, quantity.unit, quantity.value, limit, change, percent))
     if not rows:
         return None
     what = "may become" if holds else "would have to become"
@@ -241,7 +247,7 @@ def margin_table(subject: Subject) -> Table | None:
 
 
 def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
-    """What is moved: sun, battery, propulsion, consumers, payload."""
+    """Return the quantities that are moved: sun, battery, propulsion, loads, payload."""
 
     def of(key: str) -> Callable[[float], tuple[Aircraft, Mission, float]]:
         return lambda value: (*with_parameter(aircraft, mission, key, value), 1.0)
@@ -265,7 +271,7 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
 def _limits(
     quantities: Sequence[_Quantity], day: SolarDay, required: float, *, holds: bool
 ) -> list[float | None]:
-    """Values at which the weakest scenario just has what is required; None where there is none.
+    """Return values at which the weakest scenario just has what is required, or None.
 
     All quantities are halved together.
     """
@@ -273,8 +279,8 @@ def _limits(
     def enough(values: Sequence[float]) -> list[bool]:
         return _suffice(quantities, values, day, required)
 
-    good = [one.value if holds else one.better for one in quantities]
-    bad = [one.worse if holds else one.value for one in quantities]
+    good = [quantity.value if holds else quantity.better for quantity in quantities]
+    bad = [quantity.worse if holds else quantity.value for quantity in quantities]
     # What becomes of the values themselves is known: ``holds``.
     known = [not flies for flies in enough(bad)] if holds else enough(good)
     for _ in range(_STEPS):
@@ -288,22 +294,22 @@ def _limits(
 def _suffice(
     quantities: Sequence[_Quantity], values: Sequence[float], day: SolarDay, required: float
 ) -> list[bool]:
-    """Whether each quantity at its value leaves every scenario what is required."""
-    found = []
-    for one, value in zip(quantities, values, strict=True):
-        aircraft, mission, factor = one.changed(value)
+    """Return whether each quantity at its value leaves every scenario what is required."""
+    sufficient = []
+    for quantity, value in zip(quantities, values, strict=True):
+        aircraft, mission, factor = quantity.changed(value)
         try:
             if mission.ceiling_m > mission.altitude_m:
                 design_of(aircraft, mission.at_altitude(mission.ceiling_m))
             light = day.scaled(factor)
-            flown = performance(aircraft, mission, day=light, keep_trajectory=False)
+            perf = performance(aircraft, mission, day=light, keep_trajectory=False)
         except ImpossibleDesignError:
-            found.append(False)
+            sufficient.append(False)
         else:
-            found.append(bool(np.all(_hold(flown.cycle, required))))
-    return found
+            sufficient.append(bool(np.all(_hold(perf.cycle, required))))
+    return sufficient
 
 
 def _hold(cycle: Cycle, required: float) -> BoolArray:
-    """Whether each flight is perpetual, or lands, with the required excess time."""
+    """Return whether each flight is perpetual, or lands, with the required excess time."""
     return np.asarray(cycle.flown & (cycle.excess_time_h >= required))

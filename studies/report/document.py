@@ -130,12 +130,12 @@ def make_report(
 
 
 def _as_file(described: Aircraft | Mission) -> dict[str, Any]:
-    """Aircraft or mission as the content of its file."""
+    """Return an aircraft or mission as the content of its file."""
     return described.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
 
 def render(subject: Subject, progress: Callable[[int, int], None] | None = None) -> str:
-    """Page of a subject; ``progress`` is told how many sections are done, and of how many."""
+    """Return the page; ``progress`` takes the numbers of finished and of all sections."""
     run = run_record(subject.solar, subject.inputs.files)
     if sys.argv[:1] and not sys.argv[0].endswith("solar-uav"):
         run["command"] = shlex.join(["python", *sys.argv]) if sys.argv[0] else "python"
@@ -168,7 +168,7 @@ def _head(subject: Subject, run: Mapping[str, Any]) -> Iterator[tuple[str, str]]
 
 
 def _sections(subject: Subject) -> Iterator[Section]:
-    """Sections in the order in which a design review asks for them."""
+    """Yield the sections in the order in which a design review reads them."""
     yield aircraft_section(subject)
     log = verification_section(subject)
     if log is not None:
@@ -188,7 +188,7 @@ def _sections(subject: Subject) -> Iterator[Section]:
 
 
 def _numbered(sections: Sequence[Section]) -> Iterator[Section]:
-    """Sections whose figures and tables are numbered through."""
+    """Yield the sections with figures and tables numbered through."""
     figures = tables = 0
     for section in sections:
         blocks: list[Block] = []
@@ -211,17 +211,17 @@ def _numbered(sections: Sequence[Section]) -> Iterator[Section]:
 
 
 def _titled(number: int, title: str) -> str:
-    """Title of a table with its number."""
+    """Return the title of a table with its number."""
     return f"Table {number}. {title[:1].upper()}{title[1:]}".rstrip(". ") + "."
 
 
 def _with_minus(text: str) -> str:
-    """Text whose negative numbers have a minus sign, not a hyphen."""
+    """Return a text whose negative numbers have a minus sign, not a hyphen."""
     return re.sub(r"(?<![\w.\u2212-])-(?=\d)", "\u2212", text)
 
 
 def _template() -> Any:
-    """Template of the page; every text in it is escaped."""
+    """Return the template of the page; every text in it is escaped."""
     environment = Environment(
         loader=PackageLoader("studies.report"),
         autoescape=True,

@@ -50,7 +50,7 @@ _DRAWN_WHITE = re.compile(r"(stroke:\s*)#ffffff", re.IGNORECASE)
 
 
 def page_options(width_in: float, height_in: float | None = None) -> FigureOptions:
-    """How a figure is drawn for a page: without a title, which is left to the caption."""
+    """Return options of a figure on a page: without a title, which is the caption's."""
     style = resources.files("studies.report").joinpath("templates", "page.mplstyle")
     return FigureOptions(
         size_in=(width_in, height_in), dots_per_inch=_DOTS_PER_INCH, style=str(style), title=False
@@ -58,7 +58,7 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
 
 
 def page_figure(figure: Plot, caption: str, *, title: str, description: str, key: str) -> Figure:
-    """Figure of matplotlib as a block; it is moved under the finger on a telephone."""
+    """Return a figure of matplotlib as a block, which scrolls on a telephone."""
     markup = figure_markup(figure, title=title, description=description, key=key)
     return Figure(markup, caption, scrolls=True)
 
@@ -66,7 +66,7 @@ def page_figure(figure: Plot, caption: str, *, title: str, description: str, key
 def figure_markup(figure: Plot, *, title: str, description: str, key: str) -> str:
     """Make a figure an element of a page."""
     # Cells of maps become an image: thousands of paths would be slow, with seams between them.
-    for artist in (one for axes in figure.axes for one in axes.collections):
+    for artist in (artist for axes in figure.axes for artist in axes.collections):
         if isinstance(artist, QuadMesh) and artist.get_array() is not None:
             artist.set_rasterized(True)
     buffer = io.BytesIO()
@@ -99,17 +99,17 @@ def inline_svg(svg: bytes, *, title: str, description: str, key: str) -> str:
 
 def _rename(root: ElementTree.Element, key: str) -> None:
     """Give every id that is referred to a name of its own on the page, and colours theirs."""
-    wanted: set[str] = set()
+    referred: set[str] = set()
     for node in root.iter():
         for name, value in node.attrib.items():
-            wanted.update(match[2] for match in _REFERENCE.finditer(value))
+            referred.update(match[2] for match in _REFERENCE.finditer(value))
             if name == f"{{{_XLINK}}}href" and value.startswith("#"):
-                wanted.add(value[1:])
+                referred.add(value[1:])
     for node in root.iter():
         for name, value in list(node.attrib.items()):
             if name == "id":
                 del node.attrib[name]
-                if value in wanted:
+                if value in referred:
                     node.attrib[name] = f"{key}-{value}"
             elif name == f"{{{_XLINK}}}href":
                 del node.attrib[name]
@@ -119,7 +119,7 @@ def _rename(root: ElementTree.Element, key: str) -> None:
 
 
 def _themed(value: str) -> str:
-    """Style with the page's colours and type."""
+    """Return a style with the page's colours and type."""
 
     def variable(match: re.Match[str]) -> str:
         name = COLOURS.get(match[0].lower())

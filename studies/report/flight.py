@@ -40,7 +40,7 @@ _ON_CELLS = "#111111"
 
 
 def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block]:
-    """Blocks of a result's own summary.
+    """Return the blocks of a result's summary.
 
     ``skip``: blocks at its beginning that the page has already.
     """
@@ -66,7 +66,7 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
 
 
 def day_section(subject: Subject) -> Section:
-    """Cycle of the weakest scenario, all scenarios, and the flight on the calendar."""
+    """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
     where = analysis.performance.day.scenarios.label(analysis.worst)
     several = len(analysis.performance.cycle.status) > 1
@@ -103,7 +103,7 @@ def day_section(subject: Subject) -> Section:
 
 
 def _scenarios(analysis: Analysis) -> Table:
-    """Scenarios; of many those with the least excess time."""
+    """Return the table of scenarios; of many those with the least excess time."""
     excess_h = analysis.performance.cycle.excess_time_h
     if len(excess_h) <= _MOST_SCENARIOS:
         return scenario_table(analysis)
@@ -116,7 +116,7 @@ def _scenarios(analysis: Analysis) -> Table:
 
 
 def season_section(subject: Subject) -> Section:
-    """Where and when it flies perpetually, with the mission's places."""
+    """Return where and when the flight is perpetual, and the months."""
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
     rows, columns = SLOW_CELLS if solar.needs_path else CELLS
     if subject.mission.climb is not None and not solar.needs_path:
@@ -164,7 +164,7 @@ def _months(subject: Subject) -> Table:
 
 
 def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
-    """Rings at the places of a mission: of many, at the corners of what they cover."""
+    """Ring the places of a mission: of many, the corners of what they cover."""
     if len(day) > _MOST_RINGS:
         days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))
         day, latitude_deg = (*days, *days), (latitudes[0], *latitudes, latitudes[1])
@@ -180,7 +180,7 @@ def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
 
 
 def _season_text(subject: Subject) -> str:
-    """Days of the year on which all latitudes of the mission are flown perpetually."""
+    """Return the days of the year with perpetual flight at all latitudes, in words."""
     comparison = subject.comparison
     cases = () if comparison is None else comparison.cases
     latitudes = () if comparison is None else comparison.mission.latitudes()
@@ -199,7 +199,7 @@ def _season_text(subject: Subject) -> str:
 
 
 def _places(latitudes: Sequence[float]) -> str:
-    """One latitude, or the ends of several."""
+    """Return one latitude, or the ends of several, in words."""
     ends = [latitude_label(latitude) for latitude in latitudes]
     return ends[0] if len(ends) == 1 else f"all latitudes from {ends[0]} to {ends[-1]}"
 
@@ -208,7 +208,7 @@ def _places(latitudes: Sequence[float]) -> str:
 
 
 def models_section(subject: Subject) -> Section:
-    """All solar power models side by side."""
+    """Return all solar power models side by side."""
     title = "Solar power models"
     if subject.path_trouble is not None:
         text = f"The solar power models are not compared: {subject.path_trouble}."
@@ -245,7 +245,7 @@ def models_section(subject: Subject) -> Section:
 
 
 def uncertainty_section(subject: Subject) -> Section | None:
-    """How likely the flight is perpetual when the inputs scatter; None without such inputs."""
+    """Return how likely the flight is perpetual when inputs scatter, if any do."""
     uncertainty = subject.uncertainty
     if uncertainty is None:
         return None
@@ -263,7 +263,7 @@ def uncertainty_section(subject: Subject) -> Section | None:
 
 
 def weather_section(subject: Subject) -> Section | None:
-    """Flight through a weather record; None without one."""
+    """Return the flight through a weather record; None without one."""
     weather = subject.weather
     if weather is None:
         return None
@@ -280,14 +280,14 @@ def weather_section(subject: Subject) -> Section | None:
 
 
 def verification_section(subject: Subject) -> Section | None:
-    """Models against a flight log; None without one."""
+    """Return the models against a flight log; None without one."""
     verification = subject.verification
     if verification is None:
         return None
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
     blocks = summary_blocks(verification.at_level(ALL), title="errors")
-    some = figures(verification, figure=page_options(_WIDTH_IN + 0.4))
+    drawings_of_log = figures(verification, figure=page_options(_WIDTH_IN + 0.4))
     drawings = (
         page_figure(
             draw(),
@@ -297,6 +297,6 @@ def verification_section(subject: Subject) -> Section | None:
             "errors over time, elevation and azimuth of the sun.",
             key=f"log{number}",
         )
-        for number, (name, draw) in enumerate(some)
+        for number, (name, draw) in enumerate(drawings_of_log)
     )
     return Section("verification", "Models against the flight log", [*blocks, *drawings])

@@ -68,12 +68,12 @@ class Drawing:
     booms_m: tuple[float, ...] = (0.0,)
 
     def chord_at(self, right_m: float) -> float:
-        """Chord of the wing at a place of the span [m]."""
+        """Return the chord of the wing at a place of the span [m]."""
         places, chords = zip(*self.chords, strict=True)
         return float(np.interp(abs(right_m), places, chords))
 
     def front_at(self, right_m: float) -> float:
-        """Leading edge behind that of the root at a place of the span [m]."""
+        """Return the leading edge behind that of the root at a place of the span [m]."""
         return QUARTER * (self.chord_at(0.0) - self.chord_at(right_m))
 
     @property
@@ -86,13 +86,13 @@ class Drawing:
         )
 
     def height_m(self, right_m: float) -> float:
-        """Height of the wing over its root at a place of the span [m]."""
+        """Return the height of the wing over its root at a place of the span [m]."""
         rise = max(abs(right_m) - self.dihedral_from_m, 0.0)
         return rise * math.tan(math.radians(self.dihedral_deg))
 
 
 def aircraft_drawing(aircraft: Aircraft) -> Drawing:
-    """What is drawn of an aircraft."""
+    """Return what is drawn of an aircraft."""
     airframe, geometry = aircraft.airframe, aircraft.modules.geometry
     span_m = airframe.wingspan_m
     chord_m = span_m / airframe.aspect_ratio
@@ -156,7 +156,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
 
 
 def _propeller_note(aircraft: Aircraft) -> str:
-    """Why no propeller is drawn, and its diameter where the file has one."""
+    """Return why no propeller is drawn, and its diameter where the file has one."""
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return "Propeller: not drawn, the file has no diameter."
     count, diameter_m = propulsion.propulsors, propulsion.propeller.propeller.diameter_m
@@ -165,9 +165,9 @@ def _propeller_note(aircraft: Aircraft) -> str:
 
 
 def _tail(
-    given: TailGeometry | None, structure: RibWingStructure | None, span_m: float, chord_m: float
+    of_file: TailGeometry | None, structure: RibWingStructure | None, span_m: float, chord_m: float
 ) -> tuple[TailGeometry, str, bool]:
-    """Tail, where it comes from, and whether a model has its numbers.
+    """Return the tail, where it comes from, and whether a model has its numbers.
 
     The file's own, unless the structure model of another wing has a tail of another size: that of a
     sized aircraft grows with its wing, while the file keeps that of the built one.
@@ -179,16 +179,20 @@ def _tail(
         rule.horizontal_tail_ratio * volume,
         rule.vertical_tail_ratio * volume,
     )
-    if given is not None:
-        ratio = given.horizontal_span_m * given.horizontal_chord_m / horizontal_m2
+    if of_file is not None:
+        ratio = of_file.horizontal_span_m * of_file.horizontal_chord_m / horizontal_m2
         if structure is None or abs(ratio - 1.0) <= _TAIL_TOLERANCE:
-            return given, "Tail: modules.tail of the aircraft file.", True
-    tall = _VERTICAL_RATIO if given is None else given.vertical_height_m / given.vertical_chord_m
+            return of_file, "Tail: modules.tail of the aircraft file.", True
+    tall = (
+        _VERTICAL_RATIO if of_file is None else of_file.vertical_height_m / of_file.vertical_chord_m
+    )
     wide = (
-        _HORIZONTAL_RATIO if given is None else given.horizontal_span_m / given.horizontal_chord_m
+        _HORIZONTAL_RATIO
+        if of_file is None
+        else of_file.horizontal_span_m / of_file.horizontal_chord_m
     )
     chord_h, chord_v = (horizontal_m2 / wide) ** 0.5, (vertical_m2 / abs(tall)) ** 0.5
-    on_top = given is None or given.horizontal_height_m is None
+    on_top = of_file is None or of_file.horizontal_height_m is None
     tail = TailGeometry(
         horizontal_span_m=wide * chord_h,
         horizontal_chord_m=chord_h,
@@ -196,7 +200,7 @@ def _tail(
         vertical_height_m=tall * chord_v,
         vertical_chord_m=chord_v,
         vertical_aft_m=arm_m + 0.25 * (chord_m - chord_v),
-        horizontal_height_m=0.0 if given is None or not on_top else None,
+        horizontal_height_m=0.0 if of_file is None or not on_top else None,
     )
     areas = (
         f"areas {horizontal_m2:.3g} and {vertical_m2:.3g} m², {rule.fuselage_chords:g} chords "
@@ -204,14 +208,18 @@ def _tail(
     )
     if structure is None:
         return tail, f"Tail: schematic, by a common tail volume ({areas}).", False
-    shape = "proportions schematic" if given is None else "proportions of modules.tail"
-    return tail, f"Tail: by the rule of the structure model ({areas}); {shape}.", given is not None
+    shape = "proportions schematic" if of_file is None else "proportions of modules.tail"
+    return (
+        tail,
+        f"Tail: by the rule of the structure model ({areas}); {shape}.",
+        of_file is not None,
+    )
 
 
 def _module_places(
     aircraft: Aircraft, span_m: float, chord_m: float
 ) -> tuple[tuple[Rectangle, ...], str, bool]:
-    """Modules, where they come from, and whether the file has their places."""
+    """Return modules, where they come from, and whether the file has their places."""
     area_m2, geometry = aircraft.modules.area_m2, aircraft.modules.geometry
     if aircraft.modules.layout is not None:
         cells = tuple(Rectangle(*cell) for cell in aircraft.placed_cells())
@@ -239,7 +247,7 @@ def _module_places(
 
 
 def _outlines(geometry: ModuleGeometry | None) -> tuple[Rectangle, ...]:
-    """Outlines of all modules; none where one of them has none."""
+    """Return the outlines of all modules; none where one of them has none."""
     outlines = []
     for surface in () if geometry is None else geometry.surfaces:
         outline = surface.outline
@@ -253,7 +261,7 @@ def _outlines(geometry: ModuleGeometry | None) -> tuple[Rectangle, ...]:
 
 
 def _dihedral(geometry: ModuleGeometry | None, span_m: float) -> tuple[float, float]:
-    """Dihedral of the outer wing [deg], and where it begins [m], in proportion to the span."""
+    """Return the dihedral of the outer wing [deg], and where it begins [m]."""
     outer = [s for s in (() if geometry is None else geometry.surfaces) if s.side != "centre"]
     if not outer:
         return 0.0, span_m / 2.0
@@ -302,7 +310,7 @@ class BalancedSurfaces(NamedTuple):
 
 
 def balanced_surfaces(airframe: MeasuredAirframe | ParametricAirframe) -> BalancedSurfaces:
-    """Surfaces of an airframe; a rectangle without a tail where the file says nothing of them."""
+    """Return the surfaces of an airframe; without keys a rectangle and no tail."""
     parametric = airframe if isinstance(airframe, ParametricAirframe) else None
     planform = None if parametric is None else parametric.planform
     half_m = airframe.wingspan_m / 2.0
@@ -328,7 +336,7 @@ def balanced_surfaces(airframe: MeasuredAirframe | ParametricAirframe) -> Balanc
 
 
 def _tail_geometry(tail: Tail, wing: Wing) -> TailGeometry:
-    """Tail planes as rectangles with their quarter chords at their arms; fins upwards."""
+    """Return tail planes as rectangles with their quarter chords at their arms."""
     planes = tail.planes(wing)
     aft_m, fins_m = (float(wing.quarter_m + arm) for arm in (planes.arm_m, planes.vertical_arm_m))
     return TailGeometry(
@@ -343,9 +351,11 @@ def _tail_geometry(tail: Tail, wing: Wing) -> TailGeometry:
 
 
 def tapered_band(chords: tuple[tuple[float, float], ...], area_m2: float) -> tuple[Rectangle, ...]:
-    """Modules as a rectangle on every panel, of the same share of it; schematic."""
+    """Return modules as a rectangle on every panel, of the same share of it."""
     panels = list(pairwise(chords))
-    wing_m2 = sum((out - into) * (one + other) for (into, one), (out, other) in panels)
+    wing_m2 = sum(
+        (out - into) * (chord_m + next_chord_m) for (into, chord_m), (out, next_chord_m) in panels
+    )
     bands = []
     for (into, root_m), (out, tip_m) in panels:
         if out == into:

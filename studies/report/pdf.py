@@ -15,7 +15,7 @@ _DEFINED = re.compile(r"--([a-z]+):\s*([^;]+);")
 
 
 def has_weasyprint() -> bool:
-    """Whether the optional package is installed; it is not imported."""
+    """Return whether the optional package is installed; it is not imported."""
     return importlib.util.find_spec("weasyprint") is not None
 
 
@@ -33,7 +33,7 @@ def to_pdf(page: str) -> bytes:
 
 
 def with_plain_colours(page: str) -> str:
-    """Page in the colours of paper; the words of its files remain as they are."""
+    """Return a page in the colours of paper; the words of its files remain."""
     # Drawings within a page do not know its variables: the light page's colours stand for them.
     sheet = resources.files("studies.report").joinpath("templates", "report.css")
     light, _, _ = sheet.read_text(encoding="utf-8").partition("@media screen")

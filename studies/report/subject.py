@@ -111,10 +111,10 @@ class Subject:
     @cached_property
     def uncertainty(self) -> UncertaintyAnalysis | None:
         """Flights under draws of the uncertain inputs, where there are any or asked for."""
-        wanted = self.with_uncertainty
-        if wanted is None:
-            wanted = self.has_uncertain_inputs and self.uncertainty_is_quick
-        if not wanted:
+        requested = self.with_uncertainty
+        if requested is None:
+            requested = self.has_uncertain_inputs and self.uncertainty_is_quick
+        if not requested:
             return None
         return analyse_uncertainty(
             self.aircraft,
@@ -139,7 +139,7 @@ class Subject:
         )
 
     def results(self) -> dict[str, Any]:
-        """Every record that the report shows, JSON-ready."""
+        """Return every record that the report shows, JSON-ready."""
         if self.verification is not None:
             return {"verification": self.verification.to_dict()}
         records: dict[str, Any] = {"analysis": self.record}

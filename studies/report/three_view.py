@@ -96,7 +96,7 @@ def plot_three_view(
     neutral_m: float | None = None,
     figure: Canvas = DEFAULT,
 ) -> Figure:
-    """Three views at one scale with dimensions, below each other.
+    """Draw three views at one scale with dimensions, below each other.
 
     ``gravity_m``, ``neutral_m``: centre of gravity and neutral point behind the leading edge of the
     wing root, where known [m].
@@ -146,7 +146,7 @@ def plot_three_view(
 def description(
     drawing: Drawing, *, gravity_m: float | None = None, neutral_m: float | None = None
 ) -> str:
-    """What the drawing shows, for those who do not see it; points as in :func:`plot_three_view`."""
+    """Return what the drawing shows in words; points as :func:`plot_three_view` has them."""
     points = {"centre of gravity": gravity_m, "neutral point": neutral_m}
     tail = drawing.tail
     dihedral = (
@@ -171,13 +171,13 @@ def description(
 
 
 def _fin_heights(drawing: Drawing) -> tuple[float, float]:
-    """Lower and upper end of the fins over the wing root."""
+    """Return the lower and upper end of the fins over the wing root."""
     ends = drawing.tail.boom_height_m, drawing.tail.boom_height_m + drawing.tail.vertical_height_m
     return min(ends), max(ends)
 
 
 def _heights(drawing: Drawing) -> tuple[float, float]:
-    """Lowest and highest point, with a little room."""
+    """Return the lowest and highest point, with a little room."""
     pod, room = drawing.pod_depth_m / 2.0, 0.25 * drawing.chord_m
     low, high = _fin_heights(drawing)
     tip = drawing.height_m(drawing.wingspan_m / 2.0)
@@ -226,9 +226,9 @@ def _draw_above(view: _View) -> None:
         view.line([(place, 0.0), (place, -drawing.chord_m)])
     over = max(drawing.nose_m, 2.0 * view.unit_m) + 2.0 * view.unit_m
     view.dimension((-half, over), (half, over), f"{drawing.wingspan_m:.2f} m")
-    beside, lead = half + 1.5 * view.unit_m, -drawing.front_at(half)
+    right_of_tip, lead = half + 1.5 * view.unit_m, -drawing.front_at(half)
     tip_m = drawing.chord_at(half)
-    view.dimension((beside, lead), (beside, lead - tip_m), f"{tip_m:.3f} m")
+    view.dimension((right_of_tip, lead), (right_of_tip, lead - tip_m), f"{tip_m:.3f} m")
     arm = side + 2.0 * view.unit_m
     view.dimension((arm, 0.0), (arm, front), f"{tail.horizontal_aft_m:.2f} m")
     size = f"{tail.horizontal_span_m:.2f} × {tail.horizontal_chord_m:.2f} m"
@@ -284,7 +284,7 @@ def _draw_left(view: _View) -> None:
 
 
 def _section(thickness_ratio: float, incidence_deg: float) -> Any:
-    """Outline of a symmetrical section of chord one, aft and up, nose up about the leading edge."""
+    """Return the outline of a symmetrical section of chord one, aft and up."""
     x = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
     root, *powers = _SECTION
     half = thickness_ratio * (
@@ -297,7 +297,7 @@ def _section(thickness_ratio: float, incidence_deg: float) -> Any:
 
 
 def _legend(drawing: Drawing, axes: Axes) -> list[Any]:
-    """Entries of the legend: modules, spar, what is schematic, points of balance."""
+    """Return the entries of the legend: modules, spar, schematic parts, points."""
     modules = [Patch(facecolor=LOAD, alpha=0.6, label=drawing.modules_are)]
     return [
         *(modules if drawing.modules else []),

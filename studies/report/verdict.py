@@ -38,7 +38,7 @@ def _verdict_item(state: str, sentence: str) -> Verdict:
 
 
 def verdict(subject: Subject) -> Verdict:
-    """Whether the flight is perpetual, by how much, where it is weakest, and how sure that is."""
+    """Return whether and by how much the flight is perpetual, and how sure that is."""
     if subject.verification is not None:
         return _of_verification(subject.verification)
     analysis, mission = subject.analysis, subject.mission
@@ -80,7 +80,7 @@ def verdict(subject: Subject) -> Verdict:
 
 
 def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> Verdict:
-    """Whether the flight lands with its reserve."""
+    """Return whether the flight lands with its reserve."""
     text = f"{where} {landing(subject.analysis).rstrip('.')}".replace("It flies", "it flies")
     excess, required = subject.analysis.excess_time_h, subject.mission.required_excess_time_h
     if excess <= 0.0:
@@ -93,12 +93,12 @@ def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> Verdi
 
 
 def _of_verification(verification: Verification) -> Verdict:
-    """Which model comes closest to the flight."""
+    """Return which model comes closest to the flight."""
     errors = _errors_over_days(verification)
     if not errors:
         text = f"{verification.log.source} has no sample to compare with."
         return Verdict("edge", text, "No comparison")
-    model = min(errors, key=lambda one: errors[one][1])
+    model = min(errors, key=lambda model: errors[model][1])
     average, rms = errors[model]
     text = (
         f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
@@ -108,22 +108,22 @@ def _of_verification(verification: Verification) -> Verdict:
 
 
 def _errors_over_days(verification: Verification) -> dict[str, tuple[float, float]]:
-    """Average and RMS error of every model over all days, of the mean measured power [-]."""
+    """Return average and RMS error of every model over all days [-]."""
     days = [day for day in verification.days if day.errors and day.samples > day.excluded]
     counts = np.array([day.samples - day.excluded for day in days], float)
     over: dict[str, tuple[float, float]] = {}
     for model in verification.samples.modelled_w if days else ():
         each = [day.errors[model] for day in days]
-        measured = float(counts @ [one.measured_mean_w for one in each])
+        measured = float(counts @ [errors.measured_mean_w for errors in each])
         if measured > 0.0:
-            average = float(counts @ [one.average_w for one in each]) / measured
-            square = float(counts @ [one.rms_w**2 for one in each]) / float(counts.sum())
+            average = float(counts @ [errors.average_w for errors in each]) / measured
+            square = float(counts @ [errors.rms_w**2 for errors in each]) / float(counts.sum())
             over[model] = average, square**0.5 * float(counts.sum()) / measured
     return over
 
 
 def key_facts(subject: Subject) -> Iterator[Fact]:
-    """Key numbers, the most important first."""
+    """Yield the key numbers, the most important first."""
     if subject.verification is not None:
         yield from _facts_of_verification(subject.verification)
         return

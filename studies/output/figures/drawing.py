@@ -105,7 +105,7 @@ def new_figure(
     lines: bool = False,
     **options: Any,
 ) -> tuple[Figure, list[Axes]]:
-    """Figure with panels.
+    """Return a figure and its panels.
 
     ``canvas``: how the figure looks, or a figure that is drawn on. ``title``: over all panels;
     names from files are text in it, never formulas. ``notes``: line below the title, in smaller
@@ -127,7 +127,7 @@ def new_figure(
 
 
 def _blank_figure(options: FigureOptions, size_in: tuple[float, float], *, lines: bool) -> Figure:
-    """Canvas of the size that was asked for.
+    """Return a canvas of the size of the options.
 
     A figure without a size grows with its type, by half as much. One of a given width has the
     height between that of its proportions and that of its lines of text, their geometric mean.
@@ -144,7 +144,7 @@ def _blank_figure(options: FigureOptions, size_in: tuple[float, float], *, lines
 
 
 def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
-    """Title, and below it the notes, which break between each other rather than within."""
+    """Write the title, and below it the notes, which break between each other."""
     # An escaped dollar begins no formula.
     title = title.replace("$", r"\$")
     lines = [note.replace("$", r"\$") for note in notes]
@@ -174,7 +174,7 @@ def add_legend(
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
-    """Image of a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`."""
+    """Return a figure in a format of :data:`studies.output.formats.IMAGE_FORMATS`."""
     buffer = io.BytesIO()
     options = getattr(figure, "options", DEFAULT)
     dots_per_inch = options.dots_per_inch or DOTS_PER_INCH
@@ -212,7 +212,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 def objective_caption(objective: str | Objective) -> str:
-    """What is sought, in words, for instance ``smallest wingspan``."""
+    """Return an objective in words, for instance ``smallest wingspan``."""
     sought = Objective(objective)
     return f"{'largest' if sought.maximised else 'smallest'} {sought.label}"
 
@@ -221,7 +221,7 @@ def objective_caption(objective: str | Objective) -> str:
 
 
 def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
-    """Whether panels should stand below each other: there is room for few words in a line."""
+    """Return whether there is so little width that panels stand below each other."""
     if isinstance(canvas, FigureOptions):
         width = size_in[0] if canvas.size_in is None else canvas.size_in[0]
     else:
@@ -230,7 +230,7 @@ def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
 
 
 def _setting(name: str) -> Any:
-    """Setting of matplotlib, as the style has it."""
+    """Return a setting of matplotlib, as the style has it."""
     return library().rcParams[name]
 
 

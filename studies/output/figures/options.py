@@ -89,7 +89,7 @@ class FigureOptions:
         check_dots(width, width if height is None else height, dots)
 
     def settings(self) -> dict[str, Any]:
-        """Settings of the style, in the names of matplotlib's ``rcParams``; its own not repeated.
+        """Return the settings of the style, in the names of matplotlib's ``rcParams``.
 
         Raises
         ------
@@ -169,7 +169,7 @@ def read_dots_per_inch(text: str) -> float:
 
 
 def library() -> Any:
-    """Matplotlib, half a second for those who draw."""
+    """Return matplotlib, which takes half a second to import."""
     import matplotlib.style
 
     return matplotlib
@@ -183,7 +183,7 @@ def in_style(options: FigureOptions) -> Iterator[None]:
 
 
 def style_settings(style: str) -> dict[str, Any]:
-    """Settings of a shipped style, one of matplotlib's, or a file."""
+    """Return the settings of a shipped style, one of matplotlib's, or a file."""
     if style in SHIPPED_STYLES:
         return _settings_of_file(_shipped(style), style)
     known_styles: dict[str, Any] = library().style.library
@@ -209,7 +209,7 @@ def _shipped(name: str) -> str:
 
 
 def _settings_of_file(text: str, source: str) -> dict[str, Any]:
-    """Settings of a file; matplotlib's own reader goes on after a mistake, this one tells it."""
+    """Return the settings of a file; a mistake in it is an error."""
     mpl = library()
     parameters = mpl.RcParams()
     for number, line in enumerate(text.splitlines(), 1):
@@ -235,11 +235,13 @@ def _settings_of_file(text: str, source: str) -> dict[str, Any]:
 
 def _check_lengths(key: str, value: Any, where: str) -> None:
     """Refuse numbers that matplotlib takes and cannot draw."""
-    numbers = [one for one in _flat(value) if isinstance(one, int | float)]
+    numbers = [number for number in _flat(value) if isinstance(number, int | float)]
     least, most = (_LEAST_TYPE, _MOST_TYPE) if key == "font.size" else (-math.inf, math.inf)
     if key.endswith(("size", "width", "pad")):
         most = min(most, _MOST_LENGTH)
-    wrong = [one for one in numbers if not (math.isfinite(one) and least <= one <= most)]
+    wrong = [
+        number for number in numbers if not (math.isfinite(number) and least <= number <= most)
+    ]
     if wrong:
         among = f"from {least:g} to {most:g}" if key == "font.size" else f"at most {most:g}"
         allowed = "a finite number" if math.isinf(most) else among
@@ -247,7 +249,7 @@ def _check_lengths(key: str, value: Any, where: str) -> None:
 
 
 def _flat(value: Any) -> list[Any]:
-    """Items of a nested list; a single value is one of one."""
+    """Return the items of a nested list; a single value is its only item."""
     if isinstance(value, list | tuple):
         return [item for part in value for item in _flat(part)]
     return [value]
