@@ -124,13 +124,13 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     excess = analysis.flights.excess_time_h
     finite = np.isfinite(excess)
     rows: list[tuple[UncertainInput, float, float]] = []
-    for uncertain in analysis.inputs.inputs:
-        value = analysis.values[uncertain.key]
+    for source in analysis.inputs.inputs:
+        value = analysis.values[source.key]
         low, high = (
             float(np.mean(excess[finite & side])) if np.any(finite & side) else np.nan
             for side in (value <= np.percentile(value, 20.0), value >= np.percentile(value, 80.0))
         )
-        rows.append((uncertain, low, high))
+        rows.append((source, low, high))
     rows.sort(key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
     rows = rows[-_MOST_BARS:]
     centre = float(np.mean(excess[finite])) if np.any(finite) else 0.0
@@ -155,9 +155,9 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     axes.set_xlabel("mean excess time [h]")
 
 
-def _input_label(analysis: UncertaintyAnalysis, uncertain: UncertainInput) -> str:
-    """Input in words, with the share of the variance that it explains with all others."""
-    index = analysis.sobol.get(uncertain.key)
+def _input_label(analysis: UncertaintyAnalysis, source: UncertainInput) -> str:
+    """Return an input in words, with its share of the variance."""
+    index = analysis.sobol.get(source.key)
     if index is None:
-        return uncertain.label
-    return f"{uncertain.label}, {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"
+        return source.label
+    return f"{source.label}, {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"

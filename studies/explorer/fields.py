@@ -196,7 +196,15 @@ def _number_field(
     unit = unit_text(known.unit).replace("deg", "°")
     fixed = isinstance(aircraft.airframe, MeasuredAirframe) and key.startswith("airframe.")
     return Field(
-        *(key, group, known.label, unit, value, minimum, maximum, slider, step),
+        key,
+        group,
+        known.label,
+        unit,
+        value,
+        minimum,
+        maximum,
+        slider,
+        step,
         fixed=_MEASURED if fixed else "",
         about=known.about,
     )

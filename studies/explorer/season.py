@@ -106,7 +106,7 @@ class SeasonMaps:
             light.rows, light.day = known.tolist(), sunlight_at(latitudes[known])
         rows: list[list[float | None] | None] = [None] * len(latitudes)
         flight = performance(
-            *(aircraft, mission, solar), day=light.day, keep_trajectory=False, design=design
+            aircraft, mission, solar, day=light.day, keep_trajectory=False, design=design
         )
         hours = flight.cycle.excess_time_h.reshape(len(light.rows), len(days))
         for row, values in zip(light.rows, hours, strict=True):

@@ -238,7 +238,7 @@ class Session:
         design = known[2] if known is not None and known[0] == settings else None
         with _told_to_the_page(made.solar):
             return self._maps.excess_time(
-                *(made.aircraft, made.mission, made.solar), coarse=coarse, design=design
+                made.aircraft, made.mission, made.solar, coarse=coarse, design=design
             )
 
     def file_names(self) -> dict[str, str]:

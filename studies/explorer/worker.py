@@ -152,8 +152,9 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         where = task.mission.scenarios().label(int(dark.argmax()))
         raise ValueError(f"polar night: the sun never rises at {where}, so that no design flies")
     study = size(
-        # Sliders have the altitudes.
-        *(task.aircraft, task.mission, task.objective),
+        task.aircraft,
+        task.mission,
+        task.objective,
         model=task.solar.model,
         correction=task.solar.correction,
         with_margin=True,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,11 +50,6 @@ def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -
     axes.annotate(text, place, (4 if right else -4, 0), textcoords="offset points", **sides)
 
 
-def _error_band(axes: Axes, x: Any, low: Any, high: Any, colour: str, label: str) -> None:
-    """Shade what a curve becomes with the error of the solar power model."""
-    axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0, label=label)
-
-
 # ---- The cycle of a day
 
 
@@ -86,24 +81,22 @@ def plot_cycle(
     longest = None if whole else analysis.endurances[index]
     if longest is not None and np.isfinite(longest.endurance_h):
         return _plot_own_flight(analysis, index, longest, figure)
-    panels = 2 if analysis.climb is None else 3
-    where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
-    drawn, every = new_figure(
+    drawn, panels = _panels(analysis, index, figure)
+    each = (perf, analysis.low, analysis.high)
+    full_wh = float(perf.design.battery_energy_wh)
+    _draw_curves(
         panels,
-        canvas=figure,
-        title=f"{analysis.aircraft.name} on {where}",
-        notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
-        size_in=(8.0, 2.8 * panels),
-        sharex=True,
+        perf.day.time_h,
+        [p.solar_power_w[index] for p in each],
+        perf.load_w[index],
+        [p.cycle.energy_wh[index] / full_wh for p in each],
+        _error_label(perf),
     )
-    _draw_power(every[0], perf, index)
-    _draw_charge(every[1], analysis, index)
-    # Below the axes, where no curve can run through it.
-    power, charge = (axes.get_legend_handles_labels()[0] for axes in every[:2])
-    handles = [*power[:2], *charge, *power[2:]]  # each column a curve and its margin
-    add_legend(drawn, handles, 3)
+    _mark_equal_power(panels[0], perf, index)
+    _mark_charge(panels[1], perf, index)
+    _add_legend_of(drawn, panels)
     if analysis.climb is not None:
-        _draw_altitude(every[2], analysis.climb, index)
+        _draw_altitude(panels[2], analysis.climb, index)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
     days = round(perf.day.time_h[-1] / 24.0)
     window_h = analysis.mission.flight_window_h(perf.day.scenarios)
@@ -113,53 +106,97 @@ def plot_cycle(
         for k in range(days)
         for a, b in ((0.0, sunrise), (sunset, 24.0))
     ]
-    for axes in every:
+    for axes in panels:
         shade(axes, [(a, b) for a, b in nights if b > a])
-    every[-1].set(xticks=range(0, 24 * days + 1, 2 * days), xlim=ends_h, xlabel="solar time [h]")
+    panels[-1].set(xticks=range(0, 24 * days + 1, 2 * days), xlim=ends_h, xlabel="solar time [h]")
     return drawn
 
 
-def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
-    time_h = perf.day.time_h
-    solar, load = perf.solar_power_w[index], perf.load_w[index]
-    rms = perf.solar.rms_relative
-    error = "RMS error of the model"
-    if perf.solar.correction != "none":
-        error = "RMS error after correction"
-    error += model_error_note(perf.mission.altitude_m)
-    axes.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
-    label = f"{error}, {100 * rms:.0f} %"
-    _error_band(axes, time_h, solar * (1 - rms), solar * (1 + rms), SUN, label)
-    axes.plot(time_h, load, LOAD_LINE, color=LOAD, label="load")
+def _panels(
+    analysis: Analysis, index: int, canvas: Canvas, end: str = ""
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with panels for power, charge and, with climbs, altitude of a scenario."""
+    count = 2 if analysis.climb is None else 3
+    where = f"{analysis.mission.name}, {analysis.performance.day.scenarios.label(index)}"
+    return new_figure(
+        count,
+        canvas=canvas,
+        title=f"{analysis.aircraft.name} on {where}{end}",
+        notes=(analysis.performance.solar.label, extrapolation_caption(analysis.extrapolations)),
+        size_in=(8.0, 2.8 * count),
+        sharex=True,
+    )
+
+
+def _error_label(perf: Performance) -> str:
+    """Return what the band of the solar power is."""
+    after = "of the model" if perf.solar.correction == "none" else "after correction"
+    where = where_error_is_known(perf.mission.altitude_m)
+    return f"RMS error {after}{where}, {100 * perf.solar.rms_relative:.0f} %"
+
+
+def _draw_curves(
+    panels: Sequence[Axes],
+    time_h: FloatArray,
+    solar_w: Sequence[FloatArray],
+    load_w: FloatArray,
+    charge: Sequence[FloatArray],
+    error: str = "",
+) -> None:
+    """Draw solar power, load and state of charge over time.
+
+    ``solar_w``, ``charge``: as modelled, then with the model's error less and more, where bands of
+    these are drawn.
+    """
+    curves = (
+        (panels[0], solar_w, SUN, SUN_LINE, "solar power", error),
+        (
+            panels[1],
+            [100.0 * v for v in charge],
+            CHARGE,
+            CHARGE_LINE,
+            "state of charge",
+            _WITH_ERROR,
+        ),
+    )
+    for axes, (nominal, *ends), colour, line, label, band in curves:
+        axes.plot(time_h, nominal, line, color=colour, label=label)
+        if ends:
+            low, high = ends
+            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=band)
+    panels[0].plot(time_h, load_w, LOAD_LINE, color=LOAD, label="load")
+    panels[0].set(ylabel="power [W]", ylim=(0, None))
+    panels[1].set(ylabel="state of charge [%]", ylim=(0, 105))
+
+
+def _add_legend_of(figure: Figure, panels: Sequence[Axes]) -> None:
+    """Write the legend below the axes, a column for each curve and its band."""
+    power, charge = (axes.get_legend_handles_labels()[0] for axes in panels[:2])
+    add_legend(figure, [*power[:2], *charge, *power[2:]], 3)
+
+
+def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
+    """Mark the instants at which solar power equals the load."""
     for name, hour, side in (
         (r"$t_\mathrm{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
         (r"$t_\mathrm{eq,2}$", perf.cycle.equal_power_evening_h[index], "left"),
     ):
         if np.isfinite(hour):
-            level = float(np.interp(hour, time_h, load))
+            level = float(np.interp(hour, perf.day.time_h, perf.load_w[index]))
             axes.plot([hour], [level], "o", color=ink(), markersize=4)
             shift = -4 if side == "right" else 4
             axes.annotate(name, (hour, level), (shift, 6), textcoords="offset points", ha=side)
-    axes.set(ylabel="power [W]", ylim=(0, None))
 
 
-def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
-    perf = analysis.performance
-    battery_energy_wh = float(perf.design.battery_energy_wh)
-    time_h = perf.day.time_h
-    charge, low, high = (
-        100 * p.cycle.energy_wh[index] / battery_energy_wh
-        for p in (perf, analysis.low, analysis.high)
-    )
-    axes.plot(time_h, charge, color=CHARGE, label="state of charge")
-    _error_band(axes, time_h, low, high, CHARGE, _WITH_ERROR)
+def _mark_charge(axes: Axes, perf: Performance, index: int) -> None:
+    """Mark the first full charge, the charge margin and the excess time."""
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
         _beside(axes, "full", (full, 30))
         _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
     _draw_excess(axes, perf, index)
-    axes.set(ylabel="state of charge [%]", ylim=(-36, 105), yticks=range(0, 101, 20))
+    axes.set(ylim=(-36, 105), yticks=range(0, 101, 20))
 
 
 def _draw_excess(axes: Axes, perf: Performance, index: int) -> None:
@@ -233,55 +270,34 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     """Draw the longest flight from its launch to the empty battery."""
     perf = analysis.performance
     hours, launch = float(longest.endurance_h), float(longest.launch_h)
-    where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
-    panels = 2 if analysis.climb is None else 3
-    drawn, (power, charge, *more) = new_figure(
-        panels,
-        canvas=canvas,
-        title=f"{analysis.aircraft.name} on {where}: limited, {hours:.1f} h",
-        notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
-        size_in=(8.0, 2.8 * panels),
-        sharex=True,
-    )
     end = launch + hours
-    nominal, less, greater = (
-        course.course(index, launch, hours) for course in (perf, analysis.low, analysis.high)
+    drawn, panels = _panels(analysis, index, canvas, f": limited, {hours:.1f} h")
+    each = [p.course(index, launch, hours) for p in (perf, analysis.low, analysis.high)]
+    clock_h, altitude_m = each[0].clock_h, each[0].altitude_m
+    _draw_curves(
+        panels,
+        clock_h,
+        [np.interp(clock_h, course.clock_h, course.solar_power_w) for course in each],
+        each[0].load_w,
+        [np.interp(clock_h, course.clock_h, course.state_of_charge) for course in each],
+        _error_label(perf),
     )
-    clock_h = nominal.clock_h
-    (least_w, least), (most_w, most) = (
-        [
-            np.interp(clock_h, course.clock_h, v)
-            for v in (course.solar_power_w, course.state_of_charge)
-        ]
-        for course in (less, greater)
-    )
-    power.plot(clock_h, nominal.solar_power_w, SUN_LINE, color=SUN, label="solar power")
-    where = where_error_is_known(perf.mission.altitude_m)
-    error = f"RMS error of the model{where}, {100 * perf.solar.rms_relative:.0f} %"
-    _error_band(power, clock_h, least_w, most_w, SUN, error)
-    power.plot(clock_h, nominal.load_w, LOAD_LINE, color=LOAD, label="load")
-    power.set(ylabel="power [W]", ylim=(0, None))
-    percent = 100.0 * nominal.state_of_charge
-    charge.plot(clock_h, percent, CHARGE_LINE, color=CHARGE, label="state of charge")
-    _error_band(charge, clock_h, 100.0 * least, 100.0 * most, CHARGE, _WITH_ERROR)
     sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
     if sunset > sunrise:
         nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]
     else:
         nights = [(launch, end)]
     shown = [(max(a, launch), min(b, end)) for a, b in nights if a < end and b > launch]
-    for axes in more:
-        axes.plot(clock_h, nominal.altitude_m, color=LOAD)
-        _set_altitudes(axes, nominal.altitude_m)
-    last = [power, charge, *more][-1]
-    for axes in (power, charge, *more):
+    for axes in panels:
         shade(axes, shown)
-    charge.plot([end], [0.0], "o", color=ink(), markersize=4, clip_on=False, label="empty")
-    charge.set(ylabel="state of charge [%]", ylim=(0, 105), xlim=(launch, end))
-    _label_clock(last, (launch, end), lambda day: f"day {day + 1}")
-    last.set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
-    handles = [*power.get_legend_handles_labels()[0], *charge.get_legend_handles_labels()[0]]
-    add_legend(drawn, handles, 3)
+    for axes in panels[2:]:
+        axes.plot(clock_h, altitude_m, color=LOAD)
+        _set_altitudes(axes, altitude_m)
+    panels[1].plot([end], [0.0], "o", color=ink(), markersize=4, clip_on=False, label="empty")
+    panels[1].set(xlim=(launch, end))
+    _label_clock(panels[-1], (launch, end), lambda day: f"day {day + 1}")
+    panels[-1].set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
+    _add_legend_of(drawn, panels)
     return drawn
 
 
@@ -305,7 +321,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     -------
     Figure
     """
-    drawn, (power_axes, charge_axes) = new_figure(
+    drawn, panels = new_figure(
         2,
         canvas=figure,
         title=f"{analysis.aircraft.name} on {analysis.mission.name}",
@@ -313,25 +329,23 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
         size_in=(9.0, 5.6),
         sharex=True,
     )
-    power_axes.plot(flight.clock_h, flight.solar_power_w, SUN_LINE, color=SUN, label="solar power")
-    power_axes.plot(flight.clock_h, flight.load_w, LOAD_LINE, color=LOAD, label="load")
-    power_axes.set(ylabel="power [W]", ylim=(0, None))
-    add_legend(drawn, power_axes.get_legend_handles_labels()[0], 2)
-    charge_axes.plot(flight.clock_h, 100 * flight.state_of_charge, color=CHARGE)
+    _draw_curves(
+        panels, flight.clock_h, [flight.solar_power_w], flight.load_w, [flight.state_of_charge]
+    )
+    add_legend(drawn, panels[0].get_legend_handles_labels()[0], 2)
+    charge_axes = panels[1]
     for hour in flight.full_charge_clock_h:
         charge_axes.axvline(hour, color=ink(), linestyle=":", linewidth=1)
         _beside(charge_axes, "full", (hour, 50))
     dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
     nights = flight.clock_h[dark.reshape(-1, 2) - (0, 1)]
-    for axes in (power_axes, charge_axes):
+    for axes in panels:
         shade(axes, nights)
     first_day = day_of_year(flight.launch.date)
     ends = float(flight.clock_h[0]), float(flight.clock_h[-1])
     _label_clock(charge_axes, ends, lambda day: date_label((first_day + day - 1) % 365 + 1))
     charge_axes.set_xlabel(f"local time, launched on {date_label(first_day)}")
-    charge_axes.set(
-        ylabel="state of charge [%]", ylim=(0, 105), xlim=(flight.clock_h[0], flight.clock_h[-1])
-    )
+    charge_axes.set(xlim=ends)
     return drawn
 
 

@@ -110,7 +110,8 @@ def sizing_figures(
         "cycle.png": lambda: plot_cycle(analysis(), figure=figure),
         "masses.png": partial(
             design_plots.plot_masses,
-            *(parts, f"{sized.name}: mass budget"),
+            parts,
+            f"{sized.name}: mass budget",
             notes=notes,
             figure=figure,
         ),
@@ -124,7 +125,10 @@ def sizing_figures(
     if sensitivities:
         drawings["sensitivities.png"] = partial(
             design_plots.plot_sensitivities,
-            *(sensitivities, result.objective, sized.name, solar),
+            sensitivities,
+            result.objective,
+            sized.name,
+            solar,
             extrapolations=study.extrapolations,
             figure=figure,
         )

@@ -118,7 +118,10 @@ def make_report(
     record = sizing.to_dict() if isinstance(sizing, SizingStudy) else sizing
     return render(
         Subject(
-            *(aircraft, mission, solar, inputs),
+            aircraft,
+            mission,
+            solar,
+            inputs,
             sizing=record,
             verification=verification,
             weather_record=weather,

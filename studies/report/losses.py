@@ -33,8 +33,13 @@ def loss_chain(analysis: Analysis) -> tuple[Step, ...]:
     solar_wh, load_wh, charging_wh, discharging_wh, unused_wh, stored_wh, unserved_wh = (
         float(np.broadcast_to(values, analysis.performance.cycle.status.shape)[worst])
         for values in (
-            *(budget.solar_wh, budget.load_wh, budget.charge_loss_wh, budget.discharge_loss_wh),
-            *(budget.curtailed_wh, budget.stored_wh, budget.unserved_wh),
+            budget.solar_wh,
+            budget.load_wh,
+            budget.charge_loss_wh,
+            budget.discharge_loss_wh,
+            budget.curtailed_wh,
+            budget.stored_wh,
+            budget.unserved_wh,
         )
     )
     steps = [

@@ -115,7 +115,7 @@ def plot_three_view(
     tall_m = [top - bottom for _, _, (bottom, top) in limits]
     per_m = _WIDTH_IN / width_m
     drawn, panels = new_figure(
-        *(3, 1),
+        rows=3,
         canvas=figure,
         size_in=(_WIDTH_IN, per_m * sum(tall_m) + 3.0 * _BETWEEN_IN),
         grid="",

@@ -123,9 +123,9 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
     if not objective:
         return "excess_time", "charge_margin"
     sized = Objective(objective)
-    candidates = (sized.beside, "battery_mass", "module_area", "wingspan")
+    others = (sized.beside, "battery_mass", "module_area", "wingspan")
     varied = {_label(data, str(name)) for name in data.coords}
-    return sized.column, next(name for name in candidates if _label(data, name) not in varied)
+    return sized.column, next(name for name in others if _label(data, name) not in varied)
 
 
 def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
@@ -267,7 +267,7 @@ def _name_places(axis: Any, data: xr.Dataset, key: str) -> None:
     """Write the names of a varied key at their places, upright where they are many."""
     if not _has_names(data, key):
         return
-    names = [str(text) for text in data[name].to_numpy()]
+    names = [str(name) for name in data[key].to_numpy()]
     upright = axis.axis_name == "x" and sum(map(len, names)) > _LETTERS_IN_A_ROW
     axis.set_ticks(_axis_positions(data, key), names, rotation=90 if upright else 0)
 

@@ -153,8 +153,8 @@ def _name_days(axes: Axes, names: list[str], months: NDArray[Any] | None) -> Non
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     """Draw the share of launches at dawn with a full battery still airborne; grey: each year."""
     done = analysis.performance
-    whole = [row.year for row in analysis.years if row.whole]
-    for number, year in enumerate(whole if len(whole) > 1 else ()):
+    whole = [summary.year for summary in analysis.years if summary.whole]
+    for index, year in enumerate(whole if len(whole) > 1 else ()):
         of_year = done.recorded.axis.year == year
         label = "launches of each year" if not index else ""
         _draw_share(axes, done.recorded, of_year, color="0.7", linewidth=0.7, label=label)
@@ -179,11 +179,11 @@ def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     axes.legend()
 
 
-def _draw_share(axes: Axes, run: WeatherRun, selected: BoolArray, **style: Any) -> None:
-    """Share of some launches that are still airborne over time."""
-    hours = np.sort(run.endurance_h[selected]) / 24.0
+def _draw_share(axes: Axes, run: WeatherRun, launches: BoolArray, **style: Any) -> None:
+    """Draw the share of launches that are still airborne over time."""
+    hours = np.sort(run.endurance_h[launches]) / 24.0
     share = 100.0 * (1.0 - np.arange(len(hours)) / len(hours))
-    at_last = share[-1] if run.outlasts[selected].any() else 0.0
+    at_last = share[-1] if run.outlasts[launches].any() else 0.0
     axes.step(np.append(hours, _LONGEST_DAYS), np.append(share, at_last), where="pre", **style)
 
 
