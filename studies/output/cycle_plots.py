@@ -131,7 +131,7 @@ def _panels(
 def _error_label(perf: Performance) -> str:
     """Return what the band of the solar power is."""
     after = "of the model" if perf.solar.correction == "none" else "after correction"
-    where = where_error_is_known(perf.mission.altitude_m)
+    where = model_error_note(perf.mission.altitude_m)
     return f"RMS error {after}{where}, {100 * perf.solar.rms_relative:.0f} %"
 
 
