@@ -13,8 +13,8 @@ from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
 from solar.names import CorrectionName, ModelName
 from studies.exchange.airplane import airplane_text, missing_library
-from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet
 from studies.output.formats import missing_writer, table_bytes, workbook_bytes
+from studies.render.design_sheet import DesignSheet, Entry, design_sheet
 from studies.render.tables import UNLIMITED
 
 # Geometry needs no mission; tables hold results on one.

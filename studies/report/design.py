@@ -12,8 +12,8 @@ from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.margins import requirement_margins
-from studies.exchange.design_sheet import design_sheet
 from studies.render.analysis import balance_table, drag_table
+from studies.render.design_sheet import design_sheet
 from studies.render.numbers import with_unit
 from studies.render.sentences import (
     balance_lines,

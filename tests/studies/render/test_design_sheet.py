@@ -6,8 +6,8 @@ import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, mission
 
 from sizing.results.analysis import analyse
-from studies.exchange.design_sheet import design_sheet, number_text
 from studies.exchange.files import escaped, latex_table
+from studies.render.design_sheet import design_sheet, number_text
 
 SHEETS = [
     design_sheet(analyse(craft, mission(), replay=False)) for craft in (AS2, DESIGN, SKY_SAILOR)
