@@ -104,18 +104,9 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
 
 
 def pressure_altitude_m(pressure_pa: ArrayLike) -> FloatArray:
-    """Return the standard atmosphere's altitude of a pressure, infinite outside.
+    """Return the standard atmosphere's altitude of a pressure [m], infinite outside of its table.
 
-    Parameters
-    ----------
-    pressure_pa : array_like
-        Static pressure [Pa].
-
-    Returns
-    -------
-    ndarray
-        Geometric altitude from -500 m to 32 km, within 0.1 m: straight in the logarithm of the
-        pressure between altitudes 50 m apart.
+    Within 0.1 m: interpolated in the logarithm of the pressure between altitudes 50 m apart.
     """
     heights = np.arange(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M + 50.0, 50.0)
     logs = np.log(standard_air(heights).pressure_pa)
@@ -125,20 +116,7 @@ def pressure_altitude_m(pressure_pa: ArrayLike) -> FloatArray:
 
 
 def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
-    """Return the air of a temperature and pressure: ideal gas, Sutherland viscosity.
-
-    Parameters
-    ----------
-    temperature_k : array_like
-        Temperature [K].
-    pressure_pa : array_like
-        Pressure [Pa].
-
-    Returns
-    -------
-    Air
-        With density [kg/m3] and dynamic viscosity [Pa s]; broadcast shape of the arguments.
-    """
+    """Return the air of a temperature and a pressure: ideal gas, Sutherland viscosity."""
     t = np.asarray(temperature_k, float)
     p = np.asarray(pressure_pa, float)
     viscosity = _SUTHERLAND_BETA * t**1.5 / (t + _SUTHERLAND_K)

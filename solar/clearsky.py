@@ -80,20 +80,7 @@ class Coefficients(NamedTuple):
 
 
 def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArray:
-    """Interpolate twelve mid-month values linearly, periodic over the year.
-
-    Parameters
-    ----------
-    day_of_year : array_like
-        Fractional day of year.
-    monthly : array_like, shape (12,)
-        Values at the middle of each month, January first.
-
-    Returns
-    -------
-    ndarray
-        Value on each day, in the unit given.
-    """
+    """Interpolate twelve mid-month values, January first, linearly and periodic over the year."""
     return np.asarray(
         np.interp(
             np.asarray(day_of_year, float), MID_MONTH_DAY, np.asarray(monthly), period=DAYS_PER_YEAR
@@ -102,22 +89,11 @@ def monthly_coefficient(day_of_year: ArrayLike, monthly: ArrayLike) -> FloatArra
 
 
 def coefficients(day_of_year: ArrayLike, latitude_deg: ArrayLike) -> Coefficients:
-    """Return A [W/m2], B [-] and C [-] for a day and a hemisphere, and the day's light.
+    """Return A [W/m2], B [-] and C [-] for a day and a hemisphere, and the day's light [W/m2].
 
     B and C describe the season's water vapour and dust, so south of the equator they are shifted
-    by half a year; A follows the distance to the sun and does not depend on the hemisphere.
-
-    Parameters
-    ----------
-    day_of_year : array_like
-        Fractional day of year.
-    latitude_deg : array_like
-        Latitude [deg]; only its sign matters.
-
-    Returns
-    -------
-    Coefficients
-        Broadcast shape of the arguments.
+    by half a year; A follows the distance to the sun and does not depend on the hemisphere. The
+    arguments broadcast.
     """
     day = np.asarray(day_of_year, float)
     southern = np.asarray(latitude_deg, float) < 0.0
@@ -209,21 +185,9 @@ def clear_sky(
 def irradiance_under(
     sky: Coefficients, cos_zenith: ArrayLike, relative_pressure: ArrayLike
 ) -> Irradiance:
-    """Compute the irradiance [W/m2] for a sky's coefficients, at a pressure relative to sea level.
+    """Compute the irradiance [W/m2] for a sky's coefficients, at a pressure over sea level's [-].
 
-    Parameters
-    ----------
-    sky : Coefficients
-        A [W/m2], B [-], C [-] and the light outside the atmosphere [W/m2].
-    cos_zenith : array_like
-        Cosine of the zenith angle.
-    relative_pressure : array_like
-        Pressure over that at sea level [-], see :func:`pressure_ratio`.
-
-    Returns
-    -------
-    Irradiance
-        Direct normal and diffuse horizontal [W/m2]; zero with the sun below the horizon.
+    The arguments broadcast; zero with the sun below the horizon.
     """
     cos_z = np.asarray(cos_zenith, float)
     pressure = np.asarray(relative_pressure, float)
@@ -253,25 +217,13 @@ def thin_air_irradiance(
 
     The direct light passes Rayleigh scattering, the whole ozone layer, which lies mostly above the
     aircraft, and absorption by carbon dioxide and oxygen; half of the scattered light comes down.
-    Light outside 0.3 to 3 um, 3.4 % of all, is not counted: no silicon cell uses it.
+    Light outside 0.3 to 3 um, 3.4 % of all, is not counted: no silicon cell uses it. The arguments
+    broadcast; ``relative_pressure`` counts as at most its value at 9 km. Zero with the sun below
+    the horizon.
 
     Source: Bird, R. E. and Hulstrom, R. L. (1981), A simplified clear sky model for direct and
     diffuse insolation on horizontal surfaces, SERI/TR-642-761, with no water vapour, aerosol or
     light from the ground, and with the air mass of :func:`air_mass`.
-
-    Parameters
-    ----------
-    extraterrestrial_w_per_m2 : array_like
-        Irradiance normal to the beam outside the atmosphere [W/m2].
-    cos_zenith : array_like
-        Cosine of the zenith angle.
-    relative_pressure : array_like
-        Pressure over pressure at sea level [-], at most its value at 9 km.
-
-    Returns
-    -------
-    Irradiance
-        Direct normal and diffuse horizontal [W/m2]; zero with the sun below the horizon.
     """
     cos_z = np.maximum(np.asarray(cos_zenith, float), 0.0)
     sun = np.where(cos_z > 0.0, np.asarray(extraterrestrial_w_per_m2, float), 0.0)
@@ -292,19 +244,9 @@ def thin_air_irradiance(
 
 
 def global_horizontal(irradiance: Irradiance, cos_zenith: ArrayLike) -> FloatArray:
-    """Return the global horizontal irradiance [W/m2].
+    """Return the global horizontal irradiance, ``DNI cos z + DHI`` [W/m2].
 
-    Parameters
-    ----------
-    irradiance : Irradiance
-        Direct normal and diffuse horizontal [W/m2].
-    cos_zenith : array_like
-        Cosine of the zenith angle.
-
-    Returns
-    -------
-    ndarray
-        ``DNI cos z + DHI`` [W/m2] (Duffie & Beckman, Solar Engineering of Thermal Processes).
+    Source: Duffie & Beckman, Solar Engineering of Thermal Processes.
     """
     projected = irradiance.dni * np.maximum(np.asarray(cos_zenith, float), 0.0)
     return np.asarray(projected + irradiance.dhi)

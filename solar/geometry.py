@@ -151,20 +151,11 @@ class ModuleGeometry(Record):
 
 
 def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
-    """Return the upward normal of a surface pitched, then rolled, in body axes; ``(..., 3)``.
+    """Return the upward normal of a surface pitched, then rolled, in body axes, shape ``(..., 3)``.
 
     A level surface has the normal ``[0, 0, -1]``. Pitching its nose up turns the normal aft; a
-    positive roll (right side down) turns it to the right.
-
-    Parameters
-    ----------
-    roll, pitch : array_like
-        Angles of the surface to the body [rad]; they broadcast.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        Unit normals in body axes (report, eq. 2).
+    positive roll (right side down) turns it to the right. Angles in rad, they broadcast; report,
+    eq. 2.
     """
     phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
     return np.stack(
@@ -175,17 +166,8 @@ def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
 def cos_angle_of_incidence(normals: ArrayLike, sun_vector: ArrayLike) -> FloatArray:
     """Return the cosine of the angle between normals and the sun, negative from behind.
 
-    Both are unit vectors on the last axis and in the same frame; the others broadcast.
-
-    Parameters
-    ----------
-    normals, sun_vector : array_like, shape (..., 3)
-        Unit vectors.
-
-    Returns
-    -------
-    ndarray
-        Their scalar product [-] (report, eq. 3).
+    Scalar product of unit vectors on the last axis, in the same frame; the other axes broadcast.
+    Report, eq. 3.
     """
     normal, sun = np.asarray(normals, float), np.asarray(sun_vector, float)
     # Component by component: a sum over an axis of three takes ten times as long.

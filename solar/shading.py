@@ -164,22 +164,7 @@ def shaded_area(
     """Return the shaded area of every module [m2], shape ``(..., surface)``.
 
     The shaded fraction of the outline times the module's area, which is smaller than the outline's
-    by gaps and by the cut corners of the cells.
-
-    Parameters
-    ----------
-    geometry, tail, sun_vector_body
-        As in :func:`shaded_fraction`.
-
-    Returns
-    -------
-    ndarray, shape (..., surface)
-        Shaded area [m2].
-
-    Raises
-    ------
-    ValueError
-        As :func:`shaded_fraction`.
+    by gaps and by the cut corners of the cells. Arguments and errors as of :func:`shaded_fraction`.
     """
     areas = np.array([surface.area_m2 for surface in geometry.surfaces])
     return np.asarray(shaded_fraction(geometry, tail, sun_vector_body) * areas)
@@ -322,26 +307,10 @@ def loss_model(name: str) -> LossModel:
 def apply_losses(
     direct_by_surface: ArrayLike, shaded: ArrayLike, model: LossModel = no_losses
 ) -> FloatArray:
-    """Return the direct light of every surface after shading.
+    """Return the direct light of every surface after shading, in the unit of ``direct_by_surface``.
 
-    Parameters
-    ----------
-    direct_by_surface : array_like, shape (..., surface)
-        Direct light on the unshaded surfaces, in any unit.
-    shaded : array_like, shape (..., surface)
-        Shaded fractions, see :func:`shaded_fraction`.
-    model : LossModel
-        Loss by shadows.
-
-    Returns
-    -------
-    ndarray, shape (..., surface)
-        Direct light in the same unit; diffuse light is not touched by any loss model.
-
-    Raises
-    ------
-    ValueError
-        If the model returns another shape, or a loss that is not between zero and one.
+    Light and ``shaded`` fractions have the shape ``(..., surface)``. ValueError if the model
+    returns another shape, or a loss outside of 0 to 1. No loss model changes diffuse light.
     """
     fractions = np.asarray(shaded, float)
     lost = np.asarray(model(fractions), float)

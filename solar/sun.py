@@ -101,19 +101,9 @@ class SunArc(NamedTuple):
 
 
 def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
-    """Return the path of the sun at a latitude [deg] for a declination [rad].
+    """Return the path of the sun for a latitude [deg] and a declination [rad], which broadcast.
 
-    Parameters
-    ----------
-    latitude_deg : array_like
-        Latitude [deg].
-    sun_declination : array_like
-        Declination [rad].
-
-    Returns
-    -------
-    SunArc
-        Mean and amplitude [-], broadcast shape (Duffie & Beckman, eq. 1.6.5).
+    Source: Duffie & Beckman, eq. 1.6.5.
     """
     lat = np.radians(np.asarray(latitude_deg, float))
     dec = np.asarray(sun_declination, float)
@@ -123,17 +113,7 @@ def sun_arc(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunArc:
 def cos_zenith(latitude_deg: ArrayLike, sun_declination: ArrayLike, hour: ArrayLike) -> FloatArray:
     """Return the cosine of the geometric zenith angle, negative below the horizon.
 
-    Parameters
-    ----------
-    latitude_deg : array_like
-        Latitude [deg].
-    sun_declination, hour : array_like
-        Declination and hour angle [rad].
-
-    Returns
-    -------
-    ndarray
-        Broadcast shape of the arguments [-] (Duffie & Beckman, eq. 1.6.5).
+    Declination and hour angle in rad; the arguments broadcast. Duffie & Beckman, eq. 1.6.5.
     """
     arc = sun_arc(latitude_deg, sun_declination)
     return np.asarray(arc.mean + arc.amplitude * np.cos(np.asarray(hour, float)))
