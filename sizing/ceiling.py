@@ -183,13 +183,13 @@ def flight_at_altitude(
 
     The excess time is -24 h for an aircraft that cannot carry its own mass there.
     """
-    there = mission.climbing_from(altitude_m)
-    density_kg_per_m3 = float(there.air_state().density_kg_per_m3)
+    mission_at_altitude = mission.climbing_from(altitude_m)
+    density_kg_per_m3 = float(mission_at_altitude.air_state().density_kg_per_m3)
     nan = float("nan")
     try:
-        result = performance(aircraft, there, solar)
+        result = performance(aircraft, mission_at_altitude, solar)
     except ImpossibleDesignError:
-        reason = operating_reason(aircraft, there) or "cannot carry its own mass"
+        reason = operating_reason(aircraft, mission_at_altitude) or "cannot carry its own mass"
         return AltitudeFlight(
             altitude_m=altitude_m,
             excess_time_h=HOPELESS_H,
@@ -202,11 +202,11 @@ def flight_at_altitude(
             module_temperature_c=nan,
             worst_scenario=0,
             reason=reason,
-            maximum_altitude_m=None if there.climb is None else nan,
+            maximum_altitude_m=None if mission_at_altitude.climb is None else nan,
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
     airspeed, highest_m = design.airspeed_m_per_s, result.maximum_altitude_m
-    given_c = there.air.module_temperature_c
+    module_c = mission_at_altitude.air.module_temperature_c
     return AltitudeFlight(
         altitude_m=altitude_m,
         excess_time_h=float(cycle.excess_time_h[worst]),
@@ -216,7 +216,7 @@ def flight_at_altitude(
         load_energy_wh=float(cycle.energy_budget.load_wh[worst]),
         airspeed_m_per_s=nan if airspeed is None else float(airspeed),
         density_kg_per_m3=density_kg_per_m3,
-        module_temperature_c=nan if given_c is None else given_c,
+        module_temperature_c=nan if module_c is None else module_c,
         worst_scenario=worst,
         extrapolations=extrapolations(aircraft, result),
         maximum_altitude_m=None if highest_m is None else float(highest_m[worst]),

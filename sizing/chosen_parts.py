@@ -60,8 +60,8 @@ def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[st
             data["modules"]["mppt_efficiency"] = aircraft.modules.mppt_efficiency
     if data["battery"].pop("pack", None) is not None:
         technology = aircraft.battery.model_dump(mode="json")
-        of_entry = {value.key for value in catalogue_values(aircraft.battery, "")}
+        entry_keys = {value.key for value in catalogue_values(aircraft.battery, "")}
         for key in ("specific_energy_wh_per_kg", "charge_limit"):
-            if key not in of_entry:
+            if key not in entry_keys:
                 data["battery"][key] = technology[key]
     return data

@@ -54,7 +54,7 @@ def station_keeping(
     scenarios: Scenarios | None = None,
 ) -> StationKeeping:
     """Return the share of time that an aircraft holds its place in perpetual flight."""
-    statistics = winds_of(aircraft, mission)
+    statistics = required_winds(aircraft, mission)
     # The airspeed is searched for here.
     update = {"wind_statistics": statistics.model_copy(update={"hold_station": False})}
     mission = mission.model_copy(update=update)
@@ -69,7 +69,7 @@ def station_keeping(
     return StationKeeping(scenarios, fastest, share, winds, at_end)
 
 
-def winds_of(aircraft: Aircraft, mission: Mission) -> WindStatistics:
+def required_winds(aircraft: Aircraft, mission: Mission) -> WindStatistics:
     """Return the mission's winds; refuse an aircraft that cannot hold its place against them."""
     refuse_measured_aircraft(aircraft, "station keeping")
     if mission.wind_statistics is None:

@@ -130,6 +130,6 @@ def _register(known: dict[str, F], what: str, name: str, function: F) -> None:
 
 def _named(known: dict[str, F], register: str, name: str) -> F:
     if name not in known:
-        there = f"known are {', '.join(known)}" if known else "none is registered"
-        raise ValueError(f"{name!r} is not registered by sizing.{register}: {there}")
+        known_names = f"known are {', '.join(known)}" if known else "none is registered"
+        raise ValueError(f"{name!r} is not registered by sizing.{register}: {known_names}")
     return known[name]

@@ -17,7 +17,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.mass_budget import design_of
 from sizing.results.result import Result, data_frame
-from sizing.station import FASTEST, station_keeping, winds_of
+from sizing.station import FASTEST, required_winds, station_keeping
 from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import collect_extrapolations, merge_extrapolations
 from sizing.validity.ranges import Extrapolation
@@ -209,7 +209,7 @@ def prepare(
     solar: SolarModel,
 ) -> Study:
     """Check a study over latitude or altitude and month, and return it."""
-    months = np.array(winds_of(aircraft, mission).table(mission.longitude_deg).months)
+    months = np.array(required_winds(aircraft, mission).table(mission.longitude_deg).months)
     heights = np.asarray([mission.altitude_m] if altitudes_m is None else altitudes_m, float)
     over, rows = "latitude", np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
     choice: tuple[float, ...] | None = tuple(heights.tolist())
@@ -282,7 +282,7 @@ def _station_cells(configuration: _Configuration, cells: FloatArray) -> dict[str
 def station_of(study: Study, data: Gridded) -> Station:
     """Make the result of a study."""
     configuration: _Configuration = study.configuration
-    winds = winds_of(configuration.aircraft, configuration.mission).table(
+    winds = required_winds(configuration.aircraft, configuration.mission).table(
         configuration.mission.longitude_deg
     )
     variables = dict(data.variables)

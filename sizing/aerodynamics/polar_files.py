@@ -162,8 +162,8 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
     if not polars:
         raise InputError([Problem(source, None, None, "", _NO_POLAR)])
     problems += [Problem(file, number, None, "", _NO_POLAR) for file, number in empty.items()]
-    problems += [trouble for polar in polars for trouble in _incomplete(polar)]
-    problems += [trouble for polar in polars for trouble in _repeated(polar)]
+    problems += [problem for polar in polars for problem in _incomplete(polar)]
+    problems += [problem for polar in polars for problem in _repeated(polar)]
     if problems:
         raise InputError(problems)
     return polars
@@ -373,7 +373,7 @@ def reading_notes(polars: Sequence[FilePolar]) -> tuple[str, ...]:
     return (*notes, *left_out_note([row for polar in polars for row in polar.left_out]))
 
 
-def names_of(polars: Sequence[FilePolar]) -> list[str]:
+def polar_names(polars: Sequence[FilePolar]) -> list[str]:
     """Return the different names of airfoils or wings, as first written."""
     return list(
         {" ".join(polar.name.lower().split()): polar.name for polar in reversed(polars)}.values()

@@ -13,7 +13,7 @@ from sizing.aerodynamics.polar_files import (
     FilePolar,
     PolarRow,
     is_foreign,
-    names_of,
+    polar_names,
     read_polars,
     reading_notes,
 )
@@ -114,7 +114,7 @@ def _check_kind(polars: Sequence[FilePolar], source: str, wing: WingReference | 
 def _check_settings(polars: Sequence[FilePolar]) -> None:
     """Refuse polars of different airfoils, Mach numbers or transitions."""
     first = polars[0]
-    names = names_of(polars)
+    names = polar_names(polars)
     problems: list[Problem] = []
     for polar in polars[1:]:
         for setting, expected, actual in (

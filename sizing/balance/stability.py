@@ -65,10 +65,10 @@ def neutral_point(wing: Wing, tail: Tail, planes: TailPlanes, body_m3: float) ->
     tail_slope = lift_slope(tail.horizontal_aspect_ratio)
     downwash = downwash_slope(wing, planes.arm_m, tail.horizontal_height_m)
     area = planes.horizontal_m2 / wing.area_m2
-    of_tail = tail.dynamic_pressure_ratio * area * tail_slope * (1.0 - downwash)
-    slope = lift_slope(wing.aspect_ratio) + of_tail
+    tail_slope_on_wing = tail.dynamic_pressure_ratio * area * tail_slope * (1.0 - downwash)
+    slope = lift_slope(wing.aspect_ratio) + tail_slope_on_wing
     body_m = 2.0 * body_m3 / wing.area_m2
-    x_m = wing.quarter_m + (of_tail * planes.arm_m - body_m) / slope
+    x_m = wing.quarter_m + (tail_slope_on_wing * planes.arm_m - body_m) / slope
     return NeutralPoint(x_m, slope, tail_slope, downwash)
 
 

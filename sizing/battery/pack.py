@@ -79,10 +79,10 @@ def with_pack_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[st
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, BatteryPack) else raw
     if not isinstance(raw, Mapping):
         return {"mass_kg": 1.0, **data}, set()
-    of_voltage = _cells_in_series(data, raw)
-    if any(not is_positive(n) or n > MOST_CELLS or n % 1 for n in of_voltage.values()):
+    voltage_values = _cells_in_series(data, raw)
+    if any(not is_positive(n) or n > MOST_CELLS or n % 1 for n in voltage_values.values()):
         return {"mass_kg": 1.0, **data, "pack": None}, set()
-    pack = {**_entry_values(data), **of_voltage, **raw}
+    pack = {**_entry_values(data), **voltage_values, **raw}
     mass_kg, share = data.get("mass_kg"), data.get("cell_mass_fraction", 1.0)
     unit = _unit_kg(pack, share)
     if unit is not None and is_positive(mass_kg):

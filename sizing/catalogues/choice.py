@@ -162,9 +162,9 @@ class CatalogueRecord(Record):
             if isinstance(name, str | int) and not isinstance(name, bool):
                 parameters = entry_of_key(key, kind, str(name)).parameters(data)
                 new |= {
-                    name_of_value: value
-                    for name_of_value, value in parameters.items()
-                    if name_of_value not in data
+                    parameter: value
+                    for parameter, value in parameters.items()
+                    if parameter not in data
                 }
         if not new:
             return handler(data)

@@ -145,9 +145,9 @@ class Strings(Record):
             else:
                 text = f"must divide the {cells} cells into whole strings (got {length})"
             return "cells_in_series", text
-        at_one = self.strings_per_mppt
-        if any(len(set(lengths[i : i + at_one])) > 1 for i in range(0, len(lengths), at_one)):
-            text = f"must be equal in each {at_one} strings, which share an MPPT"
+        per_mppt = self.strings_per_mppt
+        if any(len(set(lengths[i : i + per_mppt])) > 1 for i in range(0, len(lengths), per_mppt)):
+            text = f"must be equal in each {per_mppt} strings, which share an MPPT"
             return "cells_in_series", f"{text} (got {', '.join(map(str, lengths))})"
         window, current = self.window(loss_per_k, battery_v), self.mpp_current_a
         wrong = [n for n in sorted(set(lengths)) if not window.least <= n <= window.most]

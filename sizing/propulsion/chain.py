@@ -110,7 +110,7 @@ class Propulsion(CatalogueRecord):
 
     @model_validator(mode="after")
     def _check_rating(self) -> Propulsion:
-        _check_one_rating(self)
+        _refuse_two_ratings(self)
         return self
 
     def in_level_flight(
@@ -123,9 +123,9 @@ class Propulsion(CatalogueRecord):
         if self.efficiency_model is None:
             return self
         model = propulsion_efficiency_function(self.efficiency_model)
-        one_link: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
-        one_link["propeller_efficiency"] = model(power_w, airspeed_m_per_s, density_kg_per_m3)
-        return self.model_copy(update=one_link | {"efficiency_model": None})
+        single_link: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
+        single_link["propeller_efficiency"] = model(power_w, airspeed_m_per_s, density_kg_per_m3)
+        return self.model_copy(update=single_link | {"efficiency_model": None})
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
         """Return the rated electric power [W].
@@ -202,7 +202,7 @@ class OperatingPointPropulsion(Record):
 
     @model_validator(mode="after")
     def _check_parts(self) -> OperatingPointPropulsion:
-        _check_one_rating(self)
+        _refuse_two_ratings(self)
         if isinstance(self.motor, str):
             entry_of_key("motor", "motors", self.motor)
         return self
@@ -256,11 +256,11 @@ class OperatingPointPropulsion(Record):
 
     def catalogue_values(self) -> list[CatalogueValue]:
         """Return the values of propeller and motor from catalogues, with their sources."""
-        of_propeller = catalogue_values(self.propeller, "airframe.propulsion.propeller.")
+        propeller_values = catalogue_values(self.propeller, "airframe.propulsion.propeller.")
         if not isinstance(self.motor, str):
-            return of_propeller
+            return propeller_values
         motor = entry_of_key("motor", "motors", self.motor)
-        return of_propeller + [
+        return propeller_values + [
             CatalogueValue(
                 f"airframe.propulsion.motor.{key}",
                 value,
@@ -454,7 +454,7 @@ class ChainOfParts(Propulsion):
         return super().mapped(function).model_copy(update=updates)
 
 
-def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:
+def _refuse_two_ratings(chain: Propulsion | OperatingPointPropulsion) -> None:
     """Check that climb rate and climb power ratio are not both given."""
     if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
         raise wrong_value(

@@ -55,9 +55,11 @@ class NearbyPropulsion(OperatingPointPropulsion):
         )
         # Air and size act on the propeller through the two numbers alone.
         density = air.density_kg_per_m3
-        there = air._replace(dynamic_viscosity_pa_s=density * speed_m_per_s * diameter_m / reynolds)
+        node_air = air._replace(
+            dynamic_viscosity_pa_s=density * speed_m_per_s * diameter_m / reynolds
+        )
         thrust_w = loading * density * speed_m_per_s**3 * diameter_m**2
-        turns, _, cost = parts.propeller_state(thrust_w * parts.propulsors, speed_m_per_s, there)
+        turns, _, cost = parts.propeller_state(thrust_w * parts.propulsors, speed_m_per_s, node_air)
         known = np.isfinite(cost)
         basis = chebyshev.chebvander2d(x[known], y[known], _DEGREES)
         rows = np.log(np.stack([turns * diameter_m / speed_m_per_s, cost], axis=1)[known])

@@ -129,10 +129,10 @@ def _problems_as_a_whole(read: _Read, names: str, any_speed: bool) -> list[Probl
         rpm = speeds[0][0].speed_rpm
         have = "names no speed of rotation" if math.isnan(rpm) else f"has {rpm:g} rpm alone"
         return [file_error(names, f"{have}: {_MANY_SPEEDS}").problems[0]]
-    short = [points for points in speeds if len({point.advance for point in points}) < 2]
+    too_few = [points for points in speeds if len({point.advance for point in points}) < 2]
     return [
         points[0].problem("the only advance ratio at this speed; two are needed")
-        for points in short
+        for points in too_few
     ]
 
 

@@ -200,16 +200,16 @@ class Propagation:
         """
         case = self._case(values)
         aircraft, mission, design = case.aircraft, case.mission, case.design
-        of_design = list(design_checks(aircraft, mission, design, self.solar))
+        checks = list(design_checks(aircraft, mission, design, self.solar))
         if mission.climb is not None:
             highest_m = flights.maximum_altitude_m
-            of_design = at_highest(of_design, aircraft, mission, self.solar, highest_m)
-        checks = [*of_design, *charge_rate_check(aircraft, mission, design, flights.peak_solar_w)]
-        of_sun = correction_check(self.day.scenarios, self.solar, mission)
+            checks = at_highest(checks, aircraft, mission, self.solar, highest_m)
+        checks += charge_rate_check(aircraft, mission, design, flights.peak_solar_w)
+        sun_checks = correction_check(self.day.scenarios, self.solar, mission)
         return keep_worst(
             [
                 *collect_extrapolations(checks, of=case.count, what="draws"),
-                *collect_extrapolations(of_sun, self.day.scenarios),
+                *collect_extrapolations(sun_checks, self.day.scenarios),
             ]
         )
 
@@ -440,8 +440,8 @@ class Propagation:
         if name == _FACTOR:
             key = f"{_PROPULSION}propeller_efficiency"
             return key, chain.propeller_efficiency * factor / parts.efficiency_factor
-        of_motor = name.startswith("motor")
-        part_kg = parts.motor_kg if of_motor else parts.propeller_kg
+        is_motor = name.startswith("motor")
+        part_kg = parts.motor_kg if is_motor else parts.propeller_kg
         more_kg = parts.propulsors * part_kg * (factor - getattr(parts, name))
         return f"{_PROPULSION}fixed_mass_kg", chain.fixed_mass_kg + more_kg
 

@@ -128,13 +128,13 @@ def at_highest(
     """
     offset_k = mission.air_state().temperature_k - standard_air(mission.altitude_m).temperature_k
     air = standard_air(highest_m, offset_k)
-    up_there = [
+    high_checks = [
         *altitude_checks(mission, solar, highest_m),
         *module_check(aircraft, mission, highest_m),
         *battery_checks(aircraft.battery, air.temperature_c, highest_m),
     ]
     below = [check for check in checks if check.range.quantity not in _AT_HIGHEST_ALTITUDE]
-    return below + [check for check in up_there if check.range.quantity in _AT_HIGHEST_ALTITUDE]
+    return below + [check for check in high_checks if check.range.quantity in _AT_HIGHEST_ALTITUDE]
 
 
 def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:

@@ -185,19 +185,19 @@ def add_effects(
     highest altitude.
     """
     notes = tuple(extrapolations)
-    perf, of_what = None, ""
+    perf, flight_note = None, ""
     if any((note.quantity, note.model) in _WITHOUT for note in notes):
         perf = simulate()
     if perf is not None and perf.maximum_altitude_m is not None:
         highest_m = float(np.max(perf.maximum_altitude_m))
-        of_what = f"in level flight at {highest_m:.0f} m"
+        flight_note = f"in level flight at {highest_m:.0f} m"
         perf = level_flight_at(aircraft, perf, highest_m)
     if perf is None:
         return notes
     critical = perf.day.at([perf.worst_scenario()])
     once = performance(aircraft, perf.mission, perf.solar, day=critical, design=perf.design)
     return tuple(
-        note if without is None else _add_effect(note, once, without(aircraft, once), of_what)
+        note if without is None else _add_effect(note, once, without(aircraft, once), flight_note)
         for note in notes
         for without in (_WITHOUT.get((note.quantity, note.model)),)
     )
@@ -205,16 +205,16 @@ def add_effects(
 
 def level_flight_at(aircraft: Aircraft, perf: Performance, altitude_m: float) -> Performance | None:
     """Return the repeated day of a design at an altitude; None where it cannot fly there."""
-    there = perf.mission.at_altitude(altitude_m)
+    mission = perf.mission.at_altitude(altitude_m)
     try:
         if isinstance(aircraft.airframe, ParametricAirframe):
-            design = closed_design(aircraft, there, perf.design.variables)
+            design = closed_design(aircraft, mission, perf.design.variables)
         else:
-            design = design_of(aircraft, there)
+            design = design_of(aircraft, mission)
         if not np.all(np.isfinite(design.propulsion_power_w)):
             return None
-        day = solar_day(aircraft, there, perf.solar, scenarios=perf.day.scenarios)
-        return performance(aircraft, there, perf.solar, day=day, design=design)
+        day = solar_day(aircraft, mission, perf.solar, scenarios=perf.day.scenarios)
+        return performance(aircraft, mission, perf.solar, day=day, design=design)
     except ImpossibleDesignError:
         return None
 
@@ -279,14 +279,14 @@ _WITHOUT = {
 
 
 def _add_effect(
-    note: Extrapolation, once: Performance, without: tuple[Performance, str], of_what: str
+    note: Extrapolation, once: Performance, without: tuple[Performance, str], flight_note: str
 ) -> Extrapolation:
     """Return the note with the excess times with and without an assumption."""
     other, words = without
     before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
     before, after = map(_hours_text, (before_h, after_h))
     change = f"stays {before}" if before == after else f"is {after} instead of {before}"
-    what = f"the excess time {of_what}".rstrip()
+    what = f"the excess time {flight_note}".rstrip()
     place = once.day.scenarios.label(0)
     return replace(
         note,
