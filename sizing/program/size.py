@@ -301,6 +301,7 @@ class Search:
         if task.continuous and simulated_h > 0.0:
             return
         if simulated_h > 0.0 and math.isfinite(simulated_h):
+            scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
             reserve_h = solution.reserve_h(block)
             lacking_h = float(solution.lack[block]) * (_NIGHT_H + reserve_h)
             scenario.shift_h += reserve_h - lacking_h - simulated_h + _CUSHION_H
