@@ -31,11 +31,11 @@ from solar.types import FloatArray
 
 # Default end of a search; missions near it search to the end of the atmosphere.
 _HIGHEST_M, _NEAR_M = 20000.0, 5000.0
-DEFAULT_STEP_M = 250.0
-_RESOLUTION_M = 0.1
+DEFAULT_STEP_M = 250.0  # of the scan
+_RESOLUTION_M = 0.1  # of the ceiling
 # Bound of excess time in the search for roots, where it is infinite.
 _FAR_H = 1000.0
-HOPELESS_H = -24.0
+HOPELESS_H = -24.0  # excess time of an aircraft that cannot carry itself
 
 Progress = Callable[[int, int], None]
 

@@ -8,7 +8,7 @@ from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.propulsion.chain import LINKS, Propulsion
 from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
 
-_ROUNDS, _TOLERANCE = 50, 1e-10
+_ROUNDS, _TOLERANCE = 50, 1e-10  # of the efficiency [-]
 
 
 def with_operating_point(

@@ -12,9 +12,9 @@ import numpy as np
 
 from solar.types import FloatArray, IntArray
 
-_MAXIMUM_ROUNDS = 100
-_SECANT_ROUNDS = 8
-_CLOSE = 4.0 * np.finfo(float).eps
+_MAXIMUM_ROUNDS = 100  # bisection to rounding takes 53
+_SECANT_ROUNDS = 8  # before the false position, which needs a bracket
+_CLOSE = 4.0 * np.finfo(float).eps  # rounding of a root
 
 
 def bisect(

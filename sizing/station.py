@@ -24,7 +24,7 @@ from solar.types import BoolArray, FloatArray
 
 # Largest airspeed over the design's: more needs over 20 times the power.
 FASTEST = 3.0
-_SPEEDS = 201
+_SPEEDS = 201  # of the table of powers
 # Number of halvings of the interval of airspeeds, to 0.01 % of it.
 _HALVINGS = 14
 

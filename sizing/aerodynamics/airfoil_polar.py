@@ -32,10 +32,10 @@ _WINDOW_DEG = 0.5
 # Ratio of maximum lifts of neighbouring low Reynolds numbers that shows laminar separation, where
 # drag does not continue the branch.
 _STALLED_RATIO = 0.85
-_LEAST_REYNOLDS_NUMBERS, _LEAST_ANGLES = 4, 12
-_LIFT_DEGREE, _REYNOLDS_DEGREE, _MAXIMUM_LIFT_DEGREE = 14, 6, 4
+_LEAST_REYNOLDS_NUMBERS, _LEAST_ANGLES = 4, 12  # for a fit
+_LIFT_DEGREE, _REYNOLDS_DEGREE, _MAXIMUM_LIFT_DEGREE = 14, 6, 4  # errors: docs/aerodynamics.md
 _RIDGE = 1e-4  # regularises coefficients that the table does not determine
-_REFUSED_MEDIAN, _REFUSED_MAXIMUM = 0.05, 0.3
+_REFUSED_MEDIAN, _REFUSED_MAXIMUM = 0.05, 0.3  # relative errors of a fit
 # The fit ends this far below the maximum lift, as drag rises steeply there.
 _STALL_DISTANCE = 0.03
 # Half-widths of the smooth clamps, of lift and of the normalised Reynolds coordinate.

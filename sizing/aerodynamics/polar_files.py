@@ -31,12 +31,12 @@ _SPEED_UNITS = {
     "knot": 0.514444,
     "knots": 0.514444,
 }
-_LEAST_REYNOLDS, _LARGEST_REYNOLDS = 1e3, 1e8
+_LEAST_REYNOLDS, _LARGEST_REYNOLDS = 1e3, 1e8  # beyond any aircraft
 # Limit of incompressible flow, which the models of wing and aircraft assume: Anderson, Fundamentals
 # of Aerodynamics, section 1.10.
 _LARGEST_MACH = 0.3
 _LARGEST_LIFT = 4.0 * math.pi  # Smith (1975), as for lift coefficients of a file
-_MOST_ROWS = 50_000
+_MOST_ROWS = 50_000  # beyond any set of polars
 
 _NO_POLAR = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
 _SECTION = re.compile(r"^\s*Calculated polar for\s*:\s*,?(.*)$", re.IGNORECASE)

@@ -29,10 +29,10 @@ from solar.types import FloatArray
 # Share of the greatest lift that polars of fixed lift cover at their lowest resampled Reynolds
 # number; a branch of attached flow has to begin below half the greatest lift.
 _LOW_LIFT_SHARE = 0.35
-_LEAST_RATIO = 1.5
+_LEAST_RATIO = 1.5  # of the largest to the smallest Reynolds number of a table
 # Lift coefficients of the span efficiency, over the greatest.
 _CRUISE = (0.3, 0.9)
-_SAME_SPEED = 2e-3
+_SAME_SPEED = 2e-3  # relative, rounding of a column of speeds
 
 
 @dataclass(frozen=True)

@@ -37,13 +37,13 @@ _Offset = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=Fals
 _Held = Annotated[float, Strict(), Field(ge=-40.0, le=60.0, allow_inf_nan=False)]
 _Voltage = Annotated[float, Strict(), Field(ge=3.2, le=4.2, allow_inf_nan=False)]
 
-REFERENCE_C = 25.0
-END_OF_LIFE = 0.8
+REFERENCE_C = 25.0  # of data sheets
+END_OF_LIFE = 0.8  # share of the new capacity, by convention
 _DAYS_PER_MONTH = 365.0 / 12.0
 _CELL_AH = 2.05  # nominal capacity of the cell of the ageing law
 # Lower bound of capacity and efficiency, for draws of uncertain inputs; far below the law's range.
 _LEAST = 0.001
-_LARGEST_LOSS = 0.5
+_LARGEST_LOSS = 0.5  # of the voltage: more delivers no further power
 
 
 class Insulation(Record):

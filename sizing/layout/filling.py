@@ -15,7 +15,7 @@ from solar.schema import Record, is_positive, wrong_value
 from solar.shading import TailGeometry
 
 _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
-_HALF_A_CELL = 0.5
+_HALF_A_CELL = 0.5  # tolerance of a given area, in cells
 
 
 def with_layout_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:

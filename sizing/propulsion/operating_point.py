@@ -17,10 +17,10 @@ from sizing.roots import bracketed_root
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
-_FASTEST_TIP_MACH = 0.95
-_SLOWEST_SHARE = 1e-3
-_WIRING_ROUNDS = 60
-_AT_ONCE = 256
+_FASTEST_TIP_MACH = 0.95  # end of the search for a rotation
+_SLOWEST_SHARE = 1e-3  # start of the search over its end
+_WIRING_ROUNDS = 60  # of the voltage behind the wiring, to convergence
+_AT_ONCE = 256  # points whose blade elements fit into the cache
 _SIZES = ("diameter_m", "pitch_m")
 
 

@@ -25,7 +25,7 @@ _INCH_M = 0.0254
 _MPH_M_PER_S = 0.44704
 # Sizes in names are in inches, a few in millimetres; no model propeller has 40 inches.
 _LARGEST_INCHES = 40.0
-_LARGEST_ADVANCE, _LARGEST_COEFFICIENT, _LARGEST_RPM = 5.0, 2.0, 1e5
+_LARGEST_ADVANCE, _LARGEST_COEFFICIENT, _LARGEST_RPM = 5.0, 2.0, 1e5  # beyond any propeller
 # Relative difference of the speeds of two wind tunnel runs at one nominal speed.
 _SAME_SPEED = 0.01
 # Relative error of the efficiency by rounding of the coefficients.

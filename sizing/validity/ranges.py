@@ -16,7 +16,7 @@ from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import Parameter, unit_text
 from solar.types import BoolArray, FloatArray
 
-_MOST_DIGITS = 8
+_MOST_DIGITS = 8  # of a value that rounds to an end of its range
 EXPERIENCE = "experience"
 
 
