@@ -127,27 +127,22 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     slow_lift = stall_lift / _SLOW**2
     moment = balance.pitching_moment_coefficient
     efficiency = getattr(airframe.aerodynamics, "span_efficiency", 1.0)
-    level, slow, stall = (
-        trim(wing, tail, planes, lift=lift_coefficient, moment=moment, gravity_x_m=gravity_m,
-             span_efficiency=efficiency)
-        for lift_coefficient in (lift, slow_lift, stall_lift)
-    )  # fmt: skip
+
+    def trimmed(lift: float) -> Trim:
+        return trim(wing, tail, planes, lift=lift, moment=moment, gravity_x_m=gravity_m,
+                    span_efficiency=efficiency)  # fmt: skip
+
+    def drag_coefficient(lift: float, reynolds: Value) -> float:
+        return float(_polar(airframe, design, lift).drag_coefficient(wing.aspect_ratio, reynolds))
+
+    level, slow, stall = trimmed(lift), trimmed(slow_lift), trimmed(stall_lift)
+    slow_ratio = (lift / slow_lift) ** 0.5
     directional = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
-    drag, slow_drag = (
-        float(
-            _polar(airframe, design, lift_coefficient).drag_coefficient(wing.aspect_ratio, reynolds)
-        )
-        for lift_coefficient, reynolds in (
-            (lift, it.reynolds_number),
-            (slow_lift, it.reynolds_number * (lift / slow_lift) ** 0.5),
-        )
-    )
-    elevator, at_stall = (
-        degrees(elevator_deflection(tail, neutral, level, trimmed, lift_coefficient - lift))
-        for trimmed, lift_coefficient in ((slow, slow_lift), (stall, stall_lift))
-    )
+    slow_drag = drag_coefficient(slow_lift, it.reynolds_number * slow_ratio)
+    elevator = elevator_deflection(tail, neutral, level, slow, slow_lift - lift)
+    elevator_at_stall = elevator_deflection(tail, neutral, level, stall, stall_lift - lift)
     sideslip = float(directional.rudder / directional.slope)
-    slow_speed = float(design.airspeed_m_per_s) * (lift / slow_lift) ** 0.5
+    slow_speed = float(design.airspeed_m_per_s) * slow_ratio
     motors = getattr(airframe.propulsion, "propulsors", 1)
     twin = motors == 2 and getattr(airframe.structure, "booms", 1) == 2
     yawing = slow_drag * planes.horizontal_span_m / 2.0 / wing.wingspan_m
@@ -161,9 +156,9 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
         neutral_point=neutral,
         gravity_m=gravity_m,
         level=level,
-        drag_coefficient=drag,
-        elevator_deg=elevator,
-        elevator_at_stall_deg=at_stall,
+        drag_coefficient=drag_coefficient(lift, it.reynolds_number),
+        elevator_deg=degrees(elevator),
+        elevator_at_stall_deg=degrees(elevator_at_stall),
         elevator_limit_deg=tail.elevator_deflection_deg,
         directional_slope=float(directional.slope),
         sideslip_deg=degrees(sideslip),
