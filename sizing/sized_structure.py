@@ -50,7 +50,7 @@ def _structure_remarks(
     }
     left_out = [name for name, has in excluded.items() if has]
     if model.torsion is not None and left_out:
-        yield f"flutter: CAA Report 45 excludes {' and '.join(left_out)}, as here"
+        yield f"flutter: not checked, CAA Report 45 does not cover {' and '.join(left_out)}"
     chosen = "deflection_load_case" in model.model_fields_set
     if model.maximum_tip_deflection is not None and not chosen:
         yield (

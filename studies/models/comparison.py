@@ -195,8 +195,8 @@ def headline(comparison: Comparison) -> str:
     by, truth = model_label(case.solar), model_label(reference.solar)
     itself = case.solar == reference.solar
     if case.built is None or reference.built is None:
-        text = f"By {by} {name} {case.prediction.outcome()}"
-        other = "" if itself else f"; evaluated by {truth} it {reference.prediction.outcome()}"
+        text = f"According to {by} {name} {case.prediction.outcome()}"
+        other = "" if itself else f"; according to {truth} it {reference.prediction.outcome()}"
         return f"{text}{other}."
     aside = reference.built.result(comparison.objective)
     aside = "" if itself else f" (sized with {truth}: {aside})"

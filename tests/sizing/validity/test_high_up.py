@@ -40,7 +40,7 @@ def test_an_analysis_high_up_tells_each_assumption():
     assert set(noted) == {MODULES, BATTERY, ERROR}
     assert noted[BATTERY].value == HIGH.altitude_m
     assert "assumed heated to 25 °C with" in noted[BATTERY].text
-    assert "from one morning at 0.5 km" in noted[ERROR].text
+    assert "measured at 0.5 km" in noted[ERROR].text
 
 
 def test_the_worth_of_warm_modules_is_the_flight_with_cold_ones():
@@ -223,7 +223,7 @@ def test_a_report_tells_the_worth(run, tmp_path):
     text = page.read_text(encoding="utf-8")
     assert "unheated at \u221249.9 °C, with 60 % of its capacity, the excess time is" in text
     assert "as cold as the air, \u221249.9 °C, they would give 5 % more solar energy" in text
-    assert "error of the solar power model from one morning at 0.5 km" in text
+    assert "the solar power model's error, measured at 0.5 km" in text
 
 
 # ---- Weather records

@@ -95,7 +95,9 @@ def test_headline_where_the_reference_is_the_only_case() -> None:
     assert built.headline().startswith(f"Sized with corrected FM, {DESIGN} has a span of 4.")
     assert "judged" not in built.headline()
     as_given = study.compare(AIRCRAFT, MISSION, models=only, design=False)
-    assert as_given.headline().startswith(f"By corrected FM {DESIGN} flies perpetually in every")
+    assert as_given.headline().startswith(
+        f"According to corrected FM {DESIGN} flies perpetually in every"
+    )
 
 
 def test_headline_where_nothing_is_feasible() -> None:
@@ -211,7 +213,9 @@ def test_whole_comparison_as_json(run: Run) -> None:
         )
     assert cases["CDM", "none"]["season"]["days"] > cases["FM", "report"]["season"]["days"]
     assert all(c["design"] is None for c in record["cases"])
-    assert record["summary"].startswith(f"By uncorrected CDM {AS2} flies perpetually, with ")
+    assert record["summary"].startswith(
+        f"According to uncorrected CDM {AS2} flies perpetually, with "
+    )
 
 
 def test_table_for_the_terminal(run: Run, tmp_path: Path) -> None:
