@@ -53,7 +53,7 @@ class DesignVariables(NamedTuple):
         """Apply a function to every variable that is chosen."""
         return DesignVariables(*(None if v is None else function(v) for v in self))
 
-    def of_one_shape(self) -> DesignVariables:
+    def broadcast(self) -> DesignVariables:
         """Return every variable that is chosen as an array of floats, all of one shape."""
         chosen = self.chosen()
         arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in chosen.values()))
@@ -263,7 +263,7 @@ def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
     return ends_v
 
 
-def flown_at(
+def polar_at(
     aerodynamics: DragPolar | UserDragPolar | WingPolar, lift_coefficient: Value | None
 ) -> Polar:
     """Return the polar in level flight at a chosen lift coefficient.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, bus_voltage_v, flown_at
+from sizing.design import Design, FlightConditions, bus_voltage_v, polar_at
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
 from sizing.propulsion.shafts import shares_of_limits
@@ -46,7 +46,7 @@ class DesignInFlight(NamedTuple):
     def stall_margin(self) -> Value:
         """Airspeed over the stall speed [-]."""
         chosen = self.design.variables.lift_coefficient
-        highest = flown_at(self.aircraft.parametric.aerodynamics, chosen).maximum_lift_coefficient
+        highest = polar_at(self.aircraft.parametric.aerodynamics, chosen).maximum_lift_coefficient
         return (highest / self.lift_coefficient) ** 0.5
 
     @property

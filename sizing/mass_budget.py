@@ -31,7 +31,7 @@ from sizing.design import (
     Masses,
     bus_voltage_v,
     each,
-    flown_at,
+    polar_at,
     variables_of,
 )
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
@@ -105,7 +105,7 @@ def level_flight(
 ) -> tuple[Propulsion, Value, Value]:
     """Return propulsion, electric power [W] and airspeed of level flight at a total mass."""
     airframe = aircraft.parametric
-    polar = flown_at(airframe.aerodynamics, variables.lift_coefficient)
+    polar = polar_at(airframe.aerodynamics, variables.lift_coefficient)
     airspeed = polar.airspeed_m_per_s(
         mass_kg=total_mass_kg,
         wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
@@ -210,7 +210,7 @@ def closed_design(
     TypeError
         For a measured aircraft.
     """
-    arrays = variables.of_one_shape()
+    arrays = variables.broadcast()
     flat = arrays.mapped(np.ravel)
     conditions = FlightConditions.of(mission, aircraft)
 
@@ -379,7 +379,7 @@ def design_of_total_mass(
 ) -> Design:
     """Return designs of a known total mass; infinite mass and power where the parts are heavier."""
     conditions = FlightConditions.of(mission, aircraft)
-    arrays = variables.of_one_shape()
+    arrays = variables.broadcast()
     total = np.full(np.shape(arrays.wingspan_m), total_mass_kg)
     design = parametric_design(aircraft, conditions, arrays, total)
     other_kg = total_mass_kg - (design.masses.total_kg - design.masses.other)

@@ -16,13 +16,13 @@ from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, blocks
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import Course, Flights
+from sizing.day.flight import Flights
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import Endurance, longest_flight
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.day.load import Load
 from sizing.day.march import ChargingDay
-from sizing.day.metrics import Cycle, joined
+from sizing.day.metrics import Course, Cycle, joined
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
 from solar.types import BoolArray, FloatArray
@@ -149,9 +149,7 @@ class Performance:
         flights = Flights.of(day_h, solar_w, load_w, store)
         return flights.hours(np.zeros(len(launches), int), launches)
 
-    def flight(
-        self, scenario: int, launch_h: float, hours: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def course(self, scenario: int, launch_h: float, hours: float) -> Course:
         """Return a flight in a scenario of a single design, launched with a full battery.
 
         Parameters
@@ -163,26 +161,9 @@ class Performance:
 
         Returns
         -------
-        clock_h, solar_power_w, load_w, state_of_charge : ndarray, shape (time,)
-            Solar time since the midnight before the launch [h], power [W], and state of charge,
-            zero from when the battery is empty.
-        """
-        return self.course(scenario, launch_h, hours)[:4]
-
-    def course(self, scenario: int, launch_h: float, hours: float) -> Course:
-        """Return a flight in a scenario, as :meth:`flight` does, with its altitude.
-
-        Parameters
-        ----------
-        scenario : int
-            Index of the scenario.
-        launch_h, hours : float
-            Solar time of the launch, and how long the flight is looked at [h].
-
-        Returns
-        -------
         Course
-            ``clock_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` and ``altitude_m``.
+            Over solar time since the midnight before the launch; the state of charge is zero from
+            when the battery is empty.
         """
         climbing = self._climbing([scenario])
         if climbing is not None:
@@ -369,4 +350,4 @@ def perpetual_days(
     design = design_of(aircraft, mission)
     light = solar_day(aircraft, mission, solar, scenarios=scenarios, design=design)
     result = performance(aircraft, mission, solar, day=light, design=design)
-    return every[result.cycle.flown]
+    return every[result.cycle.sufficient]

@@ -8,7 +8,7 @@ from typing import Any
 
 from sizing.aircraft import Aircraft
 from sizing.balance.in_design import structure_with_tail
-from sizing.design import Design, flown_at
+from sizing.design import Design, polar_at
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs
@@ -31,7 +31,7 @@ def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessm
     sized = _sized_rib_wing(aircraft, design)
     if sized is None:
         return None
-    polar = flown_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
+    polar = polar_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
     return replace(
         assess(*sized),
         remarks=tuple(_structure_remarks(aircraft, *sized)),

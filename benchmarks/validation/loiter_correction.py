@@ -18,7 +18,7 @@ from missions.mission import Mission, Scenarios
 from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
-from sizing.day.module_power import modelled_power, own_surroundings
+from sizing.day.module_power import modelled_power, surroundings_in_flight
 from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import FloatArray
@@ -85,7 +85,7 @@ def _energy(
     aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
 ) -> FloatArray:
     power = modelled_power(
-        aircraft, mission, model, scenarios, time_h, own_surroundings(aircraft, mission)
+        aircraft, mission, model, scenarios, time_h, surroundings_in_flight(aircraft, mission)
     )
     return np.asarray(np.trapezoid(power, time_h, axis=-1))
 

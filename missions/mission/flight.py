@@ -80,8 +80,8 @@ class Flight(Record):
     @model_validator(mode="after")
     def _check_end(self) -> Flight:
         if (self.land is None) == (self.hours is None):
-            given = "neither" if self.land is None else "both"
-            raise ValueError(f"give either 'land: sunset' or 'hours: 14' (got {given})")
+            got = "neither" if self.land is None else "both"
+            raise ValueError(f"give either 'land: sunset' or 'hours: 14' (got {got})")
         if self.launch == "sunrise" and self.utc_offset_h is not None:
             raise wrong_value("utc_offset_h", "is that of a launch HH:MM by the local clock")
         return self

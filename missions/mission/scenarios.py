@@ -72,10 +72,10 @@ class Dates(Record):
 
     @model_validator(mode="after")
     def _check_form(self) -> Dates:
-        one = self.on is not None
-        if one and (self.first or self.last or self.count):
+        single = self.on is not None
+        if single and (self.first or self.last or self.count):
             raise ValueError("give either 'on: MM-DD' or 'from: MM-DD' and 'to: MM-DD', not both")
-        if not one and (self.first is None or self.last is None):
+        if not single and (self.first is None or self.last is None):
             raise ValueError("empty date range: give 'on: MM-DD', or 'from: MM-DD' and 'to: MM-DD'")
         return self
 
@@ -99,12 +99,12 @@ class Dates(Record):
         return [every[i] for i in sorted(set(picks))]
 
 
-def _move_pick(picks: list[int], wanted: int, kept: set[int]) -> bool:
-    """Move the nearest pick between the ends to the wanted one; false where none may move."""
+def _move_pick(picks: list[int], solstice: int, kept: set[int]) -> bool:
+    """Move the nearest pick between the ends to a solstice; return whether one may move."""
     movable = [i for i in range(1, len(picks) - 1) if picks[i] not in kept]
     if not movable:
         return False
-    picks[min(movable, key=lambda i: abs(picks[i] - wanted))] = wanted
+    picks[min(movable, key=lambda i: abs(picks[i] - solstice))] = solstice
     return True
 
 

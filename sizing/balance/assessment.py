@@ -24,7 +24,7 @@ from sizing.balance.stability import (
     trim,
 )
 from sizing.balance.surfaces import TailPlanes, Wing, wing_of
-from sizing.design import Design, flown_at
+from sizing.design import Design, polar_at
 from sizing.limits import DesignInFlight
 from sizing.smooth import Value
 
@@ -95,7 +95,7 @@ def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
     variables = design.variables
     return polar_with_tail(
         airframe,
-        flown_at(airframe.aerodynamics, lift),
+        polar_at(airframe.aerodynamics, lift),
         variables.wingspan_m,
         variables.aspect_ratio,
     )

@@ -1,8 +1,8 @@
 """Flights from launches with a full battery until it is empty, over days that repeat or follow.
 
-All flights are marched from midnight to midnight, as one batch. What becomes of a flight depends on
-the charge at midnight alone, so that flights of equal charge are marched once: midnights are the
-nodes of a graph, each with the hours to the next one or to the end.
+All flights are marched from midnight to midnight as one batch. The charge at midnight decides the
+rest of a flight, so that flights of equal charge are marched once: midnights are nodes of a graph,
+each with the hours to the next one or to the end.
 """
 
 from __future__ import annotations
@@ -21,20 +21,9 @@ from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 
 MAXIMUM_DAYS = 366
-# The day of the launch and the next: from then on a flight has midnights like any other.
-_DAYS_OF_LAUNCH = 2
+_DAYS_OF_LAUNCH = 2  # and the next: from then on a flight has midnights like any other
 _AT_ONCE = 16384  # flights marched together, so that their day stays near the processor
 _PERPETUAL, _ALIKE = 1e-11, 1e-9  # of the battery: loss of a day, and difference of two losses
-
-
-class Course(NamedTuple):
-    """Flight from its launch: power [W], state of charge and altitude over solar time [h]."""
-
-    clock_h: FloatArray
-    solar_power_w: FloatArray
-    load_w: FloatArray
-    state_of_charge: FloatArray
-    altitude_m: FloatArray
 
 
 class Midnights(NamedTuple):
@@ -96,7 +85,7 @@ class Flights:
         for number in count(1) if self.follow else range(1, MAXIMUM_DAYS + 2):
             if not len(now.cell):
                 break
-            hours, after, goes_on = self._one_day(number, now)
+            hours, after, goes_on = self._march_day(number, now)
             after, next_node = after.select(goes_on), np.zeros(len(hours), np.intp)
             new = np.arange(len(after.cell))
             reached = nodes + new
@@ -121,7 +110,7 @@ class Flights:
             hours, link = hours + hours[link], link[link]
         return np.asarray(hours[1 : len(cells) + 1] - launch_h)
 
-    def _one_day(self, number: int, now: Midnights) -> tuple[FloatArray, Midnights, BoolArray]:
+    def _march_day(self, number: int, now: Midnights) -> tuple[FloatArray, Midnights, BoolArray]:
         """March flights through their ``number``-th day.
 
         Returns hours until they end or are marched again, infinite where neither happens; their

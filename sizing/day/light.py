@@ -24,9 +24,9 @@ from sizing.day.module_power import (
     convection_in_flight,
     convection_of,
     modelled_power,
-    own_surroundings,
     specific_power,
     surroundings,
+    surroundings_in_flight,
 )
 from sizing.design import Design
 from sizing.mass_budget import airspeed_in_flight
@@ -354,7 +354,7 @@ def power_at_instants(
     if solar.needs_path and mission.wind_statistics is not None:
         message = "needs one wind from day to day: give wind_m_per_s in place of wind"
         raise file_error(mission.name, f"{solar.label} on a flight path {message}")
-    around = own_surroundings(aircraft, mission)
+    around = surroundings_in_flight(aircraft, mission)
     power = specific_power(aircraft, mission, solar.model, light, around, air_c, module_c)
     if solar.correction == "loiter":
         dates = np.floor(np.asarray(light.day_of_year, float)).astype(int)

@@ -59,11 +59,10 @@ class Status(IntEnum):
     lands = 6
 
 
-# Of a cycle that was computed; and of a flight to a landing as well.
+# Of a cycle that was computed; of a flight to a landing as well; and those with enough power.
 CYCLE_ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit)
 ENDS = (*CYCLE_ENDS, Status.lands)
-# Of those, the ends of flights that have all their power.
-FLOWN = (Status.perpetual, Status.always_lit, Status.lands)
+SUFFICIENT = (Status.perpetual, Status.always_lit, Status.lands)
 
 
 @dataclass(frozen=True)
@@ -99,9 +98,9 @@ class Cycle:
     energy_wh: FloatArray
 
     @property
-    def flown(self) -> BoolArray:
-        """Mark the cycles of perpetual flight, and the flights that land."""
-        return np.isin(self.status, FLOWN)
+    def sufficient(self) -> BoolArray:
+        """Mark the cycles with enough power: perpetual flight, and flights that land."""
+        return np.isin(self.status, SUFFICIENT)
 
     @property
     def perpetual(self) -> BoolArray:
@@ -111,6 +110,16 @@ class Cycle:
     def reshaped(self, batch: tuple[int, ...]) -> Cycle:
         """Return the cycle of a one-dimensional batch in another shape."""
         return joined([self], lambda parts: parts[0].reshape(batch + parts[0].shape[1:]))
+
+
+class Course(NamedTuple):
+    """Flight from its launch: power [W], state of charge and altitude over solar time [h]."""
+
+    clock_h: FloatArray
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    state_of_charge: FloatArray
+    altitude_m: FloatArray
 
 
 def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:

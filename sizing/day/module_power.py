@@ -197,7 +197,7 @@ def surroundings(mission: Mission, convection: float) -> Surroundings:
     )
 
 
-def own_surroundings(aircraft: Aircraft, mission: Mission) -> Surroundings | None:
+def surroundings_in_flight(aircraft: Aircraft, mission: Mission) -> Surroundings | None:
     """Return the surroundings of modules in level flight; None where they balance no heat."""
     if not balances_heat(mission):
         return None

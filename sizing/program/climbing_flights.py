@@ -15,11 +15,11 @@ import numpy as np
 
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.flight import MAXIMUM_DAYS, Course
+from sizing.day.flight import MAXIMUM_DAYS
 from sizing.day.heights import FlightLevels
 from sizing.day.launch import Endurance, longest_flight
 from sizing.day.march import ChargingDay
-from sizing.day.metrics import equal_power
+from sizing.day.metrics import Course, equal_power
 from sizing.program.schedule import FORM, LOWEST_M, Climbs, Window, best_heights, flown_along
 from solar.types import FloatArray, IntArray
 
@@ -176,7 +176,7 @@ class ClimbFlights:
         return float(dawn_h - before_h[int(np.argmax(hours))]) % 24.0
 
     def course(self, i: int, launch_h: float, hours: float) -> Course:
-        """Flight of one element, as :meth:`sizing.performance.Performance.flight` returns it."""
+        """Flight of one element, as :meth:`sizing.performance.Performance.course` returns it."""
         full_wh, end_h = float(self.store.battery_energy_wh[i]), launch_h + hours
         columns: list[tuple[FloatArray, ...]] = []
         for days_h, part in self.parts(i, launch_h):

@@ -172,7 +172,7 @@ class Analysis(DesignResult):
     @property
     def is_perpetual(self) -> bool:
         """Whether the aircraft flies perpetually, or to its landing, in every scenario."""
-        return bool(np.all(self.performance.cycle.flown))
+        return bool(np.all(self.performance.cycle.sufficient))
 
     @cached_property
     def endurances(self) -> list[Endurance | None]:

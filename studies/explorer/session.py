@@ -304,12 +304,16 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
     time_h, flight = analysis.performance.day.time_h, analysis.limited_flight
     if flight is None:
         return [None] * len(time_h)
-    course = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
-    clock_h, _, _, charge = course
+    course = analysis.performance.course(0, flight.launch_h, flight.endurance_h)
     at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
     # What remains of the second day ends a node before the launch, where the battery was full.
     at_h[max(int(np.searchsorted(time_h, flight.launch_h)) - 1, 0)] = np.inf
-    return [finite(v) for v in np.interp(at_h, clock_h, charge, right=np.nan).round(5).tolist()]
+    return [
+        finite(v)
+        for v in np.interp(at_h, course.clock_h, course.state_of_charge, right=np.nan)
+        .round(5)
+        .tolist()
+    ]
 
 
 def _digits(values: Any) -> list[float]:

@@ -124,7 +124,7 @@ class _Year:
 
     def _perpetual(self, mission: Mission, day: SolarDay) -> Flags:
         result = performance(self.aircraft, mission, day=day, keep_trajectory=False)
-        return result.cycle.flown
+        return result.cycle.sufficient
 
 
 class _CachedSunlight(Sunlight):

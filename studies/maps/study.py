@@ -14,7 +14,7 @@ from missions.dates import DAYS_PER_YEAR, days_of_year
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
-from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
+from sizing.day.metrics import CYCLE_ENDS, ENDS, SUFFICIENT, Status
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity.checks import charge_rate_is_open, check_user_models
 from sizing.validity.extrapolations import add_effects
@@ -304,4 +304,4 @@ def _extrapolations_of_designs(
 
 def season_length(data: xr.Dataset) -> xr.DataArray:
     """Count the map's days on which each latitude has perpetual flight, or lands."""
-    return data["status"].isin(FLOWN).sum("day")
+    return data["status"].isin(SUFFICIENT).sum("day")

@@ -11,7 +11,7 @@ from missions.loiter_power import Daylight, PathModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
-from sizing.day.module_power import on_path, own_surroundings
+from sizing.day.module_power import on_path, surroundings_in_flight
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from solar.versions import software_record
@@ -66,7 +66,7 @@ def component_efficiencies(
             albedo=mission.air.albedo or 0.0,
         ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
-        surroundings=own_surroundings(aircraft, mission),
+        surroundings=surroundings_in_flight(aircraft, mission),
     )
     factor = mission.pessimistic_power_factor("FM")
     specific_power = power.specific_power_w_per_m2 * factor

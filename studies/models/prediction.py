@@ -11,7 +11,7 @@ import numpy as np
 from missions.dates import date_code
 from sizing.day.launch import Endurance
 from sizing.day.light import SolarDay, SolarModel
-from sizing.day.metrics import FLOWN, Cycle, Status
+from sizing.day.metrics import SUFFICIENT, Cycle, Status
 from sizing.design import Design
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
@@ -61,7 +61,7 @@ class Prediction:
     @property
     def perpetual(self) -> bool:
         """True for flight that is perpetual, or lands, in every scenario."""
-        return self.status in FLOWN
+        return self.status in SUFFICIENT
 
     @property
     def endurance_cell(self) -> float | str:

@@ -18,7 +18,7 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.module_power import modelled_power, own_surroundings
+from sizing.day.module_power import modelled_power, surroundings_in_flight
 from sizing.library import load_aircraft
 from sizing.results.result import Result
 from solar.names import MODEL_NAMES, ModelName
@@ -181,7 +181,7 @@ def reference() -> tuple[Aircraft, Mission]:
 def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: FloatArray) -> Any:
     """Compute the solar power of a model on the mission's (single) day [W]."""
     scenarios: Scenarios = mission.scenarios()
-    around = own_surroundings(aircraft, mission)
+    around = surroundings_in_flight(aircraft, mission)
     power = modelled_power(aircraft, mission, model, scenarios, time_h, around)
     return aircraft.modules.area_m2 * power[0]
 

@@ -95,5 +95,5 @@ def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel,
     every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
     together = SolarDay.joined([sun.day(solar) for solar in every])
     results = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
-    by_model = np.reshape(results.cycle.flown, (len(every), -1))
+    by_model = np.reshape(results.cycle.sufficient, (len(every), -1))
     return {solar: bool(np.all(flags)) for solar, flags in zip(every, by_model, strict=True)}

@@ -22,7 +22,7 @@ from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
-from sizing.day.metrics import FLOWN
+from sizing.day.metrics import SUFFICIENT
 from sizing.parameters import label
 from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.result import data_frame
@@ -313,7 +313,7 @@ def shown_places(values: Sequence[float], most: int) -> list[int]:
 
 def feasible(data: OnGrid) -> NDArray[np.bool_]:
     """Mark the cells or points that fly perpetually, or to a landing, or that were sized."""
-    good = SIZED if data.attrs.get("objective") else FLOWN
+    good = SIZED if data.attrs.get("objective") else SUFFICIENT
     return np.isin(data["status"].to_numpy(), good)
 
 

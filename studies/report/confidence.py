@@ -312,4 +312,4 @@ def _suffice(
 
 def _hold(cycle: Cycle, required: float) -> BoolArray:
     """Return whether each flight is perpetual, or lands, with the required excess time."""
-    return np.asarray(cycle.flown & (cycle.excess_time_h >= required))
+    return np.asarray(cycle.sufficient & (cycle.excess_time_h >= required))

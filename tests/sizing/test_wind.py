@@ -13,7 +13,7 @@ from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS
 from sizing import analyse, size
 from sizing.day.light import day_axis_h
-from sizing.day.module_power import modelled_power, own_surroundings
+from sizing.day.module_power import modelled_power, surroundings_in_flight
 from sizing.library import load_aircraft
 from sizing.program.cells import size_cells
 from studies.maps.study import feasibility_map
@@ -69,7 +69,7 @@ def test_cells_have_the_wind_of_their_own_latitude_and_month(windy: Mission) -> 
 def test_a_path_is_flown_in_the_wind_of_each_scenario(windy: Mission) -> None:
     aircraft, noon = load_aircraft("atlantiksolar-as2"), day_axis_h(1.0)
     scenarios = windy.scenarios()
-    around = own_surroundings(aircraft, windy)
+    around = surroundings_in_flight(aircraft, windy)
     together = modelled_power(aircraft, windy, "FM", scenarios, noon, around)
     for i, wind in enumerate(windy.scenario_winds_m_per_s().tolist()):
         single = Scenarios(scenarios.latitude_deg[i : i + 1], scenarios.day_of_year[i : i + 1])
