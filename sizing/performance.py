@@ -290,16 +290,20 @@ def fly(
         batch = solar_w.shape[:-1]
         climbs = best_climbs(day.time_h, levels, store.flat(batch))
         return performance_along(design, mission, solar, day, store, levels, climbs, batch)
-    load = Load.of(aircraft, mission, design, day, paired=paired)
+    load = Load.of(aircraft, mission, design, day.scenarios, paired=paired)
+    load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
+    nominal_w = load.without_thermals(mission)
     cycle = simulate_cycle(
-        *(day.time_h, solar_w, load.power_w, store),
-        nominal_load_w=load.nominal_w,
+        day.time_h,
+        solar_w,
+        load_w,
+        store,
+        nominal_load_w=nominal_w,
         keep_trajectory=keep_trajectory,
         window_h=mission.flight_window_h(day.scenarios),
     )
-    shape = np.broadcast_shapes(load.power_w.shape, solar_w.shape)
-    load_w = np.broadcast_to(load.power_w, shape)
-    return Performance(design, mission, solar, day, solar_w, load_w, load.nominal_w, store, cycle)
+    load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
+    return Performance(design, mission, solar, day, solar_w, load_w, nominal_w, store, cycle)
 
 
 def performance_along(

@@ -1,4 +1,4 @@
-"""Load of a batch of designs along a day or a record: level flight, turbulence, consumers.
+"""Load of designs along a day or a record: level flight, turbulence, thermals, consumers.
 
 With parts at their operating point the electric power follows the thrust power of turbulence and
 thermals. The bus has the voltage of a half charged battery.
@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.air import ZERO_CELSIUS_K, Air, air_at
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.light import SolarDay
 from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.held_station import held_flight
 from sizing.mass_budget import ImpossibleDesignError
@@ -117,10 +116,15 @@ def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) ->
 
 
 class Load(NamedTuple):
-    """Load of a batch [W]: at the nodes, ``(..., scenario, time)``, and without thermals."""
+    """Electric load of designs over the thrust power of the moment, the time last.
 
-    power_w: FloatArray
-    nominal_w: FloatArray
+    ``level_w``: propulsion in level flight and calm air; ``constant_w``: avionics, payload and
+    heater [W], both of shape ``(..., scenario, 1)``. ``part``: power over the thrust ratio.
+    """
+
+    level_w: FloatArray
+    constant_w: FloatArray
+    part: AnyPartLoad
 
     @classmethod
     def of(
@@ -128,15 +132,16 @@ class Load(NamedTuple):
         aircraft: Aircraft,
         mission: Mission,
         design: Design,
-        day: SolarDay,
+        scenarios: Scenarios | None = None,
         *,
         paired: bool = False,
         part_load: AnyPartLoad | None = None,
     ) -> Load:
         """Return the load of every design in every scenario, or ``paired``: of each in its own.
 
-        Flight as fast as the wind of a scenario has the efficiency of that airspeed. ``part_load``:
-        where it is known already; it plays no part where the place is held.
+        ``scenarios``: with the winds of a place that is held; flight as fast as they are has the
+        efficiency of that airspeed. ``part_load``: where it is known already; it plays no part
+        where the place is held.
         """
 
         def over_scenarios(value: ArrayLike) -> FloatArray:
@@ -144,7 +149,7 @@ class Load(NamedTuple):
 
         constant_w = over_scenarios(design.constant_power_w)
         if mission.holds_station:
-            winds = mission.scenario_winds_m_per_s(day.scenarios)
+            winds = mission.scenario_winds_m_per_s(scenarios)
             design = held_flight(aircraft, mission, design.mapped(over_scenarios), winds)
             level_w = np.asarray(design.propulsion_power_w)
             part = part_load_of(aircraft, mission, design).spread(1)
@@ -153,34 +158,27 @@ class Load(NamedTuple):
             part = (part_load or part_load_of(aircraft, mission, design)).spread(2 - paired)
         # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
         level_w = np.where(np.isfinite(level_w), level_w, NO_FLIGHT_W)
-        design = design._replace(propulsion_power_w=level_w, constant_power_w=constant_w)
+        return cls(level_w[..., np.newaxis], constant_w[..., np.newaxis], part)
+
+    def at(self, thrust_ratio: FloatArray) -> FloatArray:
+        """Return the load at thrust powers over that of level flight [W], ``(..., time)``."""
+        return np.asarray(self.level_w * self.part.at(thrust_ratio) + self.constant_w)
+
+    def without_thermals(self, mission: Mission) -> FloatArray:
+        """Return the load in the turbulence of all hours [W], ``(..., scenario)``."""
         calm, _ = load_range(mission.turbulence.all_day, 0.0)
-        nominal_w = level_w[..., np.newaxis] * part.at(calm[..., np.newaxis])
-        times = day.time_h, day.sunrise_h, day.sunset_h
-        return cls(
-            load_profile(design, mission, *times, part),
-            np.asarray((nominal_w + constant_w[..., np.newaxis])[..., 0]),
-        )
+        return np.asarray(self.at(calm[..., np.newaxis])[..., 0])
 
+    def along(
+        self, mission: Mission, time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike
+    ) -> FloatArray:
+        """Return the load over the day in turbulence and thermals [W], ``(..., time)``.
 
-def load_profile(
-    design: Design,
-    mission: Mission,
-    time_h: ArrayLike,
-    sunrise_h: ArrayLike,
-    sunset_h: ArrayLike,
-    part_load: AnyPartLoad = PROPORTIONAL,
-) -> FloatArray:
-    """Return the load over the day in turbulence and thermals [W].
-
-    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: with axes
-    for scenarios and time. Returns power that the aircraft draws [W].
-    """
-    propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
-    ratio = part_load.at(load_shape(mission, time_h, sunrise_h, sunset_h))
-    load = propulsion * ratio + np.asarray(design.constant_power_w)[..., np.newaxis]
-    shape = (*np.shape(sunrise_h), np.shape(time_h)[-1] if np.ndim(time_h) else 1)
-    return np.broadcast_to(load, np.broadcast_shapes(load.shape, shape))
+        ``mission``: with its turbulence; draws of it are arrays of the batch.
+        """
+        load_w = self.at(load_shape(mission, time_h, sunrise_h, sunset_h))
+        shape = (*np.shape(sunrise_h), np.shape(time_h)[-1] if np.ndim(time_h) else 1)
+        return np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, shape))
 
 
 def load_shape(
@@ -197,10 +195,7 @@ def load_shape(
 
 
 def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:
-    """Return the share of thermals [-]: 0 at sunrise and sunset, 1 half-way between, by night 0.
-
-    Returns share of the thermals' extra power [-].
-    """
+    """Return the share of thermals [-]: 0 at sunrise and sunset, 1 half-way between, by night 0."""
     rise = np.asarray(sunrise_h, float)[..., np.newaxis]
     half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0
     distance = np.abs(np.asarray(time_h, float) % HOURS_PER_DAY - (rise + half))

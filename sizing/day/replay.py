@@ -13,7 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, power_at_instants
-from sizing.day.load import load_profile, part_load_of
+from sizing.day.load import Load
 from sizing.day.march import ChargingDay, full_after_h
 from sizing.day.metrics import FULL
 from sizing.day.module_power import clear_daylight
@@ -104,9 +104,8 @@ def calendar_run(
     design = design_of(aircraft, mission)
     times = sun_times(latitude, declination(day))
     store = Store.of(aircraft.battery, [design.battery_energy_wh])
-    parts = part_load_of(aircraft, mission, design)
     times_h = (solar_clock % 24.0)[:, np.newaxis], times.sunrise_h, times.sunset_h
-    load = np.asarray(load_profile(design, mission, *times_h, parts)[:, 0])
+    load = Load.of(aircraft, mission, design, paired=True).along(mission, *times_h)[:, 0]
     balance = PowerBalance.of(clock, (power - load)[:, np.newaxis])
     stored, full, empty = _charge_until_empty(ChargingDay.of(balance), store, launch)
     nodes = slice(len(stored))

@@ -13,11 +13,12 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.cycle import simulate_cycle
-from sizing.day.load import flight_of, interpolation_error, load_profile, load_shape
+from sizing.day.load import Load, flight_of, interpolation_error, load_shape
 from sizing.design import Design
 from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
+from sizing.propulsion.part_load import PROPORTIONAL
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 
 if TYPE_CHECKING:
@@ -174,10 +175,11 @@ def varying_efficiency(aircraft: Aircraft, performance: Performance) -> VaryingE
         return None
     design, mission, at = performance.design, performance.mission, performance.worst_scenario()
     day = performance.day.at([at])
+    constant = Load.of(aircraft, mission, design, day.scenarios, part_load=PROPORTIONAL)
     level = simulate_cycle(
         day.time_h,
         performance.solar_power_w[[at]],
-        load_profile(design, mission, day.time_h, day.sunrise_h, day.sunset_h),
+        constant.along(mission, day.time_h, day.sunrise_h, day.sunset_h),
         performance.store.flat(performance.cycle.status.shape).select(slice(at, at + 1)),
         nominal_load_w=design.nominal_load_w(mission),
     )

@@ -449,17 +449,20 @@ class Propagation:
         """Return cycle, solar power and load [W] of all draws in a scenario, ``(sample, time)``."""
         solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
         design, mission, part_load = case.design, case.mission, case.part_load
-        load = Load.of(case.aircraft, mission, design, day, paired=True, part_load=part_load)
+        load = Load.of(
+            case.aircraft, mission, design, day.scenarios, paired=True, part_load=part_load
+        )
+        load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
         cycle = simulate_cycle(
             day.time_h,
             solar_w,
-            load.power_w,
+            load_w,
             case.store,
-            nominal_load_w=load.nominal_w,
+            nominal_load_w=load.without_thermals(mission),
             keep_trajectory=False,
             window_h=mission.flight_window_h(day.scenarios),
         )
-        return cycle, solar_w, load.power_w
+        return cycle, solar_w, load_w
 
     def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
         """Return solar power of every draw in a scenario [W], shape ``(sample, time)``."""

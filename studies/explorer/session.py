@@ -308,12 +308,8 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
     at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
     # What remains of the second day ends a node before the launch, where the battery was full.
     at_h[max(int(np.searchsorted(time_h, flight.launch_h)) - 1, 0)] = np.inf
-    return [
-        finite(v)
-        for v in np.interp(at_h, course.clock_h, course.state_of_charge, right=np.nan)
-        .round(5)
-        .tolist()
-    ]
+    charge = np.interp(at_h, course.clock_h, course.state_of_charge, right=np.nan)
+    return [finite(value) for value in charge.round(5).tolist()]
 
 
 def _digits(values: Any) -> list[float]:

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sizing.aircraft import ParametricAirframe
-from sizing.day.load import load_profile, thermal_shape
+from sizing.day.load import Load, thermal_shape
 from sizing.day.metrics import Status
 from sizing.design import DesignVariables, variables_of
 from sizing.mass_budget import (
@@ -245,14 +245,16 @@ def test_constant_power_goes_through_the_supply():
     assert constant_power_w(SKY_SAILOR, 4.5) == pytest.approx(6.5 / 0.65, rel=1e-12)
 
 
-def test_load_profile_by_hand():
+def test_load_of_a_day_by_hand():
     rough = mission(turbulence={"all_day": 0.2, "thermal": 0.5})
     design = design_of(AS2, AT_1_10)
-    load_w = load_profile(design, rough, np.array([2.0, 6.0, 9.0, 12.0, 18.0]), 6.0, 18.0)
+    load, hours = Load.of(AS2, rough, design, paired=True), np.array([2.0, 6.0, 9.0, 12.0, 18.0])
+    load_w = load.along(rough, hours, 6.0, 18.0)
     # 35.8 W with 20 %, and half of 50 % half-way up the morning; plus 6 W.
     expected = 35.8 * np.array([1.2, 1.2, 1.45, 1.7, 1.2]) + 6.0
     np.testing.assert_allclose(load_w, expected, rtol=1e-9)
-    assert design.nominal_load_w(rough) == pytest.approx(35.8 * 1.2 + 6.0, rel=1e-9)
+    for nominal_w in (design.nominal_load_w(rough), load.without_thermals(rough)):
+        assert nominal_w == pytest.approx(35.8 * 1.2 + 6.0, rel=1e-9)
 
 
 @given(rise=st.floats(0.0, 11.9), time=st.floats(0.0, 24.0))
