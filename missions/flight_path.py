@@ -189,8 +189,8 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
     )
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
     pitch = math.radians(path.pitch_deg)
-    return _joined_laps(
-        [_fly(_segments(path, motion, side), motion, pitch, samples) for side in sides]
+    return _join_orbits(
+        [_sample_orbit(_segments(path, motion, side), motion, pitch, samples) for side in sides]
     )
 
 
@@ -318,7 +318,7 @@ def _half_racetrack(path: Racetrack, motion: Motion, side: int, half: int) -> tu
 # ---- Sampling
 
 
-def _fly(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int) -> Orbit:
+def _sample_orbit(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int) -> Orbit:
     """Sample the closed sequence of segments at the middles of equal steps of time."""
     ends = np.cumsum([segment.duration for segment in segments])
     duration = float(ends[-1])
@@ -340,7 +340,7 @@ def _fly(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int)
     )
 
 
-def _joined_laps(laps: list[Orbit]) -> Orbit:
+def _join_orbits(laps: list[Orbit]) -> Orbit:
     """Join orbits of the same duration into one."""
     names = [field.name for field in fields(Orbit) if field.name != "duration_s"]
     joined = {name: np.concatenate([getattr(lap, name) for lap in laps]) for name in names}

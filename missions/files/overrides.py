@@ -82,7 +82,7 @@ def _with_override(document: Document, parts: Sequence[str], value: Any, name: s
     """Put a value into the data, in place; return the document with its new places."""
     around = {parts[-1]: value}
     set_absolute_paths(around, Path.cwd())
-    path, made = _put(document.data, parts, around[parts[-1]])
+    path, made = _set_value(document.data, parts, around[parts[-1]])
     return dataclasses.replace(
         document,
         key_marks=_without(document.key_marks, path),
@@ -139,7 +139,7 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
     problems: list[Problem] = []
     for key, value in values.items():
         try:
-            _put(data, key.split("."), value)
+            _set_value(data, key.split("."), value)
             _drop_replaced(data, key.split("."), value, keep=values)
         except InputError as error:
             problems.extend(Problem(source, None, None, key, p.message) for p in error.problems)
@@ -148,24 +148,24 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
     return validate(Document(source, data), type(record))
 
 
-def _put(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, list[KeyPath]]:
+def _set_value(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, list[KeyPath]]:
     """Put a value into nested data; return its path and the paths of mappings made to hold it."""
     path: KeyPath = ()
     made: list[KeyPath] = []
     for part in parts[:-1]:
-        key = _step(holder, path, part)
+        key = _key_or_index(holder, path, part)
         path = (*path, key)
         inner = holder.get(key) if isinstance(holder, dict) else holder[key]
         if inner is None:
             made.append(path)
-        holder[key] = _opened(inner)
+        holder[key] = _as_container(inner)
         holder = holder[key]
-    key = _step(holder, path, parts[-1])
+    key = _key_or_index(holder, path, parts[-1])
     holder[key] = value
     return (*path, key), made
 
 
-def _opened(value: Any) -> Any:
+def _as_container(value: Any) -> Any:
     """Return the contents of a value as a new dict or list; a scalar as it is."""
     if value is None:
         return {}
@@ -189,7 +189,7 @@ def _as_data(record: BaseModel) -> dict[str, Any]:
     }
 
 
-def _step(holder: Any, path: KeyPath, part: str) -> str | int:
+def _key_or_index(holder: Any, path: KeyPath, part: str) -> str | int:
     """Return the key or index that a part of a dotted key stands for."""
     if isinstance(holder, dict):
         return part

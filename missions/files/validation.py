@@ -46,20 +46,20 @@ def validate(document: Document, model: type[M]) -> M:
         return model.model_validate(document.data)
     except ValidationError as error:
         details = [detail for detail in error.errors(include_url=False) if not _is_of_items(detail)]
-    renewed = _with_new_keys(document, model, details)
+    renewed = _rename_deprecated_keys(document, model, details)
     if renewed is not document:
         return validate(renewed, model)
-    complaints = _merged([_complaint(document.data, model, detail) for detail in details])
-    located = [
-        _located(document, c.path, c.message + c.suffix, at_key=c.at_key) for c in complaints
-    ]
+    complaints = _merge_union_complaints(
+        [_complaint(document.data, model, detail) for detail in details]
+    )
+    located = [_locate(document, c.path, c.message + c.suffix, at_key=c.at_key) for c in complaints]
     elsewhere = [p for detail in details for p in detail.get("ctx", {}).get("problems", ())]
     raise InputError([*located, *elsewhere[:_SHOWN_ELSEWHERE]])
 
 
 def located_error(document: Document, path: Sequence[str | int], message: str) -> InputError:
     """Return an error at a key of a document, or at the nearest mapping around a missing key."""
-    return InputError([_located(document, tuple(path), message)])
+    return InputError([_locate(document, tuple(path), message)])
 
 
 def wrong_file(key: str, error: InputError | OSError) -> PydanticCustomError:
@@ -71,7 +71,7 @@ def wrong_file(key: str, error: InputError | OSError) -> PydanticCustomError:
     return wrong_value(key, f"has {count} mistakes", problems=error.problems)
 
 
-def _located(document: Document, path: KeyPath, message: str, *, at_key: bool = False) -> Problem:
+def _locate(document: Document, path: KeyPath, message: str, *, at_key: bool = False) -> Problem:
     """Return a problem at the longest part of the path that has a place."""
     key = dotted(path)
     for end in range(len(path), -1, -1):
@@ -102,7 +102,7 @@ class _Complaint:
     at_key: bool = False
 
 
-def _merged(complaints: Iterable[_Complaint]) -> list[_Complaint]:
+def _merge_union_complaints(complaints: Iterable[_Complaint]) -> list[_Complaint]:
     """Join the complaints of a union's choices about the same value."""
     of_unions = [complaint for complaint in complaints if complaint.in_union]
     # The choice that found fault with the content of a value is the one that was meant.
@@ -114,11 +114,11 @@ def _merged(complaints: Iterable[_Complaint]) -> list[_Complaint]:
             result.setdefault((complaint.path, complaint.message), complaint)
         elif complaint.path not in read:
             key = (complaint.path, "")
-            result[key] = _joined_complaints(result[key], complaint) if key in result else complaint
+            result[key] = _join_complaints(result[key], complaint) if key in result else complaint
     return list(result.values())
 
 
-def _joined_complaints(first: _Complaint, other: _Complaint) -> _Complaint:
+def _join_complaints(first: _Complaint, other: _Complaint) -> _Complaint:
     if other.message in first.message.split(", or "):
         return first
     suffix = max(first.suffix, other.suffix, key=len)
@@ -128,9 +128,9 @@ def _joined_complaints(first: _Complaint, other: _Complaint) -> _Complaint:
 
 def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Complaint:
     loc, kind, context = detail["loc"], detail["type"], detail.get("ctx", {})
-    path, in_union = _followed(data, loc)
+    path, in_union = _path_of_location(data, loc)
     if kind in ("extra_forbidden", "missing"):
-        (path, in_union), last = _followed(data, loc[:-1]), loc[-1]
+        (path, in_union), last = _path_of_location(data, loc[:-1]), loc[-1]
         if kind == "extra_forbidden":
             message = unknown_key(str(last), *_keys_at(model, loc[:-1], _value_at(data, path)))
             return _Complaint((*path, last), message, in_union=in_union, firm=True, at_key=True)
@@ -138,43 +138,45 @@ def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Comp
             return _Complaint(path, f"the list is too short: item {last + 1} is missing")
         return _Complaint((*path, last), "required key is missing", in_union=in_union)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _untagged(data, model, loc, str(context["discriminator"]).strip("'"))
+        return _complain_about_kind(data, model, loc, str(context["discriminator"]).strip("'"))
     if kind in ("value_error", "assertion_error"):
         message = _on_one_line(str(context.get("error") or detail["msg"]))
         return _Complaint(path, message, in_union=in_union, firm=True)
     if isinstance(context.get("key"), str):
         path = (*path, *(int(k) if k.isdecimal() else k for k in context["key"].split(".")))
         return _Complaint(path, _on_one_line(detail["msg"]), in_union=in_union, firm=True)
-    return _Complaint(path, *_worded(detail), in_union=in_union, at_key=loc[-1:] == ("[key]",))
+    return _Complaint(
+        path, *_message_and_hint(detail), in_union=in_union, at_key=loc[-1:] == ("[key]",)
+    )
 
 
-def _untagged(data: Any, model: type[BaseModel], loc: KeyPath, key: str) -> _Complaint:
+def _complain_about_kind(data: Any, model: type[BaseModel], loc: KeyPath, key: str) -> _Complaint:
     """List the kinds that a discriminated union allows."""
     tags = dict.fromkeys(repr(kind) for choice in _models_at(model, loc) for kind in _kinds(choice))
-    path = (*_followed(data, loc)[0], key)
+    path = (*_path_of_location(data, loc)[0], key)
     if (value := _value_at(data, path)) is None:
         return _Complaint(path, f"required key is missing; it must be one of {', '.join(tags)}")
     return _Complaint(path, f"must be one of {', '.join(tags)} (got {shown(value)})")
 
 
-def _with_new_keys(
+def _rename_deprecated_keys(
     document: Document, model: type[BaseModel], details: Iterable[ErrorDetails]
 ) -> Document:
     """Return a document whose deprecated keys have their new names, with a warning for each."""
     for detail in details:
         if detail["type"] != "extra_forbidden":
             continue
-        (path, _), old = _followed(document.data, detail["loc"][:-1]), detail["loc"][-1]
+        (path, _), old = _path_of_location(document.data, detail["loc"][:-1]), detail["loc"][-1]
         names = [getattr(choice, "deprecated_keys", {}) for choice in _models_at(model, path)]
         new = next((renamed[old] for renamed in names if old in renamed), None)
         if new is not None and new not in _value_at(document.data, path):
-            problem = _located(document, (*path, old), deprecation(new), at_key=True)
+            problem = _locate(document, (*path, old), deprecation(new), at_key=True)
             warnings.warn(str(problem), DeprecatedKeyWarning, stacklevel=3)
-            document = _renamed(document, path, str(old), new)
+            document = _rename_key(document, path, str(old), new)
     return document
 
 
-def _renamed(document: Document, holder: KeyPath, old: str, new: str) -> Document:
+def _rename_key(document: Document, holder: KeyPath, old: str, new: str) -> Document:
     """Return a document in which a key has another name, at the same place."""
     data = copy.deepcopy(document.data)
     fields = _value_at(data, holder)
@@ -214,7 +216,7 @@ def _value_at(data: Any, path: KeyPath) -> Any:
     return data
 
 
-def _followed(data: Any, loc: KeyPath) -> tuple[KeyPath, bool]:
+def _path_of_location(data: Any, loc: KeyPath) -> tuple[KeyPath, bool]:
     """Return the path of a location, and true if it leads through a union.
 
     A location holds keys, list indices and names of the choices of unions, which are not part of
@@ -293,7 +295,7 @@ _WORDS = [
 ]
 
 
-def _worded(detail: ErrorDetails) -> tuple[str, str]:
+def _message_and_hint(detail: ErrorDetails) -> tuple[str, str]:
     """Return a message about a wrong value, and the value itself with a hint."""
     kind, value, text = detail["type"], detail["input"], _on_one_line(detail["msg"])
     if " should " not in text:

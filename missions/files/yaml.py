@@ -111,7 +111,7 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
     except InputError:
         raise
     except (OSError, ValueError) as error:
-        raise file_error(source, _reading_trouble(error)) from error
+        raise file_error(source, _reason_unreadable(error)) from error
     if len(raw) > _MAX_BYTES:
         raise file_error(source, _TOO_LARGE)
     try:
@@ -127,7 +127,7 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
 
 def parse_yaml(text: str, source: str) -> Document:
     """Parse YAML text that holds one mapping; return its data and their places."""
-    root, aliases = _composed(text, source)
+    root, aliases = _compose(text, source)
     if root is None:
         raise file_error(source, "the file is empty; it must hold a mapping (key: value)")
     read = _Reader(root, aliases, source)
@@ -141,7 +141,7 @@ def parse_yaml(text: str, source: str) -> Document:
 def parse_value(text: str) -> Any:
     """Parse a value on one line: a scalar, or a list or mapping in brackets."""
     try:
-        root, aliases = _composed(text.strip(), "")
+        root, aliases = _compose(text.strip(), "")
         value = None if root is None else _Reader(root, aliases, "").data
     except InputError as error:
         message = "; ".join(problem.message for problem in error.problems)
@@ -176,7 +176,7 @@ def _absolute(value: Any, folder: Path) -> Any:
     return f"{path}/" if value.endswith("/") else path
 
 
-def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:
+def _compose(text: str, source: str) -> tuple[Any, list[Mark]]:
     """Return the root node of the only document, None if empty, and places of aliases."""
     if len(text.encode("utf-8", "replace")) > _MAX_BYTES:
         raise file_error(source, _TOO_LARGE)
@@ -337,7 +337,7 @@ class _Reader:
         return None
 
 
-def _reading_trouble(error: OSError | ValueError) -> str:
+def _reason_unreadable(error: OSError | ValueError) -> str:
     if isinstance(error, FileNotFoundError):
         return "no such file"
     if isinstance(error, IsADirectoryError):

@@ -215,7 +215,10 @@ def recipes_for(
             problems.append(str(error))
     taken = {column for recipe in recipes.values() for column in recipe.columns}
     for quantity in QUANTITIES if guess else ():
-        if quantity not in recipes and (column := _guess(quantity, header, taken)) is not None:
+        if (
+            quantity not in recipes
+            and (column := _guess_column(quantity, header, taken)) is not None
+        ):
             exact = column.column in (quantity, TIME, EPOCH)
             recipes[quantity] = Recipe(quantity, ((column,),), guessed=not exact)
             if quantity not in _PARTS:  # one voltage may serve the power and itself
@@ -255,7 +258,7 @@ def _recipe_of_source(quantity: str, named_source: str | Source, header: Sequenc
     if source.name is None:
         raise ValueError(f"{key}: needs the name of a column, or a value")
     texts = [source.name] if source.name in header else source.name.split(" + ")
-    terms = tuple(_term(key, quantity, text, header) for text in texts)
+    terms = tuple(_read_product(key, quantity, text, header) for text in texts)
     if source.unit is not None:
         if len(terms) != 1 or len(terms[0]) != 1:
             raise ValueError(f"{key}: in a sum or product the unit stands behind each column")
@@ -264,7 +267,7 @@ def _recipe_of_source(quantity: str, named_source: str | Source, header: Sequenc
     return Recipe(quantity, terms, factor=source.factor, form=source.format)
 
 
-def _term(key: str, quantity: str, text: str, header: Sequence[str]) -> tuple[Factor, ...]:
+def _read_product(key: str, quantity: str, text: str, header: Sequence[str]) -> tuple[Factor, ...]:
     """Read a product of columns, each with or without a unit behind it."""
     parts = [text.strip()] if text.strip() in header else text.strip().split(" * ")
     if len(parts) > 2:
@@ -309,18 +312,18 @@ def _unit_of_name(name: str, *dimensions: Dimension) -> str | None:
     return next((unit for unit in units if unit is not None), None)
 
 
-def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:
+def _guess_column(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:
     """Return the likeliest column of a quantity; the exact name comes first."""
     free = [name for name in header if name not in taken]
     for name in (quantity, TIME, EPOCH) if quantity == "time" else (quantity,):
         if name in free:
             return Factor(name, None)
-    matches = [_matched(quantity, name) for name in free if name not in QUANTITIES]
+    matches = [_match_alias(quantity, name) for name in free if name not in QUANTITIES]
     known = [match for match in matches if match is not None]
     return min(known, key=lambda match: match[0])[1] if known else None
 
 
-def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
+def _match_alias(quantity: str, name: str) -> tuple[int, Factor] | None:
     """Return the rank of a name among a quantity's aliases, and the column with its unit."""
     dimension, aliases = QUANTITIES[quantity].dimension, QUANTITIES[quantity].aliases.split()
     base, bracketed = split_unit(name)
@@ -348,7 +351,7 @@ def _power_of_mppts(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]
         base = split_unit(name)[0]
         numbers, places = re.findall(r"\d+", base), _PLACE.findall(base)
         stem = _PLACE.sub("", re.sub(r"[ _.]?\d+", "", name, count=1))
-        match = _matched("solar_power_w", stem)
+        match = _match_alias("solar_power_w", stem)
         if name not in taken and match is not None and (len(numbers) == 1 or places):
             groups.setdefault(stem, []).append(match[1]._replace(column=name))
     terms = max(groups.values(), key=len, default=[])

@@ -79,10 +79,10 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
             notes.append(f"nothing is called {shortened(printable(name))}, to ignore it{alike}")
     frame = text.frame([name for name in text.header if name in used or name == date])
     check = Check(source, np.asarray(text.numbers))
-    made = [_time(text, layout, frame, date, matched["time"], check)]
+    made = [_read_time(text, layout, frame, date, matched["time"], check)]
     for quantity, recipe in matched.items():
         if quantity != "time":
-            made += _quantity(frame, recipe, check)
+            made += _read_quantity(frame, recipe, check)
             check.labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in made})
@@ -134,7 +134,7 @@ def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
     return [f"columns not used: {', '.join(ignored)}"] if ignored else []
 
 
-def _time(
+def _read_time(
     text: Text,
     layout: ColumnMap,
     frame: pd.DataFrame,
@@ -174,7 +174,7 @@ def _time(
     return pd.Series(times.time_s, name=EPOCH)
 
 
-def _quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd.Series]:
+def _read_quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd.Series]:
     """Read a quantity in the unit of the log format, and the power of each of several MPPTs."""
     quantity = recipe.quantity
     if recipe.value is not None:

@@ -57,7 +57,7 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)
-    streams, skipped = _streams(content, {*_KINDS, *kinds_named(layout)}, source)
+    streams, skipped = _read_streams(content, {*_KINDS, *kinds_named(layout)}, source)
     every = Streams(streams, layout, source)
     if "solar_power_w" not in every.mapped:
         raise every.no_power(_EXAMPLE)
@@ -76,7 +76,7 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     return every.log(series, _boot_s(gps, source), notes, "the first battery monitor")
 
 
-def _streams(content: bytes, names: set[str], source: str) -> tuple[dict[str, Stream], int]:
+def _read_streams(content: bytes, names: set[str], source: str) -> tuple[dict[str, Stream], int]:
     """Read the messages of the named kinds, by instance, and count bytes outside messages."""
     kinds: dict[int, _Kind] = {}
     lengths = {_FMT: _FMT_LENGTH}
@@ -114,11 +114,11 @@ def _streams(content: bytes, names: set[str], source: str) -> tuple[dict[str, St
             kinds[described] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
     if len(lengths) == 1:
         raise file_error(source, "is not a DataFlash log: it describes no messages")
-    by_instance = (_by_instance(kind, content) for kind in kinds.values() if kind.places)
+    by_instance = (_split_by_instance(kind, content) for kind in kinds.values() if kind.places)
     return {name: stream for part in by_instance for name, stream in part.items()}, skipped
 
 
-def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
+def _split_by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
     """Return the streams of a kind of message by name, one for each instance."""
     raw, at = np.frombuffer(content, np.uint8), np.array(kind.places)
     rows = raw[at[:, np.newaxis] + np.arange(kind.dtype.itemsize)]

@@ -75,9 +75,9 @@ class Text:
 def read_text(source: str, layout: ColumnMap) -> Text:
     """Read a table's text and detect separator, decimal sign and units."""
     if Path(source).suffix.lower() == ".xlsx":
-        content, notes = _sheet_text(source)
+        content, notes = _read_sheet(source)
     else:
-        content, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
+        content, notes = _decode(read_plain_file(source, most_bytes=_MOST_BYTES), source)
     # Only line breaks: str.splitlines would also break at other control characters.
     every = enumerate(content.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
     lines = [(number, line) for number, line in every if line.strip()]
@@ -101,7 +101,7 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if layout.separator is not None:
         separator = _SEPARATORS.get(layout.separator, layout.separator)
     header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
-    kept = _of_width(source, lines, separator, notes)
+    kept = _rows_of_width(source, lines, separator, notes)
     row = kept[0][1].split(separator) if kept else []
     units = [field.strip().strip("[]()").strip() for field in row]
     if all(unit.lower() in _IN_UNITS for unit in units) and any(unit.isalpha() for unit in units):
@@ -118,14 +118,14 @@ def read_text(source: str, layout: ColumnMap) -> Text:
         sign = "decimal comma" if decimal == "," else "decimal point"
         signs = _NAMES.get(separator, repr(separator))
         notes.insert(0, f"columns are separated by {signs}, numbers have a {sign}")
-    thousands = _thousands(rows, separator, decimal)
+    thousands = _detect_thousands_sign(rows, separator, decimal)
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
     form = {"sep": separator, "decimal": decimal, "thousands": thousands}
     return Text(source, header, line, rows, numbers, form, notes)
 
 
-def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
+def _decode(content: bytes, source: str) -> tuple[str, list[str]]:
     """Decode the content: UTF-8, UTF-16 from spreadsheets, else Windows' code page 1252."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # Latin-1 has a character for every byte; where it differs, it has control characters.
@@ -143,7 +143,7 @@ def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
     return text, notes
 
 
-def _sheet_text(source: str) -> tuple[str, list[str]]:
+def _read_sheet(source: str) -> tuple[str, list[str]]:
     """Return the first sheet of an Excel file as text with tabs."""
     content = io.BytesIO(read_plain_file(source, most_bytes=_MOST_BYTES))
     try:
@@ -194,7 +194,7 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                 )
 
 
-def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
+def _detect_thousands_sign(rows: Sequence[str], separator: str, decimal: str) -> str | None:
     """Return the sign between thousands if the first rows prove one."""
     parsed = csv.reader(rows[:_LOOKED_AT], delimiter=separator)
     fields = [field.strip() for row in parsed for field in row]
@@ -209,7 +209,7 @@ def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
     return None
 
 
-def _of_width(
+def _rows_of_width(
     source: str, lines: list[tuple[int, str]], separator: str, notes: list[str]
 ) -> list[tuple[int, str]]:
     """Keep rows with as many fields as the header; refuse a table where most have not."""

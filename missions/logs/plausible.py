@@ -133,12 +133,12 @@ def stretches(
             known = known[~spikes]
     if QUANTITIES[quantity].rests or len(known) < _LEAST_FROZEN:
         return
-    for kind, mask in _unchanging(values[known], time_s[known], dark=_DARK if solar else 0.0):
+    for kind, mask in _find_held_runs(values[known], time_s[known], dark=_DARK if solar else 0.0):
         if mask.any() and (solar or kind == "frozen"):
             yield kind, among_all(mask)
 
 
-def _unchanging(
+def _find_held_runs(
     values: FloatArray, time_s: FloatArray, dark: float
 ) -> Iterator[tuple[Kind, BoolArray]]:
     """Yield masks of runs that are frozen at a value or saturated at the highest."""

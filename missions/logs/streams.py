@@ -79,9 +79,9 @@ class Streams:
             raise InputError(Problem(source, None, None, "", text) for text in recipes.problems)
         self.mapped: dict[str, Series] = {}
         for name, recipe in recipes.by_quantity.items():
-            self.mapped |= {} if name == "time" else self._made(recipe)
+            self.mapped |= {} if name == "time" else self._make_series(recipe)
 
-    def _made(self, recipe: Recipe) -> dict[str, Series]:
+    def _make_series(self, recipe: Recipe) -> dict[str, Series]:
         """Make a quantity at the times of its first stream, with the power of each MPPT."""
         if recipe.value is not None:
             return {recipe.quantity: Series(np.full(1, np.nan), np.full(1, recipe.value))}

@@ -177,7 +177,7 @@ def checked_log(
         check.notes.extend(times.notes)
         for why, wrong in times.wrong.items():
             check.without(times.time_s, wrong, table[TIME], "no_number", why)
-        time_s = _of_flight(times.time_s, table[TIME], check)
+        time_s = _drop_impossible_times(times.time_s, table[TIME], check)
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
@@ -213,7 +213,7 @@ def checked_log(
     left += leave_out_held(rows, check.labels)
     _leave_out_sums(rows)
     check.notes += [omission.sentence() for omission in left]
-    return _assembled(check, _put_together(rows, check.notes), tuple(left))
+    return _assemble_log(check, _join_at_power_times(rows, check.notes), tuple(left))
 
 
 def _mppt_columns(table: pd.DataFrame) -> list[str]:
@@ -227,14 +227,14 @@ def _leave_out_sums(rows: pd.DataFrame) -> None:
     rows.loc[unknown, "solar_power_w"] = np.nan
 
 
-def _needed(rows: pd.DataFrame) -> list[str]:
+def _required_columns(rows: pd.DataFrame) -> list[str]:
     """Return the columns whose values a row must have."""
     return [name for name in (*REQUIRED, *ATTITUDE) if name in rows]
 
 
-def _put_together(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
+def _join_at_power_times(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
     """Join columns logged at different times, at the times of the solar power."""
-    lacking = rows[_needed(rows)].isna().any(axis=1).to_numpy(bool)
+    lacking = rows[_required_columns(rows)].isna().any(axis=1).to_numpy(bool)
     power = rows["solar_power_w"].notna().to_numpy(bool) & rows.index.notna()
     if lacking.mean() <= MAXIMUM_DROPPED or 2 * (lacking & power).sum() <= power.sum():
         return rows
@@ -300,7 +300,7 @@ class Check:
             raise InputError(self.problems)
 
 
-def _of_flight(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArray:
+def _drop_impossible_times(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArray:
     """Replace times that no flight has by NaN: before clocks are set, or a year away."""
     limits = QUANTITIES["time"]
     wrong = (time_s < limits.low) | (time_s > limits.high)
@@ -322,7 +322,7 @@ def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> Flo
     if quantity is None:
         return values
     if quantity == "time":
-        return _of_flight(values, column, check)
+        return _drop_impossible_times(values, column, check)
     dimension, low, high = QUANTITIES[quantity][:3]
     message = f"must be from {low:g} to {high:g}{_HINTS.get(quantity, '')}"
     values = check.without(values, (values < low) | (values > high), column, "outside", message)
@@ -334,9 +334,9 @@ def _cell(value: object) -> str:
     return shown(value.item() if isinstance(value, np.generic) else value)
 
 
-def _assembled(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -> FlightLog:
+def _assemble_log(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -> FlightLog:
     """Make the log of the rows that lack nothing required."""
-    lacking = rows[_needed(rows)].isna()
+    lacking = rows[_required_columns(rows)].isna()
     lacking.insert(0, TIME, rows.index.isna())
     drop = lacking.any(axis=1)
     total, dropped = len(rows), int(drop.sum())

@@ -43,7 +43,7 @@ _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 
 def checked_record(raw: RawTable, source: str) -> Weather:
     """Make a weather record of a table: no gaps, all three kinds of light."""
-    time_s, lines, typical = _times(raw, source)
+    time_s, lines, typical = _read_times(raw, source)
     apart_s = float(np.median(np.diff(time_s)))
     if not 60.0 <= apart_s <= 3.0 * SECONDS_PER_HOUR:
         message = f"has a row every {apart_s / 60:g} minutes"
@@ -59,7 +59,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     logged = [name for name in LIGHT if name in values and np.isfinite(values[name]).any()]
     if "ghi" not in logged and len(logged) < 2:
         raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
-    grid = _on_grid(start_s, interval_s, values, lines, source)
+    grid = _place_on_grid(start_s, interval_s, values, lines, source)
     sun = _Sun.over(raw.site, grid.start_s, interval_s)
     missing, repairs = len(grid.lines) - len(lines), []
     if stride > 1:
@@ -69,10 +69,10 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     elif missing:
         repairs.append(f"{missing} of {len(grid.lines)} rows are missing")
     light = {name: grid.values[name] for name in LIGHT if name in values}
-    repairs += _without_night_noise(light, sun)
-    repairs += _without_impossible(light, sun, source, grid.lines)
-    light = _completed(light, sun, repairs)
-    repairs += _filled(light, sun, interval_s, source, grid.start_s, stride=stride)
+    repairs += _zero_night_noise(light, sun)
+    repairs += _drop_impossible(light, sun, source, grid.lines)
+    light = _complete_light(light, sun, repairs)
+    repairs += _fill_gaps(light, sun, interval_s, source, grid.start_s, stride=stride)
     if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
     share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
@@ -119,7 +119,7 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
     return np.where(np.isin(values, MISSING) & code, np.nan, values)
 
 
-def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
+def _read_times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
     """Return the rows' universal time [s], their lines, and true for a typical year."""
     index: Any = pd.DatetimeIndex(raw.table.index)
     if len(index) < 24:
@@ -176,7 +176,7 @@ class _Grid:
     lines: IntArray
 
 
-def _on_grid(
+def _place_on_grid(
     start_s: FloatArray,
     interval_s: float,
     values: dict[str, FloatArray],
@@ -247,7 +247,7 @@ def _cos_zenith(site: Site, time_s: FloatArray) -> FloatArray:
     return cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
 
 
-def _without_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
+def _zero_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
     """Set light at night, and small negative values, to zero, in place."""
     noisy = np.zeros(len(sun.highest), bool)
     for values in light.values():
@@ -259,7 +259,7 @@ def _without_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
     return [f"noise at night or below zero in {count} rows set to zero"] if count else []
 
 
-def _without_impossible(
+def _drop_impossible(
     light: dict[str, FloatArray], sun: _Sun, source: str, lines: IntArray
 ) -> list[str]:
     """Replace physically impossible values by NaN, in place; refuse too many of them.
@@ -291,7 +291,7 @@ def _without_impossible(
     return [f"{count} rows with impossible light taken out"] if count else []
 
 
-def _completed(
+def _complete_light(
     light: dict[str, FloatArray], sun: _Sun, repairs: list[str]
 ) -> dict[str, FloatArray]:
     """Compute missing kinds of light by closure or, from global light alone, by decomposition.
@@ -330,7 +330,7 @@ def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
     return np.where(daylight, fraction, 1.0)
 
 
-def _filled(
+def _fill_gaps(
     light: dict[str, FloatArray],
     sun: _Sun,
     interval_s: float,
@@ -364,8 +364,8 @@ def _filled(
             clear = sun.clear[name]
             daylight = clear > 10.0
             share = np.where(daylight, values / np.where(daylight, clear, 1.0), np.nan)
-            bridge = _bridged(share, begin, stop)
-            fill = bridge if short else _from_next_day(share, bridge, begin, per_day)
+            bridge = _interpolate_gap(share, begin, stop)
+            fill = bridge if short else _copy_nearest_days(share, bridge, begin, per_day)
             values[begin:stop] = fill * clear[begin:stop]
     notes = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
     if copied:
@@ -392,7 +392,7 @@ def _gaps(empty: BoolArray) -> list[tuple[int, int]]:
     return list(zip(begin.tolist(), stop.tolist(), strict=True))
 
 
-def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
+def _interpolate_gap(share: FloatArray, begin: int, stop: int) -> FloatArray:
     """Interpolate shares across a gap."""
     known = np.flatnonzero(np.isfinite(share))
     if not len(known):
@@ -400,7 +400,9 @@ def _bridged(share: FloatArray, begin: int, stop: int) -> FloatArray:
     return np.interp(np.arange(begin, stop), known, share[known])
 
 
-def _from_next_day(share: FloatArray, bridge: FloatArray, begin: int, per_day: int) -> FloatArray:
+def _copy_nearest_days(
+    share: FloatArray, bridge: FloatArray, begin: int, per_day: int
+) -> FloatArray:
     """Return shares at the same hour of the nearest day, by default of the bridge."""
     rows = begin + np.arange(len(bridge))
     filled = np.full(len(rows), np.nan)

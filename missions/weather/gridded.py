@@ -79,7 +79,7 @@ def is_netcdf(path: Path) -> bool:
 def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
     """Read the grid point nearest to a mission, the only one without a mission."""
     with opened(str(path), source) as data:
-        known = {key: _variable(data, names) for key, names in _NAMES.items()}
+        known = {key: _find_variable(data, names) for key, names in _NAMES.items()}
         first = next((variable for variable in known.values() if variable is not None), None)
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
@@ -90,13 +90,13 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
         for key, variable in known.items():
             if variable is None:
                 continue
-            values, height = _at_point(variable, place, mission, source)
+            values, height = _values_at_point(variable, place, mission, source)
             air_m = height if key == "temp_air" and height is not None else air_m
-            columns[key] = _in_units(values, str(variable.attrs.get("units", "")), key, source)
+            columns[key] = _convert_units(values, str(variable.attrs.get("units", "")), key, source)
         time = _axis_name(data, "time", source)
         index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
-    table = _record("NetCDF", columns, index, (latitude, longitude), passed, source=source)
+    table = _make_table("NetCDF", columns, index, (latitude, longitude), passed, source=source)
     return table._replace(air_altitude_m=air_m)
 
 
@@ -109,14 +109,14 @@ def read_era5_csv(path: Path, source: str) -> RawTable:
     ends = [float(data[name].mean()) for name in ("latitude", "longitude") if name in data]
     if len(ends) < 2:
         raise file_error(source, "does not name its place: latitude and longitude are needed")
-    columns = _known(data)
+    columns = _known_columns(data)
     units = {"ghi": "J/m2", "direct": "J/m2", "temp_air": "K"}
     columns |= {
-        key: _in_units(columns[key], units[key], key, source) for key in units & columns.keys()
+        key: _convert_units(columns[key], units[key], key, source) for key in units & columns.keys()
     }
     index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
     place = (ends[0], east_deg(ends[1]))
-    return _record("ERA5", columns, index, place, END, source=source)._replace(first_line=2)
+    return _make_table("ERA5", columns, index, place, END, source=source)._replace(first_line=2)
 
 
 def read_power_csv(path: Path, source: str) -> RawTable:
@@ -132,9 +132,9 @@ def read_power_csv(path: Path, source: str) -> RawTable:
         key: np.where(
             np.isin(values, MISSING) & (values < 0.0),
             np.nan,
-            _in_units(values, _unit_of(head, key), key, source),
+            _convert_units(values, _unit_of(head, key), key, source),
         )
-        for key, values in _known(data).items()
+        for key, values in _known_columns(data).items()
     }
     parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
     index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
@@ -146,7 +146,7 @@ def read_power_csv(path: Path, source: str) -> RawTable:
         notes = (f"local solar time taken as UTC{ahead_h:+d} h, that of its belt of 15 degrees",)
     if ground is not None and float(ground[1]) not in MISSING:
         columns["ground"] = np.array([float(ground[1])])
-    table = _record("NASA POWER", columns, index, (latitude, longitude), START, source=source)
+    table = _make_table("NASA POWER", columns, index, (latitude, longitude), START, source=source)
     return table._replace(first_line=head.count("\n") + 3, notes=(*notes, *table.notes))
 
 
@@ -161,7 +161,7 @@ def _csv(path: Path, skip: int) -> pd.DataFrame:
     return pd.read_csv(io.StringIO(text_of(path)), skiprows=skip)
 
 
-def _known(data: pd.DataFrame) -> dict[str, FloatArray]:
+def _known_columns(data: pd.DataFrame) -> dict[str, FloatArray]:
     """Return columns by the quantity that their names stand for."""
     return {
         key: data[name].to_numpy(float)
@@ -171,7 +171,7 @@ def _known(data: pd.DataFrame) -> dict[str, FloatArray]:
     }
 
 
-def _record(
+def _make_table(
     layout: str,
     columns: dict[str, FloatArray],
     index: pd.DatetimeIndex,
@@ -182,7 +182,9 @@ def _record(
 ) -> RawTable:
     """Make a table of a file's columns; diffuse light is global less direct horizontal light."""
     light = columns.keys() & {"ghi", "direct"}
-    apart = {key: _apart(columns[key], index) for key in light} if passed == END else {}
+    apart = (
+        {key: _means_between_rows(columns[key], index) for key in light} if passed == END else {}
+    )
     since_midnight = bool(apart) and all(values is not None for values in apart.values())
     columns |= {key: values for key, values in apart.items() if values is not None}
     if {"direct", "ghi"} <= columns.keys() and "dhi" not in columns:
@@ -209,7 +211,7 @@ def _record(
     return RawTable(layout, site, table, passed, interval_s=hour_s, notes=notes)
 
 
-def _apart(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
+def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
     """Return means between rows of light that accumulates from 00 UTC, None for other light.
 
     Of other light the sum falls, at the latest from noon on. ``values``: sums over an hour.
@@ -230,7 +232,7 @@ def _apart(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
     return np.where(since_s > 1.5 * np.median(steps_s), np.nan, mean)
 
 
-def _variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
+def _find_variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
     """Return a quantity's variable by the first of its names."""
     for name in names:
         for key, variable in data.data_vars.items():
@@ -280,7 +282,7 @@ def _nearest_point(
     return place, float(north[i]), east_deg(float(east[j]))
 
 
-def _at_point(
+def _values_at_point(
     variable: xr.DataArray, place: dict[str, int], mission: Mission | None, source: str
 ) -> tuple[FloatArray, float | None]:
     """Return values over time at a grid point, and their altitude [m] if there are levels.
@@ -316,7 +318,7 @@ def _at_point(
     return (1.0 - share) * values[:, upper - 1] + share * values[:, upper], float(altitude_m)
 
 
-def _in_units(values: FloatArray, unit: str, key: str, source: str) -> FloatArray:
+def _convert_units(values: FloatArray, unit: str, key: str, source: str) -> FloatArray:
     """Convert values to W/m2, C, m/s, m or Pa."""
     plain = unit.replace("**", "^").replace(" ", "").replace("·", "").replace("-", "^-", 1).lower()
     for of, factors in _UNITS.items():

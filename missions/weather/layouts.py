@@ -245,13 +245,13 @@ def _sam(path: Path, source: str) -> RawTable:
     head = {name.strip().lower(): value.strip() for name, value in zip(names, values, strict=False)}
     site = Site(
         head.get("city", "").strip(" -"),
-        *_head_values(source, _renamed(head, _SAM_HEAD), *_SAM_HEAD),
+        *_head_values(source, _select_columns(head, _SAM_HEAD), *_SAM_HEAD),
     )
     units = head.get("units", head.get("hasunits", "")).lower() in ("yes", "1")
     skipped = [0, 1, *([3] if units else [])]
     data = pd.read_csv(io.StringIO(text), skiprows=skipped, index_col=False, low_memory=False)
     columns = {str(name).strip().lower(): data[name] for name in data}
-    table = pd.DataFrame(_renamed(columns, _SAM_COLUMNS))
+    table = pd.DataFrame(_select_columns(columns, _SAM_COLUMNS))
     lacking = [name for name in ("month", "day", "hour") if name not in table]
     if lacking:
         raise file_error(source, f"has no column {lacking[0]}")
@@ -272,7 +272,9 @@ def _sam_layout(values: list[str]) -> str:
     return "NSRDB PSM" if values and values[0].startswith("NSRDB") else "SAM"
 
 
-def _renamed(columns: Mapping[str, Any], names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+def _select_columns(
+    columns: Mapping[str, Any], names: Mapping[str, tuple[str, ...]]
+) -> dict[str, Any]:
     """Return columns by quantity, each by the first of its known names."""
     present = {key: next((n for n in known if n in columns), None) for key, known in names.items()}
     return {key: columns[name] for key, name in present.items() if name is not None}

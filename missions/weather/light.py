@@ -56,7 +56,7 @@ def light_at_altitude(
     """
     if not 1.0 <= step_s <= 3.0 * SECONDS_PER_HOUR:
         raise ValueError(f"step_s must be from 1 to 10800 (got {step_s:g})")
-    weather = _coarsened(weather, step_s)
+    weather = _coarsen(weather, step_s)
     parts = max(1, int(np.ceil(weather.interval_s / step_s - 1e-9)))
     while (SECONDS_PER_DAY * parts / weather.interval_s) % 1.0 > 1e-9:
         parts += 1
@@ -69,8 +69,8 @@ def light_at_altitude(
     low = clear_sky(day, site.latitude_deg, cosine, site.altitude_m)
     high = clear_sky(day, site.latitude_deg, cosine, altitude_m)
     shape = (len(weather), parts)
-    direct = _shared(weather.dni, low.dni.reshape(shape), cosine.reshape(shape)).reshape(-1)
-    diffuse = _shared(weather.dhi, low.dhi.reshape(shape), cosine.reshape(shape)).reshape(-1)
+    direct = _distribute(weather.dni, low.dni.reshape(shape), cosine.reshape(shape)).reshape(-1)
+    diffuse = _distribute(weather.dhi, low.dhi.reshape(shape), cosine.reshape(shape)).reshape(-1)
     most = extraterrestrial_irradiance(day)
     recorded = Irradiance(
         np.minimum(direct * _gain(high.dni, low.dni), most), diffuse * _gain(high.dhi, low.dhi)
@@ -90,8 +90,8 @@ def light_at_altitude(
         clear=high,
         temperature_c=None
         if temperature is None
-        else _at_nodes(temperature, parts) - LAPSE_K_PER_M * (altitude_m - measured_m),
-        wind_m_per_s=None if wind is None else _at_nodes(wind, parts) * ratio,
+        else _interpolate_to_nodes(temperature, parts) - LAPSE_K_PER_M * (altitude_m - measured_m),
+        wind_m_per_s=None if wind is None else _interpolate_to_nodes(wind, parts) * ratio,
     )
 
 
@@ -111,7 +111,7 @@ def wind_ratio(above_ground_m: float) -> float:
     return float((height / WIND_MEASURED_AT_M) ** WIND_EXPONENT)
 
 
-def _shared(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArray:
+def _distribute(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArray:
     """Distribute interval means over their steps along the clear sky's course.
 
     With next to no clear light, spread evenly over steps with the sun above the horizon; without
@@ -134,13 +134,13 @@ def _gain(high: FloatArray, low: FloatArray) -> FloatArray:
     return np.where(usable, high / np.where(usable, low, 1.0), 1.0)
 
 
-def _at_nodes(values: FloatArray, parts: int) -> FloatArray:
+def _interpolate_to_nodes(values: FloatArray, parts: int) -> FloatArray:
     """Interpolate interval means at the middles of their steps."""
     places = (np.arange(len(values) * parts) + 0.5) / parts - 0.5
     return np.interp(places, np.arange(len(values)), values)
 
 
-def _coarsened(weather: Weather, step_s: float) -> Weather:
+def _coarsen(weather: Weather, step_s: float) -> Weather:
     """Average a record over whole numbers of its intervals, up to the step."""
     many = int(step_s / weather.interval_s + 1e-9)
     if many <= 1:

@@ -57,12 +57,12 @@ def wind_table_from_netcdf(
     """Compute percentiles of the wind speed from components over time."""
     source = printable(path)
     with opened(path, source) as data:
-        u, v = (_component(data, name, source) for name in _COMPONENTS)
-        u, v = (_arranged(component, source) for component in (u, v))
-        factors = [_to_m_per_s(component, source) for component in (u, v)]
+        u, v = (_find_component(data, name, source) for name in _COMPONENTS)
+        u, v = (_arrange_axes(component, source) for component in (u, v))
+        factors = [_factor_to_m_per_s(component, source) for component in (u, v)]
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
-        u, v, at = _at_longitude(u, v, longitude_deg, source)
+        u, v, at = _select_longitude(u, v, longitude_deg, source)
         if u["time"].dtype.kind != "M":
             raise file_error(source, "has times that are no dates")
         months = np.asarray(u["time"].dt.month.to_numpy())
@@ -146,7 +146,7 @@ def values_of(variable: xr.DataArray, source: str) -> FloatArray:
     return np.asarray(variable.to_numpy(), float)
 
 
-def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArray:
+def _find_component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArray:
     names = _COMPONENTS[standard_name]
     for name, variable in data.data_vars.items():
         if name in names or variable.attrs.get("standard_name") == standard_name:
@@ -165,7 +165,7 @@ def merged_versions(variable: xr.DataArray) -> xr.DataArray:
     return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(variable.attrs)
 
 
-def _to_m_per_s(component: xr.DataArray, source: str) -> float:
+def _factor_to_m_per_s(component: xr.DataArray, source: str) -> float:
     """Return the factor from a component's unit to m/s, 1 without a unit."""
     unit = str(component.attrs.get("units", "m/s"))
     plain = unit.lower().replace(" ", "").replace("*", "").replace("^", "")
@@ -176,7 +176,7 @@ def _to_m_per_s(component: xr.DataArray, source: str) -> float:
     raise file_error(source, f"has {component.name} in {printable(unit)} (known: {allowed})")
 
 
-def _arranged(component: xr.DataArray, source: str) -> xr.DataArray:
+def _arrange_axes(component: xr.DataArray, source: str) -> xr.DataArray:
     """Return a component with the axes time, latitude, level and longitude, in this order."""
     for axis, names in AXES.items():
         name = next((n for n in names if n in component.coords), None)
@@ -195,7 +195,7 @@ def _arranged(component: xr.DataArray, source: str) -> xr.DataArray:
     return component.transpose("time", "latitude", "level", "longitude")
 
 
-def _at_longitude(
+def _select_longitude(
     u: xr.DataArray, v: xr.DataArray, longitude_deg: float | None, source: str
 ) -> tuple[xr.DataArray, xr.DataArray, str]:
     """Return components at the nearest longitude, or at all, and say so."""

@@ -68,7 +68,7 @@ def estimates(
     forward: Forward, daylight: IntArray, fit: Fit | None, applied: Applied
 ) -> tuple[Estimate, ...]:
     """Estimate clock, heading, factor on solar power, and power of level flight."""
-    return (*_of_fit(forward, fit, applied), _of_load(forward, daylight))
+    return (*_estimates_of_fit(forward, fit, applied), _estimate_level_power(forward, daylight))
 
 
 def _estimate(name: str, *interval: float, apply: tuple[str, ...] = (), why: str = "") -> Estimate:
@@ -77,7 +77,7 @@ def _estimate(name: str, *interval: float, apply: tuple[str, ...] = (), why: str
     return Estimate(name, value, low, high, _LABELS[name][1], apply, why)
 
 
-def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Estimate]:
+def _estimates_of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Estimate]:
     log = forward.log
     if fit is None:
         why = "too few samples with power count"
@@ -93,7 +93,7 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
     else:
         option = ("--clock-offset", f"{applied.clock_min + value:.1f}")
         yield _estimate("clock_offset", value, value - wide, value + wide, apply=option)
-    yield _heading(forward, fit, applied)
+    yield _estimate_heading(forward, fit, applied)
     factor, *ends = fit.factor
     other = next((name for number, name in _UNITS if 0.1 < factor / number < 10.0), None)
     apply: tuple[str, ...] = ()
@@ -105,7 +105,7 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
     yield _estimate("solar_factor", factor, *ends, apply=apply, why=why)
 
 
-def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
+def _estimate_heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
     attitude = forward.log.attitude
     if attitude is None or "heading" not in fit.names:
         lacking = "the log has no attitude" if attitude is None else "no modules.geometry"
@@ -123,7 +123,7 @@ def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
     return _estimate("heading_offset", value, value - wide, value + wide, apply=option)
 
 
-def _of_load(forward: Forward, daylight: IntArray) -> Estimate:
+def _estimate_level_power(forward: Forward, daylight: IntArray) -> Estimate:
     """Estimate the power of level flight [W]: the load without avionics and payload.
 
     At night if there is one, without thermals and work of the day. Converted to the density of the

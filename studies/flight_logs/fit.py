@@ -102,7 +102,7 @@ def _power_w(forward: Forward, names: tuple[str, ...], values: FloatArray) -> Fl
     return np.asarray(np.exp(values[0]) * forward.power_w(offsets))
 
 
-def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
+def fit_log(forward: Forward, measured_w: FloatArray) -> Fit | None:
     """Fit clock, heading and factor to samples of a log; None for too few samples."""
     angles = forward.knows_angles
     names = tuple(name for name in _UNKNOWNS if angles or name not in _OF_ATTITUDE)

@@ -238,7 +238,9 @@ def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:
         )
     daylight = forward.of(index)
     module_c, of_modules = daylight.module_c()  # of all chunks
-    powers, details = zip(*(_of_chunk(chunk, module_c) for chunk in daylight.chunks()), strict=True)
+    powers, details = zip(
+        *(_compute_chunk(chunk, module_c) for chunk in daylight.chunks()), strict=True
+    )
     # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
     mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
     bearing = np.zeros(len(index))
@@ -253,8 +255,8 @@ def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:
         elevation_deg=np.degrees(sun.elevation_rad[index]),
         bearing_deg=bearing,
         measured_w=log.solar_power_w[index],
-        modelled_w=_joined(powers),
-        detail=_joined(details),
+        modelled_w=_concatenate(powers),
+        detail=_concatenate(details),
     )
     modules, name, missing = forward.aircraft.modules, forward.aircraft.name, []
     if log.attitude is None:
@@ -273,12 +275,12 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
 
 
-def _joined(parts: Sequence[Mapping[Any, FloatArray]]) -> dict[Any, FloatArray]:
+def _concatenate(parts: Sequence[Mapping[Any, FloatArray]]) -> dict[Any, FloatArray]:
     """Concatenate the columns of chunks."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _of_chunk(
+def _compute_chunk(
     chunk: Forward, module_c: float
 ) -> tuple[dict[ModelName, FloatArray], dict[str, FloatArray]]:
     """Compute the power of the models [W], and details of the Full Model."""

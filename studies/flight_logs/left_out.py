@@ -15,7 +15,7 @@ from sizing.battery.battery import NoChargeLimit, charge_rate_per_h
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
-from studies.flight_logs.fit import Fit, fitted
+from studies.flight_logs.fit import Fit, fit_log
 from studies.flight_logs.forward import Forward, Samples
 from studies.render.tables import Column, Table
 
@@ -131,7 +131,7 @@ def _battery_full(
         yield _stretch("battery_full", time_s, inside, text), inside
 
 
-def _of_values(log: FlightLog) -> Iterator[Stretch]:
+def _value_stretches(log: FlightLog) -> Iterator[Stretch]:
     """Yield stretches of impossible values, and other gaps in daylight, close gaps joined."""
     spans = [span for omission in log.left_out for span in omission.periods]
     for omission in log.left_out:
@@ -158,7 +158,9 @@ def _of_values(log: FlightLog) -> Iterator[Stretch]:
         yield Stretch("missing_data", group[0].start_s, group[-1].end_s, 0, text)
 
 
-def what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
+def fit_and_left_out(
+    forward: Forward, samples: Samples
+) -> tuple[Fit | None, list[Stretch], BoolArray]:
     """Return the fit, the stretches left out, and a flag per sample that is left out.
 
     The first fit is without samples in which the battery may limit the power; it decides whether
@@ -171,10 +173,10 @@ def what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[St
 
     def fit_without(left_out: BoolArray) -> Fit | None:
         use = np.flatnonzero(~(dark | left_out))
-        return fitted(forward.of(use), measured[use])
+        return fit_log(forward.of(use), measured[use])
 
     limited, full = _may_be_limited(log, aircraft), np.zeros(len(log), bool)
-    fit, stretches = fit_without(dead | limited), [*gone, *_of_values(log)]
+    fit, stretches = fit_without(dead | limited), [*gone, *_value_stretches(log)]
     if fit is not None and limited[index].any():
         expected = fit.expected_w(forward.of(index))
         may_be = (limited & ~dead)[index]

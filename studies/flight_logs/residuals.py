@@ -171,7 +171,7 @@ def surfaces_of(log: FlightLog, geometry: ModuleGeometry | None) -> tuple[BoolAr
     )
 
 
-def compared(forward: Forward, wiring: BoolArray, how: str, counts: BoolArray) -> MpptPowers:
+def compare_mppts(forward: Forward, wiring: BoolArray, how: str, counts: BoolArray) -> MpptPowers:
     """Compute each MPPT's mean power and the Full Model of its modules."""
     assert forward.geometry is not None  # so are its surfaces
     power, surfaces = forward.log.mppt_power_w, forward.geometry.surfaces

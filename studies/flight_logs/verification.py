@@ -34,11 +34,11 @@ from studies.flight_logs.errors import (
 )
 from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
 from studies.flight_logs.forward import Forward, Samples, daylight_samples
-from studies.flight_logs.left_out import Stretch, left_out_table, what_counts
+from studies.flight_logs.left_out import Stretch, fit_and_left_out, left_out_table
 from studies.flight_logs.residuals import (
     MpptPowers,
     Residuals,
-    compared,
+    compare_mppts,
     residual_tables,
     residuals,
     surfaces_of,
@@ -358,7 +358,7 @@ def verify(
     forward = Forward(log, aircraft, mission, np.arange(len(log)))
     wiring, how = surfaces_of(log, forward.geometry)
     samples, remarks = daylight_samples(forward)
-    fit, stretches, excluded = what_counts(forward, samples)
+    fit, stretches, excluded = fit_and_left_out(forward, samples)
     inside = list(in_windows(samples, periods, log.source))
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
@@ -386,6 +386,6 @@ def verify(
         residuals=residuals(samples, ~excluded, estimated),
         windows=sections(samples, excluded, window_s, "solar time", inside),
         days=sections(samples, excluded, day_s, "UTC", on_days(samples)),
-        mppts=None if wiring is None else compared(daylight, wiring, how, ~excluded),
+        mppts=None if wiring is None else compare_mppts(daylight, wiring, how, ~excluded),
         notes=(*log.notes, *([how] if how and wiring is None else []), *remarks),
     )

@@ -54,7 +54,9 @@ class MapResult(Result):
         """Return the days by outcome and ranges of numbers, lists over the latitudes."""
         numbers = self._days_of_designs() if self.objective else self._days_of_flights()
         for quantity in self._ranged:
-            for word, values in zip(("least", "largest"), self._ends(quantity), strict=True):
+            for word, values in zip(
+                ("least", "largest"), self._least_and_largest(quantity), strict=True
+            ):
                 numbers[f"{word}_{quantity.name}"] = values
         record: dict[str, Any] = serialise(
             {"latitude_deg": self._latitudes, "days": self.data["day"].to_numpy()}
@@ -93,7 +95,7 @@ class MapResult(Result):
             {"season": season_text(days, perpetual), excess.name: most, "perpetual_days": count}
             for perpetual, most, count in zip(
                 feasible(self.data),
-                self._ends(excess)[1].tolist(),
+                self._least_and_largest(excess)[1].tolist(),
                 record["perpetual_days"],
                 strict=True,
             )
@@ -102,7 +104,7 @@ class MapResult(Result):
             columns.append(replace(quantity, label="endurance on the other days", to_right=True))
             rows = [
                 row | {quantity.name: text}
-                for row, text in zip(rows, self._texts(quantity), strict=True)
+                for row, text in zip(rows, self._range_texts(quantity), strict=True)
             ]
         return columns, rows
 
@@ -128,7 +130,7 @@ class MapResult(Result):
         shown = list(self._ranged)
         if "excess" not in self.objective:
             shown.remove(q.EXCESS_TIME)
-        texts = {quantity.name: self._texts(quantity) for quantity in shown}
+        texts = {quantity.name: self._range_texts(quantity) for quantity in shown}
         every = days | texts
         rows = [dict(zip(every, row, strict=True)) for row in zip(*every.values(), strict=True)]
         short = {q.TOTAL_MASS: "mass"}
@@ -150,7 +152,7 @@ class MapResult(Result):
         payload = (p for p in (q.PAYLOAD_MASS, q.PAYLOAD_POWER) if p.variable == largest)
         return (q.WINGSPAN, q.TOTAL_MASS, q.EXCESS_TIME, *payload)
 
-    def _ends(self, quantity: q.Quantity) -> Ends:
+    def _least_and_largest(self, quantity: q.Quantity) -> Ends:
         """Return least and largest value of each latitude; NaN without any."""
         values = self.data[quantity.variable].to_numpy()
         if quantity is q.ENDURANCE:  # on days with limited flight
@@ -158,9 +160,9 @@ class MapResult(Result):
         # No warning for a latitude without a value, as nanmin has one.
         return np.fmin.reduce(values, axis=1), np.fmax.reduce(values, axis=1)
 
-    def _texts(self, quantity: q.Quantity) -> list[str]:
+    def _range_texts(self, quantity: q.Quantity) -> list[str]:
         """Return the range of each latitude in words."""
-        form, ends = replace(quantity, form=".2f"), self._ends(quantity)
+        form, ends = replace(quantity, form=".2f"), self._least_and_largest(quantity)
         return [
             " to ".join(dict.fromkeys(map(form.text, (low, high))))
             if np.isfinite(low)

@@ -86,10 +86,10 @@ def perpetual_flags(
     near, far = ({*range(1, DAYS_PER_YEAR + 1, n), *SOLSTICES} for n in (_STRIDE, _FAR_STRIDE))
     slow = [model for model in models if model.needs_path]
     simulate({model: far if model in slow else near for model in models})
-    simulate(_in_doubt(year, slow, sorted(near), sorted(far)))
+    simulate(_days_in_doubt(year, slow, sorted(near), sorted(far)))
     while any((halves := {m: _middles_of_edges(days) for m, days in known.items()}).values()):
         simulate(halves)
-    return {model: _filled(days) for model, days in known.items()}
+    return {model: _fill_days(days) for model, days in known.items()}
 
 
 class _Year:
@@ -151,7 +151,7 @@ class _CachedSunlight(Sunlight):
         return np.stack([known[*place, day] for day in self._days])
 
 
-def _in_doubt(
+def _days_in_doubt(
     year: _Year, models: Sequence[SolarModel], near: Sequence[int], far: Sequence[int]
 ) -> dict[SolarModel, set[int]]:
     """Return the days among ``near`` on which each model, known on days ``far``, is in doubt.
@@ -190,7 +190,7 @@ def _middles_of_edges(flags: Mapping[int, bool]) -> set[int]:
     return {(day + days // 2 - 1) % DAYS_PER_YEAR + 1 for day, days in apart if days > 1}
 
 
-def _filled(flags: Mapping[int, bool]) -> Flags:
+def _fill_days(flags: Mapping[int, bool]) -> Flags:
     """Return a flag for every day, by the last known day before."""
     days = np.array(sorted(flags))
     filled = np.array([flags[day] for day in days.tolist()], bool)

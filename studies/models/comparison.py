@@ -107,7 +107,7 @@ class Comparison(Result):
         table = self.tables()[0]
         if not any(case.prediction.several_scenarios for case in self.cases):
             return (table,)
-        rows, lines = list(map(self._predicted, self.cases)), table.sections
+        rows, lines = list(map(self._prediction_row, self.cases)), table.sections
         worst = f"model correction scenario solar_energy_wh {_REACHED}"
         title = "all scenarios: mean solar energy of a day, and season of perpetual flight"
         return (
@@ -119,7 +119,7 @@ class Comparison(Result):
         """Return tables of predictions and, if sized, of designs."""
         models = [case.solar.model for case in self.cases]
         lines = [i + 1 for i, (a, b) in enumerate(itertools.pairwise(models)) if a != b]
-        rows = map(self._predicted, self.cases)
+        rows = map(self._prediction_row, self.cases)
         predicted = table_of("predictions", f"{_OF_ALL} {_REACHED} season", rows, sections=lines)
         if not self.has_designs:
             return (predicted,)
@@ -132,10 +132,10 @@ class Comparison(Result):
             "then evaluated by the reference"
         )
         columns = (*judged[:2], goal, *judged[2:])
-        built = table_of(title, columns, map(self._built, self.cases), sections=lines)
+        built = table_of(title, columns, map(self._design_row, self.cases), sections=lines)
         return predicted, built
 
-    def _predicted(self, case: Case) -> dict[str, Any]:
+    def _prediction_row(self, case: Case) -> dict[str, Any]:
         prediction, season = case.prediction, case.season
         whole = season.days == season.window_days
         return {
@@ -146,7 +146,7 @@ class Comparison(Result):
             "season": season.days if whole else f"{season.window_days} of {season.days}",
         }
 
-    def _built(self, case: Case) -> dict[str, Any]:
+    def _design_row(self, case: Case) -> dict[str, Any]:
         assert case.built is not None
         judged, value = case.built.judged, case.built.sizing.status.label
         return {
@@ -313,7 +313,7 @@ def compare(
         advance()
         built = None
         if sized:
-            built = _built(sun, solar, reference, Objective(objective), required)
+            built = _size_with_model(sun, solar, reference, Objective(objective), required)
             advance()
         days = [of_latitude[solar] for of_latitude in flags]
         seasons = tuple(season_of(d, lat) for d, lat in zip(days, latitudes, strict=True))
@@ -355,7 +355,7 @@ def _extrapolations_of_case(
     return keep_worst([*collect_extrapolations(checks, day.scenarios), *outside])
 
 
-def _built(
+def _size_with_model(
     sun: Sunlight,
     solar: SolarModel,
     reference: SolarModel,

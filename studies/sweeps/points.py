@@ -149,7 +149,9 @@ def varied_files(
     )
 
 
-def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> tuple[str, str] | None:
+def _reason_not_to_fly(
+    solar: SolarModel, aircraft: Aircraft, mission: Mission
+) -> tuple[str, str] | None:
     """Return requirement and reason if an aircraft cannot climb, or hold the path in wind."""
     if mission.climb is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         try:
@@ -190,7 +192,7 @@ def valid_groups(
             text = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
             row: dict[str, Any] = {"status": statuses.invalid, "message": text}
         else:
-            trouble = _unflyable(configuration.solar, aircraft, mission)
+            trouble = _reason_not_to_fly(configuration.solar, aircraft, mission)
             if trouble is None:
                 yield numbers, aircraft, mission
                 continue
@@ -322,7 +324,7 @@ def _row_of_design(
 ) -> dict[str, Any]:
     """Return the row of a design."""
     design = result.design
-    row: dict[str, Any] = {q.variable: _of_place(q.of(design), place) for q in CHOSEN}
+    row: dict[str, Any] = {q.variable: _value_at(q.of(design), place) for q in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
     every = {name: float(violation.amount[place]) for name, violation in violations.items()}
     amounts = {name: amount for name, amount in every.items() if amount > _ROUNDING}
@@ -344,13 +346,13 @@ def _row_of_design(
         row[MAXIMUM_ALTITUDE.variable] = float(result.maximum_altitude_m[place][worst])
     return row | {
         "status": Status(int(cycle.status[place][worst])),
-        TOTAL_MASS.variable: _of_place(TOTAL_MASS.of(design), place),
+        TOTAL_MASS.variable: _value_at(TOTAL_MASS.of(design), place),
         **{q.variable: float(q.of(result)[place][worst]) for q in (*REACHED, LOAD)},
-        ENDURANCE.variable: _of_place(endurance_h, place),
+        ENDURANCE.variable: _value_at(endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),
     }
 
 
-def _of_place(values: Value, place: tuple[int, ...]) -> float:
+def _value_at(values: Value, place: tuple[int, ...]) -> float:
     return float(np.asarray(values)[place])

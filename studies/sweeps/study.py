@@ -183,7 +183,7 @@ def prepare(
         files.mission_file.data,
         tuple(axis.key for axis in axes),
         solar,
-        _covers(aircraft, axes, objective, cover),
+        _modules_cover_wing(aircraft, axes, objective, cover),
         objective,
         aircraft.texts_read,
         {axis.key: axis.names for axis in axes if axis.names},
@@ -299,7 +299,7 @@ def _check_values(files: _Files, axis: Axis, others: Sequence[Axis]) -> None:
         if error is not None and not any(
             files.wrong({axis.key: value} | corner) is None for corner in _corners(others)
         ):
-            hint = _meant(axis.key)
+            hint = _hint_for_key(axis.key)
             if hint is not None:
                 raise _error(axis.key, hint)
             raise InputError([replace(error.problems[0], source=axis.key, line=None)])
@@ -313,7 +313,7 @@ def _corners(axes: Sequence[Axis]) -> Iterator[dict[str, float]]:
         yield {axis.key: value for axis, value in zip(combined, values, strict=True)}
 
 
-def _meant(key: str) -> str | None:
+def _hint_for_key(key: str) -> str | None:
     """Return a hint for a key that no aircraft file has, None for one it has."""
     first = key.partition(".")[0]
     if first in Aircraft.model_fields or key.startswith(MISSION_PREFIX):
@@ -346,7 +346,7 @@ def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
     return float(node)
 
 
-def _covers(
+def _modules_cover_wing(
     aircraft: Aircraft, axes: Sequence[Axis], resize: Objective | None, cover: bool | None
 ) -> bool:
     """Return true if the module area follows the wing."""
