@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, dataclass_transform
 
 import click
 
@@ -52,14 +52,6 @@ _BODIES = "studies.cli.bodies"
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
-@dataclass(frozen=True, kw_only=True)
-class CommandOptions:
-    """Options and arguments of a command: those of its fields that :func:`option` declares."""
-
-    def __post_init__(self) -> None:
-        """Refuse what does not go together, with ``click.UsageError``."""
-
-
 def option(*spelled: str, **settings: Any) -> Any:
     """Return a field that an option fills; ``settings`` are those of :func:`click.option`."""
     return field(metadata={"made": lambda name: click.Option([*spelled, name], **settings)})
@@ -68,6 +60,24 @@ def option(*spelled: str, **settings: Any) -> Any:
 def argument(**settings: Any) -> Any:
     """Return a field that an argument fills; ``settings``: of :func:`click.argument`."""
     return field(metadata={"made": lambda name: click.Argument([name], **settings)})
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(option, argument))
+@dataclass(frozen=True, kw_only=True)
+class CommandOptions:
+    """Options and arguments of a command: those of its fields that :func:`option` declares.
+
+    Each class of options is a data class. What does not go together is refused by its ``refuse``,
+    those of its bases first.
+    """
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True, repr=False, eq=False)(cls)
+
+    def __post_init__(self) -> None:
+        for kind in reversed(type(self).__mro__):
+            if "refuse" in vars(kind):
+                kind.refuse(self)  # type: ignore[attr-defined]  # looked up a line above
 
 
 class Command(click.Command):

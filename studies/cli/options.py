@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -55,7 +54,6 @@ def json_option(text: str = "Print JSON instead of tables.") -> Any:
     return option("--json", is_flag=True, help=text)
 
 
-@dataclass(frozen=True, kw_only=True)
 class CaseOptions(CommandOptions):
     """What a command is asked about: an aircraft on a mission."""
 
@@ -70,7 +68,6 @@ class CaseOptions(CommandOptions):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
 class ModelOptions(CaseOptions):
     """A case whose solar power model can be chosen."""
 
@@ -92,14 +89,12 @@ class ModelOptions(CaseOptions):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
 class JsonOptions(CaseOptions):
     """A case whose result may be printed as JSON."""
 
     as_json: bool = json_option()
 
 
-@dataclass(frozen=True, kw_only=True)
 class LevelOptions(JsonOptions):
     """A case of whose result a summary is printed, or all of it."""
 
@@ -108,7 +103,6 @@ class LevelOptions(JsonOptions):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
 class MassOptions(CaseOptions):
     """A case whose total mass may be known."""
 
@@ -121,7 +115,6 @@ class MassOptions(CaseOptions):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
 class PlaceOptions(CaseOptions):
     """Where and when instead of the mission's own; days of the year."""
 
@@ -139,9 +132,8 @@ class PlaceOptions(CaseOptions):
         help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
     )
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         if self.day_of_year is not None and self.date is not None:
             raise click.UsageError("give --day-of-year or --date, not both")
 
@@ -161,7 +153,6 @@ class PlaceOptions(CaseOptions):
             raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
 
 
-@dataclass(frozen=True, kw_only=True)
 class RequirementOptions(CaseOptions):
     """A case whose required excess time can be chosen."""
 
@@ -173,7 +164,6 @@ class RequirementOptions(CaseOptions):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
 class WorkOptions(CommandOptions):
     """Where a command computes in chunks, and what it keeps of them."""
 
@@ -200,9 +190,8 @@ class WorkOptions(CommandOptions):
         help="Keep the finished chunks when the result is written.",
     )
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         if self.scheduler not in (None, "local-cluster"):
             if self.workers is not None:
                 raise click.UsageError(
@@ -283,7 +272,6 @@ def weather_option(text: str) -> Any:
     return option("--weather", type=click.Path(), metavar="FILE", help=text)
 
 
-@dataclass(frozen=True, kw_only=True)
 class DrawnOptions(CommandOptions):
     """How figures of a command look, refused where none is asked for: it draws on request."""
 
@@ -311,9 +299,8 @@ class DrawnOptions(CommandOptions):
         "--no-title", is_flag=True, help="Leave title and notes to the caption."
     )
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         command = click.get_current_context()
         spelled = {str(parameter.name): parameter.opts[0] for parameter in command.command.params}
         places = [name for name in ("plot_file", "out_dir") if name in spelled]
@@ -334,7 +321,6 @@ class DrawnOptions(CommandOptions):
         return FigureOptions(self.size_in, self.dots_per_inch, title=not self.no_title, **style)
 
 
-@dataclass(frozen=True, kw_only=True)
 class LogOptions(CommandOptions):
     """A flight log, and how it is written: its columns, and its clock."""
 

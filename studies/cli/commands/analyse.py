@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import click
 
 from sizing.program.objectives import RESIZE_NAMES
@@ -32,7 +30,6 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
     "analyse:analyse",
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
 )
-@dataclass(frozen=True, kw_only=True)
 class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOptions):
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
 
@@ -45,9 +42,8 @@ class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOption
     )
     plot_file: str | None = plot_option("Draw the cycle, or the weather record")
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         if self.weather_file is None:
             if self.table_years is not None:
                 raise click.UsageError(
@@ -63,7 +59,6 @@ class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOption
     "map:map_",
     "solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png",
 )
-@dataclass(frozen=True, kw_only=True)
 class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
@@ -97,9 +92,8 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw the map")
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         if self.objective is not None and self.endurance:
             raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
 
@@ -110,7 +104,6 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     "ceiling:ceiling",
     "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png",
 )
-@dataclass(frozen=True, kw_only=True)
 class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
 
@@ -139,7 +132,6 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
     "station:station",
     "solar-uav station my-aircraft.yaml -m my-mission.yaml --latitudes 0:60:5 --plot station.png",
 )
-@dataclass(frozen=True, kw_only=True)
 class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     """Tell how much of the time AIRCRAFT (name, file or folder) holds its place, by month.
 
@@ -169,7 +161,6 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     "uncertainty:uncertainty",
     "solar-uav uncertainty atlantiksolar-as2 --samples 1024",
 )
-@dataclass(frozen=True, kw_only=True)
 class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
 
@@ -202,7 +193,6 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     "report:report",
     "solar-uav report atlantiksolar-as2 -m rafz-july --out report.html",
 )
-@dataclass(frozen=True, kw_only=True)
 class Report(ModelOptions, JsonOptions, MassOptions):
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -48,7 +47,6 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     "solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2",
     "solar-uav size atlantiksolar-design -m mission.yaml --weather FILE --survive 0.9",
 )
-@dataclass(frozen=True, kw_only=True)
 class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOptions, DrawnOptions):
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
 
@@ -108,9 +106,8 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         help="Least share of the days of the weather record that close, for instance 0.9.",
     )
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         of_optimum = self.with_sensitivities or self.with_cross_check
         if self.goal.of_range and of_optimum:
             raise click.UsageError(
@@ -166,7 +163,6 @@ def _refuse_given(options: Mapping[str, bool], why: str) -> None:
     "sweep:sweep",
     "solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5",
 )
-@dataclass(frozen=True, kw_only=True)
 class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged.
 
@@ -233,9 +229,8 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         help="Rows of the table.  [default: 15, with -v all]",
     )
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         if self.pareto is not None and self.sort is not None:
             raise click.UsageError("a front has its own order: give --pareto or --sort")
 
@@ -246,7 +241,6 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     "explore:explore",
     "solar-uav explore atlantiksolar-design -m central-europe-summer",
 )
-@dataclass(frozen=True, kw_only=True)
 class Explore(ModelOptions):
     """Explore AIRCRAFT (name, file or folder) with sliders, on a page of this machine."""
 
@@ -259,9 +253,8 @@ class Explore(ModelOptions):
     )
     no_browser: bool = option("--no-browser", is_flag=True, help="Only print the address.")
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse to start without what the page is served by."""
-        super().__post_init__()
         missing = next((name for name in _SERVER if find_spec(name) is None), None)
         if missing is not None:
             raise click.UsageError(
@@ -276,7 +269,6 @@ class Explore(ModelOptions):
     "solar-uav export atlantiksolar-design --out wing.avl",
     "solar-uav export sized -m rafz-july --out design.tex --out design.xlsx",
 )
-@dataclass(frozen=True, kw_only=True)
 class Export(ModelOptions):
     """Write AIRCRAFT (name, file or folder) for other tools: its geometry, or its numbers."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import click
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     "shipped:list_",
     "solar-uav list",
 )
-@dataclass(frozen=True, kw_only=True)
 class List(CommandOptions):
     """List the aircraft, missions and weather records that ship with the package.
 
@@ -36,9 +34,8 @@ class List(CommandOptions):
     mppts: bool = option("--mppts", is_flag=True, help="List the MPPTs.")
     as_json: bool = json_option("Print JSON.")
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         if len(self.catalogues) > 1:
             named = " and ".join(f"--{kind}" for kind in self.catalogues)
             raise click.UsageError(f"{named}: one at a time")
@@ -56,7 +53,6 @@ class List(CommandOptions):
     "shipped:show",
     "solar-uav show atlantiksolar-as2 > mine.yaml",
 )
-@dataclass(frozen=True, kw_only=True)
 class Show(CommandOptions):
     """Print the file of the shipped aircraft or mission NAME, comments included.
 
@@ -72,7 +68,6 @@ class Show(CommandOptions):
     "files:init",
     "solar-uav init albatross",
 )
-@dataclass(frozen=True, kw_only=True)
 class Init(CommandOptions):
     """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
 
@@ -85,7 +80,6 @@ class Init(CommandOptions):
     "files:validate",
     "solar-uav validate albatross.yaml albatross-mission.yaml",
 )
-@dataclass(frozen=True, kw_only=True)
 class Validate(CommandOptions):
     """Check aircraft and mission FILES and say everything that is wrong with them."""
 
@@ -98,7 +92,6 @@ class Validate(CommandOptions):
     "files:schema",
     "solar-uav schema aircraft --out aircraft.schema.json",
 )
-@dataclass(frozen=True, kw_only=True)
 class Schema(CommandOptions):
     """Print the JSON Schema of aircraft or mission files, for completion in an editor."""
 

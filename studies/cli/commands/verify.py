@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
@@ -37,7 +36,6 @@ _LONGEST_FILTER_S = 86_400.0
     "compare:compare",
     "solar-uav compare atlantiksolar-design --objective min_mass --table models.csv",
 )
-@dataclass(frozen=True, kw_only=True)
 class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
 
@@ -67,9 +65,8 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     table_file: str | None = table_option("the table")
     plot_file: str | None = plot_option("Draw the figure")
 
-    def __post_init__(self) -> None:
+    def refuse(self) -> None:
         """Refuse what does not go together."""
-        super().__post_init__()
         files = (self.table_file, self.plot_file)
         if self.out_dir is not None and files != (None, None):
             raise click.UsageError("give --out, or --table and --plot, not both")
@@ -89,7 +86,6 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     "verify:verify",
     "solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified",
 )
-@dataclass(frozen=True, kw_only=True)
 class Verify(LogOptions, LevelOptions, DrawnOptions):
     """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
 
@@ -132,7 +128,6 @@ class Verify(LogOptions, LevelOptions, DrawnOptions):
     "reproduce:reproduce_report",
     "solar-uav reproduce-report --out reproduced",
 )
-@dataclass(frozen=True, kw_only=True)
 class ReproduceReport(DrawnOptions):
     """Fly the verification morning of Oettershagen's report on solar power models.
 
