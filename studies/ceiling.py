@@ -31,7 +31,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
-from studies.quantities import EXCESS_TIME, group, table_of
+from studies.quantities import EXCESS_TIME, group, table_of, text_of
 from studies.render.notes import extrapolation_blocks, extrapolation_caption
 from studies.render.numbers import hours
 from studies.render.tables import Line, Table
@@ -93,15 +93,15 @@ def headline(ceiling: Ceiling) -> str:
     more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
     how = f" with {' and '.join(more)}" if more else ""
     best = f"; largest excess time {hours(search.best.excess_time_h)}"
-    best += f" at {search.best.altitude_m:.0f} m"
+    best += f" at {text_of('altitude_m', search.best.altitude_m)}"
     of = "" if climb is None else "night floors "
     ends = [search.flights[end].altitude_m for end in (0, -1)]
-    said = f"no perpetual flight{how} from {of}{ends[0]:.0f} to {ends[1]:.0f} m"
+    said = f"no perpetual flight{how} from {of}{ends[0]:.0f} to {text_of('altitude_m', ends[1])}"
     if search.highest is not None:
         beyond = " and beyond the search" if search.at_search_limit else ""
         if climb is not None and search.highest.altitude_m >= climb.ceiling_m:
             beyond = ", the ceiling itself"
-        up_to = f"{search.highest.altitude_m:.0f} m{beyond}"
+        up_to = f"{text_of('altitude_m', search.highest.altitude_m)}{beyond}"
         night = "" if climb is None else " from night floors"
         said = f"perpetual flight{how}{night} up to {up_to}"
         if search.highest.altitude_m < ceiling.mission.altitude_m:
@@ -229,7 +229,8 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         for axes in panels:
             axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
     excess.annotate(
-        f"{'ceiling' if climb is None else 'highest floor'} {ceiling.highest.altitude_m:.0f} m",
+        f"{'ceiling' if climb is None else 'highest floor'} "
+        f"{text_of('altitude_m', ceiling.highest.altitude_m)}",
         (0.96, highest_km),
         (0, 4),
         xycoords=excess.get_yaxis_transform(),

@@ -34,8 +34,9 @@ from studies.output.gridded import (
     extrapolations_of,
     shown_places,
 )
-from studies.quantities import described
+from studies.quantities import described, text_of
 from studies.render.notes import extrapolation_blocks
+from studies.render.numbers import percent
 from studies.render.tables import Column, Line, Table
 from studies.study import Study
 
@@ -113,7 +114,7 @@ class Station(Result):
 
     def _label(self, row: int) -> str:
         value = float(self.rows[row])
-        return latitude_label(value) if self.over == "latitude" else f"{value:.0f} m"
+        return latitude_label(value) if self.over == "latitude" else text_of("altitude_m", value)
 
     @property
     def places(self) -> dict[str, Any]:
@@ -146,7 +147,7 @@ def headline(station: Station) -> str:
     if not station.share.any():
         return f"{name}: no perpetual flight, so that it holds no place"
     return (
-        f"{name}: holds its place for up to {100.0 * station.share[best]:.0f} % of the time "
+        f"{name}: holds its place for up to {percent(station.share[best], '.0f')} of the time "
         f"({station._label(int(best[0]))}, {MONTH_NAMES[station.months[best[1]] - 1]})"
     )
 

@@ -96,10 +96,10 @@ def _analysis_parts(analysis: Analysis) -> list[Any]:
     shown += structure_lines(analysis)
     shares, balance = analysis.drag_coefficients, analysis.balance
     if shares is not None:
-        share = 100.0 * float(shares.parasitic / shares.total)
+        coefficient = q.TABLE["drag_coefficient"].text(float(shares.parasitic))
         text = (
-            f"Parasitic drag, all but the wing and the trim: C_D {float(shares.parasitic):.5f}, "
-            f"{share:.1f} % of the drag."
+            f"Parasitic drag, all but the wing and the trim: C_D {coefficient}, "
+            f"{percent(shares.parasitic / shares.total)} of the drag."
         )
         shown += [drag_table(shares), text]
     if balance is not None:
@@ -141,11 +141,12 @@ def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
     day = "" if analysis.performance.cycle.perpetual[analysis.worst] else ", repeated day"
     gain_h = round(climb.gain_in_excess_time_h, 2) + 0.0  # zero added: -0 is no loss
     rows = [
-        (f"highest altitude{day}", f"{climb.maximum_altitude_m:.0f} m"),
+        (f"highest altitude{day}", q.text_of("maximum_altitude_m", climb.maximum_altitude_m)),
         ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
     ]
     if held is not None:
-        rows.insert(0, ("wind held up to", "nowhere" if np.isnan(held) else f"{held:.0f} m"))
+        up_to = "nowhere" if np.isnan(held) else q.text_of("altitude_m", held)
+        rows.insert(0, ("wind held up to", up_to))
     if level >= ALL:
         constant = q.EXCESS_TIME.fact(climb.constant_altitude_excess_time_h)[1]
         rows += [

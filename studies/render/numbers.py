@@ -55,3 +55,14 @@ def date_and_clock(clock_h: float, first_day: int) -> str:
     """Return hours since the first midnight of a day of the year as a date and a clock reading."""
     days, hour = divmod(round(clock_h * 60.0) / 60.0, 24.0)
     return f"{date_label(first_day + int(days))} {clock_label(hour)}"
+
+
+def clock_of_day(hour: float) -> str:
+    """Return the clock of an hour counted on from the first midnight, with its day."""
+    days = int(hour // 24.0)
+    return f"{clock_label(hour % 24.0)}" + (f" on day {days + 1}" if days else "")
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number of things, the noun in its number."""
+    return f"{number} {noun}{'s' if number > 1 else ''}"

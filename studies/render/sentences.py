@@ -25,7 +25,15 @@ from sizing.results.propulsion import Instant, PartMasses, PowerBudget, VaryingE
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
-from studies.render.numbers import amount, change_text, hours, percent, with_unit
+from studies.render.numbers import (
+    amount,
+    change_text,
+    clock_of_day,
+    counted,
+    hours,
+    percent,
+    with_unit,
+)
 from studies.render.tables import clock_label
 from studies.render.words import constraint_words, parameter_words
 
@@ -54,7 +62,7 @@ def answer(analysis: Analysis) -> str:
         return "It flies for over a year, but its days do not repeat themselves."
     first_day = int(analysis.performance.day.scenarios.day_of_year[analysis.worst])
     empty = flight.empty_h
-    clock = f"{_clock_of_day(empty)} (solar time{_utc(analysis, first_day, empty)})"
+    clock = f"{clock_of_day(empty)} (solar time{_utc(analysis, first_day, empty)})"
     text = (
         f"It flies {hours(flight.endurance_h)} at best: launched with a full battery at "
         f"{clock_label(flight.launch_h)} it flies until {clock}"
@@ -74,17 +82,11 @@ def landing(analysis: Analysis) -> str:
     window_h = analysis.mission.flight_window_h(analysis.performance.day.scenarios)
     assert window_h is not None
     launch_h, land_h = (float(ends[analysis.worst]) for ends in window_h)
-    when = f"from {clock_label(launch_h)} to {_clock_of_day(land_h)} (solar time)"
+    when = f"from {clock_label(launch_h)} to {clock_of_day(land_h)} (solar time)"
     excess_h = analysis.excess_time_h
     if excess_h > 0.0:
         return f"It flies {when} and lands with an excess time of {hours(excess_h)}."
     return f"Of a flight {when} it lacks power for {hours(-excess_h)}."
-
-
-def _clock_of_day(hour: float) -> str:
-    """Return the clock of an hour counted on from the first midnight, with its day."""
-    days = int(hour // 24.0)
-    return f"{clock_label(hour % 24.0)}" + (f" on day {days + 1}" if days else "")
 
 
 def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
@@ -187,19 +189,24 @@ def climb_lines(study: SizingStudy) -> list[str]:
         return []
     floor_m, highest_m = mission.altitude_m, climb.maximum_altitude_m
     reached = "its ceiling of " if highest_m > climb.ceiling_m - 1.0 else ""
-    text = f"stays at {floor_m:.0f} m: no surplus, or no power, is left to climb with"
+    floor, highest, dawn = (
+        q.text_of("altitude_m", height_m)
+        for height_m in (floor_m, highest_m, climb.dawn_altitude_m)
+    )
+    text = f"stays at {floor}: no surplus, or no power, is left to climb with"
     if highest_m > floor_m + 1.0:
         text = (
-            f"climbs by day from {floor_m:.0f} m to {reached}{highest_m:.0f} m, which stores "
+            f"climbs by day from {floor} to {reached}{highest}, which stores "
             f"{amount(climb.stored_height_wh, 'Wh')}; glides {hours(climb.gliding_h)} in "
-            f"the evening; at dawn at {climb.dawn_altitude_m:.0f} m"
+            f"the evening; at dawn at {dawn}"
         )
     return [text] if level is None else [text, _without_climbs(study, level)]
 
 
 def _without_climbs(study: SizingStudy, level: SizingResult) -> str:
     """Return the optimum of level flight, and how much larger it is."""
-    where, objective = f"in level flight at {study.mission.altitude_m:.0f} m", study.objective
+    where = f"in level flight at {q.text_of('altitude_m', study.mission.altitude_m)}"
+    objective = study.objective
     if level.design is None or study.design is None:
         return f"{where} no design was found ({level.status.label})"
     parts = [
@@ -257,8 +264,8 @@ def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
     )
     if sized is None or value <= 0.0:
         return text
-    more = 100.0 * (sized / value - 1.0)
-    return f"{text}; this one is {abs(more):.1f} % {'larger' if more >= 0.0 else 'smaller'}"
+    more = sized / value - 1.0
+    return f"{text}; this one is {percent(abs(more))} {'larger' if more >= 0.0 else 'smaller'}"
 
 
 def sensitivities_line(study: SizingStudy) -> str:
@@ -544,8 +551,8 @@ def cells_lines(record: Mapping[str, Any]) -> list[str]:
             series = strings["cells_in_series"]
             series = ", ".join(map(str, series)) if isinstance(series, list) else series
             text += (
-                f"; {_counted(strings['count'], 'string')} of {series} on "
-                f"{_counted(strings['mppts'], 'MPPT')}, {strings['hottest_mpp_voltage_v']:.1f} to "
+                f"; {counted(strings['count'], 'string')} of {series} on "
+                f"{counted(strings['mppts'], 'MPPT')}, {strings['hottest_mpp_voltage_v']:.1f} to "
                 f"{amount(strings['coldest_mpp_voltage_v'], 'V')}, "
                 f"{amount(strings['coldest_open_voltage_v'], 'V')} unloaded"
             )
@@ -559,10 +566,6 @@ def cells_lines(record: Mapping[str, Any]) -> list[str]:
             text += f", charged with at most {amount(pack['charge_current_a'], 'A')}"
         lines.append(text)
     return lines
-
-
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}{'s' if number > 1 else ''}"
 
 
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:

@@ -12,7 +12,7 @@ from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import unit_text
 from sizing.results.margins import RequirementMargin
 from studies import quantities as q
-from studies.render.numbers import with_unit
+from studies.render.numbers import percent, with_unit
 from studies.render.tables import UNLIMITED, Column, Table
 from studies.render.words import constraint_words, parameter_words
 
@@ -53,7 +53,7 @@ def _margin_text(row: RequirementMargin) -> str:
     if not np.isfinite(row.margin):
         return UNLIMITED if row.margin > 0.0 else "none"
     if row.relative:
-        return f"{100.0 * row.margin:+.1f} %"
+        return percent(row.margin, "+.1f")
     return f"{row.margin:+.2f} {row.unit}".strip()
 
 
