@@ -7,7 +7,6 @@ LaTeX.
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from typing import Any
 
@@ -35,6 +34,6 @@ def headline(result: Result) -> str:
 
 
 def _module_of(result: Result) -> Any:
-    kind = type(result)
-    name = _MODULES.get(kind.__name__)
-    return sys.modules[kind.__module__] if name is None else import_module(name)
+    kinds = type(result).__mro__
+    names = (_MODULES[kind.__name__] for kind in kinds if kind.__name__ in _MODULES)
+    return import_module(next(names, kinds[0].__module__))
