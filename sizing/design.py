@@ -153,7 +153,11 @@ class FlightConditions(NamedTuple):
     ) -> FlightConditions:
         """Return the conditions of a mission at several altitudes, before ``axes`` of designs."""
         rows = zip(*(cls.of(mission, aircraft) for mission in missions), strict=True)
-        arrays = (np.stack([np.asarray(value, float) for value in values]) for values in rows)
+        # A condition may vary with the draws at some levels alone.
+        arrays = (
+            np.stack(np.broadcast_arrays(*(np.asarray(value, float) for value in values)))
+            for values in rows
+        )
         return cls._make(
             array.reshape(len(missions), *(1,) * (axes + 1 - array.ndim), *array.shape[1:])
             for array in arrays
