@@ -98,8 +98,7 @@ class Masses(NamedTuple):
 class FlightConditions(NamedTuple):
     """Conditions of a mission for a design; numbers, arrays or symbols.
 
-    ``wind_m_per_s``: that its own airspeed must exceed; none where it flies faster to hold its
-    place.
+    ``wind_m_per_s``: that the calm airspeed must exceed; none where the place is held.
     """
 
     density_kg_per_m3: Value

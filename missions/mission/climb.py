@@ -80,7 +80,7 @@ def altitude_of_floor(data: Mapping[str, Any], climb: Any) -> Mapping[str, Any]:
     if data.get("altitude_m") is not None or not isinstance(keys, Mapping):
         return data
     floor_m = keys.get("minimum_altitude_m")
-    # What is no altitude is told once, at its own key.
+    # What is no altitude is refused once, at its key.
     if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
         return data
     allowed = MINIMUM_ALTITUDE_M <= floor_m <= MAXIMUM_ALTITUDE_M

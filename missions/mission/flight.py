@@ -87,7 +87,7 @@ class Flight(Record):
         return self
 
     def check(self, longitude_deg: float | None, required_excess_time_h: float) -> None:
-        """Refuse a clock without a place, and a reserve beside another excess time."""
+        """Refuse a clock without a place, and a reserve that is not the required excess time."""
         if self.utc_offset_h is not None and longitude_deg is None:
             raise wrong_value("flight.utc_offset_h", "needs longitude_deg on the mission")
         if self.reserve_h is not None and required_excess_time_h not in (0.0, self.reserve_h):

@@ -68,7 +68,7 @@ class UncertaintyMargins(Record):
     battery_capacity: Fraction = 1.0
 
     @property
-    def given(self) -> bool:
+    def is_set(self) -> bool:
         """Return whether there is any margin."""
         return self != UncertaintyMargins()
 

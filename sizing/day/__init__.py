@@ -1,9 +1,9 @@
-"""A day: what it does to battery and height. One march, and what is flown by it.
+"""A day of flight: light, load and battery along any time axis, and one march through it.
 
-* ``light``, ``module_power``: specific power of the modules
-* ``load``: what the aircraft draws; ``heights``, ``chain_at_heights``: both along heights
+* ``light``, ``module_power``: specific power of the modules, at all levels of a mission
+* ``load``: electric load; ``heights``, ``chain_at_heights``: light and load along heights
 * ``battery``: batteries of a batch, the charge limit; ``balance``: exact integrals of an interval
-* ``march``: the charge along any time axis, nights as one step; ``metrics``: the excess time
+* ``march``: the charge along a time axis, nights as one step; ``metrics``: the excess time
 
 * ``cycle``: a day that repeats itself, a flight to a landing; ``flight``, ``launch``: from a launch
   until the battery is empty, and the best launch

@@ -54,9 +54,8 @@ def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
 
     ``left / (left - right)`` of its values at the ends, the nearer end where signs are equal.
     """
-    drop = left - right
-    safe = np.where(drop == 0.0, 1.0, drop)
-    return np.clip(left / safe, 0.0, 1.0)
+    fall = left - right
+    return np.clip(left / np.where(fall == 0.0, 1.0, fall), 0.0, 1.0)
 
 
 def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
@@ -161,15 +160,16 @@ class PowerBalance:
 
     def cumulative_deficit_h(self) -> FloatArray:
         """Return the length of all deficits until every node [h], ``(time, element)``."""
-        lacks = self.deficit_wh > 0.0
-        row, cell = np.divmod(np.flatnonzero(lacks & (self.surplus_wh > 0.0)), lacks.shape[1])
+        has_deficit = self.deficit_wh > 0.0
+        mixed = np.flatnonzero(has_deficit & (self.surplus_wh > 0.0))
+        row, cell = np.divmod(mixed, has_deficit.shape[1])
         of_mixed = self.interval(row, cell).deficit_h()[1]
-        ends = np.searchsorted(row, np.arange(len(lacks) + 1))
-        sums = np.zeros((len(lacks) + 1, lacks.shape[1]))
+        ends = np.searchsorted(row, np.arange(len(has_deficit) + 1))
+        sums = np.zeros((len(has_deficit) + 1, has_deficit.shape[1]))
         for k, hours in enumerate(np.diff(self.time_h)):
-            lengths = np.multiply(lacks[k], hours, out=sums[k + 1])
-            mixed = slice(ends[k], ends[k + 1])
-            lengths[cell[mixed]] = of_mixed[mixed]
+            lengths = np.multiply(has_deficit[k], hours, out=sums[k + 1])
+            here = slice(ends[k], ends[k + 1])
+            lengths[cell[here]] = of_mixed[here]
             lengths += sums[k]
         return sums
 

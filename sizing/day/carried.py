@@ -1,4 +1,4 @@
-"""Days that follow each other, each with its own light, the charge carried over from day to day.
+"""Days that follow each other, each in its light, the charge carried over from day to day.
 
 A day is an element of the batch: all are marched at once, each from a full battery, and those again
 that the day before leaves with another charge than they were begun with, until there are none. A

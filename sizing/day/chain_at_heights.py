@@ -63,7 +63,7 @@ class ConstantChain:
 class ClimbChain:
     """Propulsion of designs in level flight at some levels, and what it does at other loads.
 
-    ``parts``: with an efficiency factor of 1, the designs' own in ``factor``. ``thrust_w``,
+    ``parts``: with an efficiency factor of 1; ``factor``: that of the designs. ``thrust_w``,
     ``airspeed_m_per_s``, ``air``: of level flight, of shape ``(level, design)``. ``bus_v``: voltage
     of a half charged battery [V].
     """

@@ -34,7 +34,7 @@ from solar.types import BoolArray, FloatArray, IntArray
 
 
 class ClimbLimitError(ValueError):
-    """An aircraft that cannot climb; ``key`` is what its file lacks or has too small."""
+    """An aircraft that cannot climb; ``key``: missing in its file, or too small there."""
 
     def __init__(self, key: tuple[str, ...], message: str) -> None:
         super().__init__(f"{'.'.join(key)}: {message}")

@@ -161,7 +161,7 @@ class SolarDay:
         mission : Mission
             With the air.
         paired : bool
-            Whether every design flies in its own scenario, else in all of them.
+            Whether every design is simulated in its scenario, else in all of them.
 
         Returns
         -------
@@ -347,8 +347,8 @@ def power_at_instants(
 ) -> FloatArray:
     """Return the corrected specific power at a single latitude while the date advances [W/m2].
 
-    Under the clear sky, or in the light of a weather record: the mission's own clearness then plays
-    no part, its margin of the model's error does. The loiter ratio is that of each instant's day
+    Under the clear sky, or in the light of a weather record: the mission's clearness then plays no
+    part, its margin of the model's error does. The loiter ratio is that of each instant's day
     under the clear sky.
     """
     if solar.needs_path and mission.wind_statistics is not None:

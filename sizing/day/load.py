@@ -251,7 +251,7 @@ def _part_load_in_air(
     """Return temperatures of a range [K], and the power over the load at each, designs behind."""
     level_w = np.asarray(design.propulsion_power_w)
     if not level_w.ndim:
-        part_load_of(aircraft, mission, design)  # which says what its own air is too much for
+        part_load_of(aircraft, mission, design)  # whose error names the mission's air
     propulsion, flight = flight_of(aircraft, mission, design)
     known_k = ZERO_CELSIUS_K + np.linspace(*range_c, 3 if range_c[1] > range_c[0] else 1)
     air_k = known_k.reshape(-1, *(1,) * level_w.ndim)

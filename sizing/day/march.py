@@ -49,8 +49,8 @@ def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray)
     """
     begin, end = interval.surplus_h()
     stored = store.charge_efficiency * interval.surplus_wh
-    lacking = np.maximum(store.battery_energy_wh - before_charge_wh, 0.0)
-    share = lacking / np.maximum(stored, 1e-300)
+    to_full_wh = np.maximum(store.battery_energy_wh - before_charge_wh, 0.0)
+    share = to_full_wh / np.maximum(stored, 1e-300)
     left_w, right_w = np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0)
     hours = (end - begin) * ramp_fraction(left_w, right_w, share)
     if store.clock is not None:

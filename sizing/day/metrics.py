@@ -185,8 +185,8 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
     """Return the metrics of a batch from the run of its day.
 
     The excess time is above zero for perpetual flight, and infinite where solar power never falls
-    below the load; of a flight to a landing it is what is left then. ``climbs``: what a load lacks
-    counts in hours of the nominal load at least, as no battery that is empty lifts anything.
+    below the load; of a flight to a landing it is what is left then. ``climbs``: missing energy
+    counts in hours of the nominal load at least, as no empty battery lifts anything.
     """
     balance, store, nominal = run.day.balance, run.store, cells.nominal_w
     lands = cells.in_flight is not None
@@ -249,8 +249,8 @@ def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArra
 def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
     """Return the hours and the energy [Wh] in which the load is not met.
 
-    A battery that runs empty stays so until the next surplus, or midnight: what is lacking then
-    gives the instant.
+    A battery that runs empty stays so until the next surplus, or midnight: the energy
+    missing by then gives the instant.
     """
     day, balance, count = run.day, run.day.balance, len(run.start_wh)
     row, cells = np.divmod(np.flatnonzero(run.drained_wh < 0.0), count)
@@ -263,8 +263,8 @@ def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
     until = np.concatenate((row + day.first + falls_first, at_midnight))
     below_empty = np.concatenate((run.drained_wh[row, cells], midnight[dark]))
     cells = np.concatenate((cells, dark))
-    lacking = -np.broadcast_to(run.store.discharge_efficiency, (count,))[cells] * below_empty
-    level = np.maximum(day.cumulative_deficit_wh[until, cells] - lacking, 0.0)
+    missing_wh = -np.broadcast_to(run.store.discharge_efficiency, (count,))[cells] * below_empty
+    level = np.maximum(day.cumulative_deficit_wh[until, cells] - missing_wh, 0.0)
     number = np.minimum(interval_reaching(day.cumulative_deficit_wh, level, cells), until - 1)
     rest = np.clip(day.cumulative_deficit_wh[number + 1, cells] - level, 0.0, None)
     without_h = balance.interval(number, cells).deficit_parts_h(rest)[1]
@@ -273,7 +273,7 @@ def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
     missing = missing + hours[until, cells] - hours[number + 1, cells]
     return (
         np.bincount(cells, missing, minlength=count).astype(float),
-        np.bincount(cells, lacking, minlength=count).astype(float),
+        np.bincount(cells, missing_wh, minlength=count).astype(float),
     )
 
 

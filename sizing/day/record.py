@@ -68,7 +68,7 @@ class WeatherRun:
 
 @dataclass(frozen=True)
 class WeatherPerformance:
-    """An aircraft in a weather record and, beside it, under a clear sky in the same air.
+    """An aircraft in a weather record, and under a clear sky in the same air.
 
     ``mission``: at the record's site and flight altitude. ``recorded``, ``clear``: in the record's
     light, and under the clear sky.

@@ -1,4 +1,4 @@
-"""A flight on the calendar: launched at a date and clock time with a given state of charge."""
+"""A flight on the calendar: launched at a date and clock time with a state of charge."""
 
 from __future__ import annotations
 

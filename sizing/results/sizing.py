@@ -209,7 +209,7 @@ def _with_margin(
     solar: SolarModel,
 ) -> SizingStudy | None:
     """Return the sizing with one RMS error less solar power; None with margins of the mission."""
-    if mission.uncertainty_margins.given or optimum.design is None:
+    if mission.uncertainty_margins.is_set or optimum.design is None:
         return None
     guarded = with_values(mission, {"uncertainty_margins.solar_model_sigmas": 1.0})
     result = size_aircraft(
@@ -297,7 +297,7 @@ def _without_margins_of(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
     """Return the optimum without the mission's uncertainty margins; None where it has none."""
-    if result.design is None or result.simulated is None or not mission.uncertainty_margins.given:
+    if result.design is None or result.simulated is None or not mission.uncertainty_margins.is_set:
         return None
     plain = mission.without_margins()
     day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)

@@ -328,7 +328,7 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
         if hours(ends_h[0]) == hours(ends_h[1])
         else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
     )
-    solar, with_margins = low.solar, mission.uncertainty_margins.given
+    solar, with_margins = low.solar, mission.uncertainty_margins.is_set
     beyond = ", on top of the mission's uncertainty margins," if with_margins else ""
     plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"

@@ -204,7 +204,7 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
         error = say.uncertainty_line(low, high, simulated.worst_scenario(), study.mission)
         shown.append(Line(error, "faint"))
         required = max(study.result.required_excess_time_h, 0.0)
-        guarded = study.mission.uncertainty_margins.given or study.reliability is not None
+        guarded = study.mission.uncertainty_margins.is_set or study.reliability is not None
         guarded = guarded or study.survival is not None
         if study.with_margin is not None:
             shown += _margin_blocks(study, study.with_margin, level)

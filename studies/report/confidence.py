@@ -114,7 +114,7 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
             f"Uncertain inputs: left out, {len(mission.scenarios())} scenarios take long "
             "(--uncertainty)."
         )
-    if mission.uncertainty_margins.given:
+    if mission.uncertainty_margins.is_set:
         sentences.append("The mission's uncertainty margins are taken off every number here.")
     return tuple(sentences)
 
