@@ -23,7 +23,6 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft
 from sizing.program.whole_cells import size_whole_cells
-from sizing.relaxed_flight import Relaxation
 from sizing.results.design_result import check_subjects
 from sizing.results.qualities import designs_by_build
 from sizing.results.sizing_study import SizingStudy
@@ -105,72 +104,83 @@ def size(
         for whole cells of an aircraft without a layout or a pack, of a range, or with any of these.
     """
     check_subjects(aircraft, mission)
-    solar, original = SolarModel(model, correction), aircraft
-    aircraft, goal = _with_own(aircraft, mission, objective, constraints)
-    required_h = required_excess_time_h
+    solar, required_h = SolarModel(model, correction), required_excess_time_h
+    subject, goal = _with_user_terms(aircraft, mission, objective, constraints)
     if goal is Objective.max_endurance:
-        longest = longest_flight_of_all(aircraft, mission, solar, required_excess_time_h=required_h)
-        chosen_mission = mission if longest.simulated is None else longest.simulated.mission
-        return study_of(aircraft, chosen_mission, longest, solar)
+        longest = longest_flight_of_all(subject, mission, solar, required_excess_time_h=required_h)
+        launched = mission if longest.simulated is None else longest.simulated.mission
+        return study_of(subject, launched, longest, solar)
     if mission.flight is not None:
-        day_flight = size_aircraft(
-            aircraft, mission, goal, solar, required_excess_time_h=required_h
-        )
-        return study_of(aircraft, mission, day_flight, solar)
-    required: dict[str, Any] = {}
-    if required_excess_time_h is not None:
+        flight = size_aircraft(subject, mission, goal, solar, required_excess_time_h=required_h)
+        return study_of(subject, mission, flight, solar)
+    demanding = mission
+    if required_h is not None:
         # The mission's rules for its own requirement hold for another one, too.
-        required = {"required_excess_time_h": required_excess_time_h}
-        required_excess_time_h = with_values(mission, required).required_excess_time_h
-    options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
+        demanding = with_values(mission, {"required_excess_time_h": required_h})
+        required_h = demanding.required_excess_time_h
+    of_optimum = with_sensitivities or with_cross_check
     if whole_cells:
-        if with_sensitivities or with_cross_check or reliability is not None:
+        if of_optimum or reliability is not None:
             raise ValueError(
                 "whole cells have no sensitivities, cross-check or reliability: leave them out"
             )
-        laid = _of_whole_cells(aircraft, mission, goal, solar, required_excess_time_h)
+        laid = _of_whole_cells(subject, mission, goal, solar, required_h)
         if laid is not None:
             return laid
     if reliability is not None:
-        if with_sensitivities or with_cross_check:
+        if of_optimum:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
-        return _reliable(aircraft, with_values(mission, required), goal, solar, least=reliability)
-    exact, coverage = aircraft, None
-    if goal.of_range:
-        coverage = widest_range(aircraft, mission, goal, solar, **options)
-        result = coverage.sizing
-    else:
-        aircraft, result = sized_in_own_flow(aircraft, mission, goal, solar, **options)
-    optimum = (aircraft, mission, result, solar)
-    relaxed: tuple[Relaxation, ...] = ()
-    if result.status is SizingStatus.infeasible and not goal.of_range:
-        relaxed = tuple(relaxations(*optimum))
-    sensitive = with_sensitivities and result.feasible
-    multipliers = None
-    if sensitive:
-        multipliers = constraint_multipliers(result)
-        multipliers.sort(key=lambda row: -row.gain)
-    guarded = None
-    if with_margin and result.feasible and coverage is None:
-        guarded = _with_margin(aircraft, mission, result, solar)
-    level = None
-    if mission.climb is not None and coverage is None:
-        low_flight = (aircraft, mission.at_altitude(mission.altitude_m), goal, solar)
-        level = size_aircraft(*low_flight, explain=False, **options)
-    rows = with_builds and coverage is None
-    builds = designs_by_build(exact, mission, goal, solar, result, **options) if rows else ()
-    study = study_of(
-        *optimum,
-        coverage=coverage,
-        relaxations=relaxed,
-        without_climbs=level,
-        builds=builds,
-        sensitivities=sensitivities(*optimum) if sensitive else None,
-        multipliers=multipliers,
-        cross_check=cross_check(*optimum) if with_cross_check and result.feasible else None,
-        with_margin=guarded,
+        return _reliable(subject, demanding, goal, solar, least=reliability)
+    study = _of_repeated_days(subject, mission, goal, solar, required_h)
+    optimum = (study.aircraft, mission, study.result, solar)
+    aspects: dict[str, Any] = {}
+    if study.feasible and with_sensitivities:
+        multipliers = sorted(constraint_multipliers(study.result), key=lambda row: -row.gain)
+        aspects |= {"sensitivities": sensitivities(*optimum), "multipliers": multipliers}
+    if study.feasible and with_cross_check:
+        aspects["cross_check"] = cross_check(*optimum)
+    if study.feasible and with_margin and study.coverage is None:
+        aspects["with_margin"] = _with_margin(*optimum)
+    if with_builds and study.coverage is None:
+        aspects["builds"] = designs_by_build(
+            subject, mission, goal, solar, study.result, required_excess_time_h=required_h
+        )
+    return replace(study, aircraft=aircraft, **aspects)
+
+
+def _of_repeated_days(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    required_h: float | None,
+) -> SizingStudy:
+    """Return the sizing for perpetual flight, with what would help an infeasible one.
+
+    A mission with climbs is sized for level flight as well. The aircraft of the result has the
+    cooling of the optimum's airflow.
+    """
+    if objective.of_range:
+        coverage = widest_range(
+            aircraft, mission, objective, solar, required_excess_time_h=required_h
+        )
+        return study_of(aircraft, mission, coverage.sizing, solar, coverage=coverage)
+    cooled, result = sized_in_own_flow(
+        aircraft, mission, objective, solar, required_excess_time_h=required_h
     )
-    return replace(study, aircraft=original)
+    level = None
+    if mission.climb is not None:
+        level = size_aircraft(
+            cooled,
+            mission.at_altitude(mission.altitude_m),
+            objective,
+            solar,
+            explain=False,
+            required_excess_time_h=required_h,
+        )
+    infeasible = result.status is SizingStatus.infeasible
+    relaxed = tuple(relaxations(cooled, mission, result, solar)) if infeasible else ()
+    return study_of(cooled, mission, result, solar, relaxations=relaxed, without_climbs=level)
 
 
 def study_of(
@@ -203,10 +213,7 @@ def _of_whole_cells(
 
 
 def _with_margin(
-    aircraft: Aircraft,
-    mission: Mission,
-    optimum: SizingResult,
-    solar: SolarModel,
+    aircraft: Aircraft, mission: Mission, optimum: SizingResult, solar: SolarModel
 ) -> SizingStudy | None:
     """Return the sizing with one RMS error less solar power; None with margins of the mission."""
     if mission.uncertainty_margins.is_set or optimum.design is None:
@@ -224,7 +231,7 @@ def _with_margin(
     return SizingStudy(aircraft, guarded, solar, result, without_margins=plain)
 
 
-def _with_own(
+def _with_user_terms(
     aircraft: Aircraft,
     mission: Mission,
     objective: Objective | str | Callable[[Any], Any],
