@@ -78,8 +78,8 @@ def test_range_holds_consecutive_days_from_first_to_last(first, last):
     days = days_in_range(first, last)
     assert (days[0], days[-1]) == (first, last)
     assert len(set(days)) == len(days) <= 365
-    for one, following in pairwise(days):
-        assert following == (1 if one == 365 else one + 1)
+    for previous, following in pairwise(days):
+        assert following == (1 if previous == 365 else previous + 1)
     assert days_in_range(first, first) == [first]
     assert sorted(days_in_range(first, (first - 2) % 365 + 1)) == list(ALL_DAYS)
 

@@ -63,13 +63,13 @@ def test_straight_legs_average_two_headings():
 
 
 def test_components_multiply_to_the_power():
-    lit, orbit, power = module_power_on_path(
+    daylight, orbit, power = module_power_on_path(
         PathModules(AFT, SolarCell(), CIRCLE, CALM), DAY, ambient_temperature_c=20.0
     )
     product = power.irradiance_w_per_m2 * power.module_efficiency * power.mppt_efficiency
     assert product == pytest.approx(power.specific_power_w_per_m2, rel=1e-12)
     assert power.specific_power_w_per_m2 @ orbit.weights == pytest.approx(
-        mean("FM", AFT, CIRCLE, CALM)[lit], rel=1e-12
+        mean("FM", AFT, CIRCLE, CALM)[daylight], rel=1e-12
     )
 
 

@@ -245,8 +245,8 @@ def test_a_flight_path_is_flown_in_the_winds_of_all_heights():
     where = {"latitude_deg": 40.0, "altitude_m": 20000.0, "wind": {"percentile": 95}}
     path = {"kind": "circle", "radius_m": 1000.0, "airspeed_m_per_s": 16.0}
     there = mission(**where, climb={"ceiling_m": 26000.0}, flight_path=path)
-    aloft = there.at_altitude(26000.0).strongest_wind_m_per_s
-    assert there.strongest_wind_m_per_s < 16.0 < aloft == pytest.approx(there.wind.speed_m_per_s)
+    high = there.at_altitude(26000.0).strongest_wind_m_per_s
+    assert there.strongest_wind_m_per_s < 16.0 < high == pytest.approx(there.wind.speed_m_per_s)
 
 
 def test_winds_of_all_heights_must_be_known_where_the_place_is_held():
@@ -320,11 +320,11 @@ def test_shipped_missions_are_valid(name):
     # YAML takes some dates and times for numbers; those in the files must remain text.
     assert all(isinstance(data["dates"].get(key, ""), str) for key in ("on", "from", "to"))
     assert isinstance(data.get("launch", {}).get("time_local", ""), str)
-    found = Mission.model_validate(data)
-    assert found.name == name
-    assert len(found.scenarios()) == len(found.latitudes()) * len(found.dates.days()) > 0
-    assert 0.0 < found.air_state().density_kg_per_m3 < 1.5  # denser than on any coast in winter
-    assert not found.scenarios().in_polar_night().any()
+    read = Mission.model_validate(data)
+    assert read.name == name
+    assert len(read.scenarios()) == len(read.latitudes()) * len(read.dates.days()) > 0
+    assert 0.0 < read.air_state().density_kg_per_m3 < 1.5  # denser than on any coast in winter
+    assert not read.scenarios().in_polar_night().any()
 
 
 def test_the_flights_are_the_published_ones():

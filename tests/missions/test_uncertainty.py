@@ -35,10 +35,10 @@ def test_quantiles_are_those_of_scipy(distribution, oracle):
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=30))
 def test_data_stay_within_their_values_and_rise(data):
-    found = Data(distribution="data", data=tuple(data)).values(np.linspace(0.0, 1.0, 50), 0.0)
-    assert found[0] == min(data)
-    assert found[-1] == max(data)
-    assert np.all(np.diff(found) >= 0.0)
+    quantiles = Data(distribution="data", data=tuple(data)).values(np.linspace(0.0, 1.0, 50), 0.0)
+    assert quantiles[0] == min(data)
+    assert quantiles[-1] == max(data)
+    assert np.all(np.diff(quantiles) >= 0.0)
 
 
 BOTH, WIND = ["clearness", "wind_m_per_s"], {"coefficient": 0.5}

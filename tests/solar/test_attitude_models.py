@@ -45,23 +45,23 @@ def test_verification_model_on_a_level_wing_is_the_analysis_model():
 
 def test_power_temperature_and_tracker_agree():
     cell = SolarCell()
-    found = full_model(NOON, UP, LEVEL, FLAT, cell, 30.0)
-    p = float(found.specific_power_w_per_m2)
+    result = full_model(NOON, UP, LEVEL, FLAT, cell, 30.0)
+    p = float(result.specific_power_w_per_m2)
     # Eq. 10: the temperature that belongs to the power found.
     temperature = 30.0 + 12.0 * p / cell.full_load_w_per_m2
-    assert float(found.module_temperature_c) == pytest.approx(temperature, abs=1e-9)
+    assert float(result.module_temperature_c) == pytest.approx(temperature, abs=1e-9)
     light = 900.0 * 0.97 + 100.0 * 0.83
     before = 0.237 * light * (1.0 - 0.003 * (temperature - 25.0))
     eta = float(cell.mppt_efficiency_at(before / cell.full_load_w_per_m2))
     assert p == pytest.approx(before * eta, rel=1e-10)  # the solver's own tolerance is 1e-12
-    assert float(found.mppt_efficiency) == pytest.approx(eta, rel=1e-9)
+    assert float(result.mppt_efficiency) == pytest.approx(eta, rel=1e-9)
 
 
 def test_sun_in_the_wing_plane_or_behind_it_leaves_diffuse_light():
     upside_down = direction_cosines(np.pi, 0.0, 0.0)
     for sun, attitude in ((np.array([1.0, 0.0, 0.0]), LEVEL), (UP, upside_down)):
-        found = full_model(NOON, sun, attitude, FLAT, CONSTANT, 25.0)
-        assert float(found.specific_power_w_per_m2) == pytest.approx(100.0 * 0.83 * 0.237 * 0.95)
+        result = full_model(NOON, sun, attitude, FLAT, CONSTANT, 25.0)
+        assert float(result.specific_power_w_per_m2) == pytest.approx(100.0 * 0.83 * 0.237 * 0.95)
 
 
 def test_user_table_that_ends_early_knows_no_light_from_behind():
@@ -71,14 +71,14 @@ def test_user_table_that_ends_early_knows_no_light_from_behind():
 
 def test_dihedral_averages_two_sides():
     sun = np.array([0.0, np.sin(0.6), -np.cos(0.6)])
-    found = full_model(NOON, sun, LEVEL, V_WING, CONSTANT, 25.0)
+    result = full_model(NOON, sun, LEVEL, V_WING, CONSTANT, 25.0)
     expected = np.mean(
         [
             conceptual_analysis_model(NOON, np.cos(0.6 + d), CONSTANT, 25.0)
             for d in np.radians([-20.0, 20.0])
         ]
     )
-    assert float(found.specific_power_w_per_m2) == pytest.approx(expected, rel=1e-12)
+    assert float(result.specific_power_w_per_m2) == pytest.approx(expected, rel=1e-12)
 
 
 @settings(max_examples=60)
@@ -93,15 +93,15 @@ def test_dihedral_averages_two_sides():
 def test_efficiencies_are_physical(roll, pitch, yaw, dni, dhi, celsius):
     sun = sun_vector_ned(30.0, 0.3, 0.5)
     light = Irradiance(np.asarray(dni), np.asarray(dhi))
-    found = full_model(
+    result = full_model(
         light, sun, direction_cosines(roll, pitch, yaw), V_WING, SolarCell(), celsius
     )
-    power = float(found.specific_power_w_per_m2)
+    power = float(result.specific_power_w_per_m2)
     # At most all light at the cell's efficiency, at -60 C 25.5 % better than at 25 C.
     assert 0.0 <= power <= 0.237 * 1.26 * (dni + dhi) + 1e-12
-    for values in (found.incidence_efficiency_by_surface, found.low_light_efficiency_by_surface):
+    for values in (result.incidence_efficiency_by_surface, result.low_light_efficiency_by_surface):
         assert np.all((values >= 0.0) & (values <= 1.0 + 1e-12))
-    assert np.isfinite(found.module_temperature_c).all()
+    assert np.isfinite(result.module_temperature_c).all()
 
 
 def test_arrays_equal_single_calls():
@@ -111,10 +111,10 @@ def test_arrays_equal_single_calls():
     whole = full_model(light, sun, direction_cosines(rolls, 0.1, 1.0), V_WING, SolarCell(), 20.0)
     assert whole.specific_power_w_per_m2.shape == (2, 3)
     for i in range(2):
-        one = Irradiance(light.dni[i, 0], light.dhi[i, 0])
+        light_at_i = Irradiance(light.dni[i, 0], light.dhi[i, 0])
         for j, roll in enumerate(rolls):
             single = full_model(
-                one, sun[i, 0], direction_cosines(roll, 0.1, 1.0), V_WING, SolarCell(), 20.0
+                light_at_i, sun[i, 0], direction_cosines(roll, 0.1, 1.0), V_WING, SolarCell(), 20.0
             )
             # The iteration stops for the whole batch at once: 1e-12 of the rated power.
             assert whole.specific_power_w_per_m2[i, j] == pytest.approx(
@@ -160,12 +160,12 @@ def test_a_tilted_wing_sees_the_earth_as_far_as_it_is_tilted():
     light, sun = Irradiance(np.array(0.0), np.array(100.0)), np.array([0.0, 0.0, -1.0])
     surface = ModuleSurface(name="one", area_m2=1.0, side="centre", pitch_deg=60.0)
     geometry, cell = ModuleGeometry(surfaces=(surface,)), SolarCell()
-    plain, lit = (
+    plain, bright = (
         full_model(light, sun, np.eye(3), geometry, cell, 20.0, albedo=a).irradiance_w_per_m2
         for a in (0.0, 0.5)
     )
     # Half of 100 W/m2, by (1 - cos 60 deg) / 2.
-    assert lit - plain == pytest.approx(0.5 * 100.0 * 0.25)
+    assert bright - plain == pytest.approx(0.5 * 100.0 * 0.25)
     flat = [
         verification_model(light, sun, np.eye(3), geometry, cell, 25.0, albedo=a) for a in (0, 0.5)
     ]

@@ -29,32 +29,32 @@ CELL = SolarCell()
 def test_what_comes_in_goes_out(light, efficiency, ambient_c, convection, pressure, underside):
     cell = CELL.model_copy(update={"thermal": ModuleHeat(underside_share=underside)})
     around = Surroundings(ambient_c, convection, pressure)
-    found = float(balanced_temperature_c(light, light, efficiency * light, cell, around))
-    heat, kelvin = cell.thermal, found + ZERO_CELSIUS_K
-    electric = efficiency * light * (1.0 - 0.003 * (found - 25.0))
+    temperature_c = float(balanced_temperature_c(light, light, efficiency * light, cell, around))
+    heat, kelvin = cell.thermal, temperature_c + ZERO_CELSIUS_K
+    electric = efficiency * light * (1.0 - 0.003 * (temperature_c - 25.0))
     down, up = long_wave_w_per_m2(pressure)
     reflected = underside * heat.underside_absorptance * around.albedo * light
     brought = heat.absorptance * light - electric + reflected
     radiated = heat.emissivity * (
         (1.0 + underside) * STEFAN_BOLTZMANN * kelvin**4 - down - underside * up
     )
-    lost = radiated + (1.0 + underside) * convection * (found - ambient_c)
+    lost = radiated + (1.0 + underside) * convection * (temperature_c - ambient_c)
     # Two of Newton's steps: 0.006 K in the least flow with an insulated lower face.
     assert lost == pytest.approx(brought, abs=0.1)
 
 
 def test_in_a_strong_wind_modules_are_as_cold_as_the_air():
     around = Surroundings(-56.5, 1e6, 0.05)
-    found = balanced_temperature_c(1200.0, 1200.0, 280.0, CELL, around)
-    assert found == pytest.approx(-56.5, abs=1e-3)
+    temperature_c = balanced_temperature_c(1200.0, 1200.0, 280.0, CELL, around)
+    assert temperature_c == pytest.approx(-56.5, abs=1e-3)
 
 
 def test_without_air_and_light_the_plate_is_that_of_the_long_waves():
-    found = balanced_temperature_c(0.0, 0.0, 0.0, CELL, Surroundings(-56.5, 1e-9, 0.0))
+    temperature_c = balanced_temperature_c(0.0, 0.0, 0.0, CELL, Surroundings(-56.5, 1e-9, 0.0))
     # Both faces radiate what comes up from the earth: 239 W/m2. Two of Newton's steps, begun at a
     # module in common light, which is 80 K warmer.
     expected = (239.0 / (2.0 * STEFAN_BOLTZMANN)) ** 0.25 - ZERO_CELSIUS_K
-    assert found == pytest.approx(expected, abs=0.2)
+    assert temperature_c == pytest.approx(expected, abs=0.2)
 
 
 def test_what_was_measured_near_the_ground_lies_between_a_bare_and_an_insulated_wing():

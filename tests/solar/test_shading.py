@@ -118,8 +118,8 @@ def cast_rays(geometry, tail, sun, rotation, cells=(400, 120)):
 def test_shadow_of_the_horizontal_tail_moves_forward_by_height_over_tangent(elevation_deg):
     front = AFT - HEIGHT / np.tan(np.radians(elevation_deg))
     length = max(0.0, min(front + CHORD, REAR) - max(front, 0.0))
-    found = shaded_area(level_wing(), t_tail(), sun_from(elevation_deg))
-    assert found == pytest.approx([SPAN * length], abs=ROUNDING)
+    result = shaded_area(level_wing(), t_tail(), sun_from(elevation_deg))
+    assert result == pytest.approx([SPAN * length], abs=ROUNDING)
 
 
 def test_shadow_of_the_vertical_tail_under_a_slanting_sun():
@@ -131,8 +131,8 @@ def test_shadow_of_the_vertical_tail_under_a_slanting_sun():
         vertical_aft_m=0.35,
         horizontal_height_m=50.0,
     )
-    found = shaded_area(level_wing(), fin, sun_from(45.0, 180.0 + 30.0))
-    assert found == pytest.approx([REAR * 0.1 * np.tan(np.radians(30.0))], abs=ROUNDING)
+    result = shaded_area(level_wing(), fin, sun_from(45.0, 180.0 + 30.0))
+    assert result == pytest.approx([REAR * 0.1 * np.tan(np.radians(30.0))], abs=ROUNDING)
 
 
 def test_module_under_the_tail_is_shaded_by_the_sun_overhead():
@@ -173,11 +173,11 @@ REAL_SUNS = [(6.0, 184.0), (10.0, 200.0), (14.0, 178.5), (14.1, 211.0), (9.0, 15
 def test_agrees_with_ray_casting_in_any_frame(elevation_deg, azimuth_deg, angles):
     sun = sun_from(elevation_deg, azimuth_deg)
     rotation = Rotation.from_euler("xyz", angles).as_matrix()
-    found = shaded_fraction(ATLANTIKSOLAR, TAIL, sun)
-    assert found.any()
+    result = shaded_fraction(ATLANTIKSOLAR, TAIL, sun)
+    assert result.any()
     expected = cast_rays(ATLANTIKSOLAR, TAIL, rotation @ sun, rotation)
     # The one per cent is asked for; a row of the 400 by 120 points is below it.
-    assert found == pytest.approx(expected, abs=0.01)
+    assert result == pytest.approx(expected, abs=0.01)
 
 
 @pytest.mark.long
@@ -195,18 +195,18 @@ def test_agrees_with_ray_casting_for_odd_tails(seed):
         boom_height_m=rng.uniform(-0.4, 0.2),
     )
     suns = sun_from(rng.uniform(5.0, 85.0, 6), rng.uniform(0.0, 360.0, 6))
-    found = shaded_fraction(ATLANTIKSOLAR, tail, suns)
+    result = shaded_fraction(ATLANTIKSOLAR, tail, suns)
     expected = [cast_rays(ATLANTIKSOLAR, tail, sun, np.eye(3)) for sun in suns]
-    assert found.any()
+    assert result.any()
     # 400 x 120 rays sample a module: 1 % is a few of the short rows.
-    assert found == pytest.approx(np.array(expected), abs=0.01)
+    assert result == pytest.approx(np.array(expected), abs=0.01)
 
 
 def test_left_and_right_are_mirror_images():
     suns = sun_from(*np.meshgrid(np.linspace(2.0, 25.0, 12), np.linspace(90.0, 270.0, 91)))
-    found = shaded_fraction(ATLANTIKSOLAR, TAIL, suns)
+    result = shaded_fraction(ATLANTIKSOLAR, TAIL, suns)
     mirrored = shaded_fraction(ATLANTIKSOLAR, TAIL, suns * (1.0, -1.0, 1.0))
-    assert found[..., [4, 5, 2, 3, 0, 1]] == pytest.approx(mirrored, abs=ROUNDING)
+    assert result[..., [4, 5, 2, 3, 0, 1]] == pytest.approx(mirrored, abs=ROUNDING)
 
 
 components = hnp.arrays(float, (5, 3), elements=st.floats(-1.0, 1.0))
@@ -224,10 +224,10 @@ def test_area_lies_between_nothing_and_the_module(vectors):
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (4, 5)])
 def test_shape_of_the_result(shape):
     suns = np.broadcast_to(sun_from(10.0), (*shape, 3))
-    found = shaded_area(ATLANTIKSOLAR, TAIL, suns)
-    assert found.shape == (*shape, 6)
+    result = shaded_area(ATLANTIKSOLAR, TAIL, suns)
+    assert result.shape == (*shape, 6)
     one = shaded_area(ATLANTIKSOLAR, TAIL, sun_from(10.0))
-    assert np.array_equal(found, np.broadcast_to(one, found.shape))
+    assert np.array_equal(result, np.broadcast_to(one, result.shape))
 
 
 def test_no_tail_shades_nothing_and_needs_no_outlines():
@@ -243,8 +243,8 @@ def test_no_tail_shades_nothing_and_needs_no_outlines():
 
 def test_free_elevation_of_the_level_wing_by_hand():
     expected = np.degrees(np.arctan(HEIGHT / (AFT - REAR)))
-    found = elevation_free_of_shading_deg(level_wing(), t_tail())
-    assert found == pytest.approx(expected, rel=1e-9)  # accuracy of the least squares
+    result = elevation_free_of_shading_deg(level_wing(), t_tail())
+    assert result == pytest.approx(expected, rel=1e-9)  # accuracy of the least squares
 
 
 @pytest.mark.parametrize(
@@ -263,8 +263,8 @@ def test_free_elevation_separates_shade_from_light(roll_deg, pitch_deg):
 
 def test_free_elevation_of_atlantiksolar_is_the_reported_one():
     # "Above 19 degrees": two digits. The height of the assumed T-tail was chosen for it.
-    found = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL)
-    assert found == pytest.approx(19.0, abs=0.5)
+    result = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL)
+    assert result == pytest.approx(19.0, abs=0.5)
 
 
 def test_worst_loss_of_light_in_the_early_morning_is_below_the_reported_tenth():

@@ -74,13 +74,13 @@ def test_dataflash_agrees_with_pymavlink(tmp_path):
     log = read_flight_log(file, layout())
     other = reader.DFReader_binary(str(file))
     volts, yaws, times = [], [], []
-    while (found := other.recv_match(type=["BAT", "ATT", "GPS"])) is not None:
-        if found.get_type() == "BAT" and found.Inst == 1:
-            volts.append(found.Volt * found.Curr)
-        elif found.get_type() == "ATT":
-            yaws.append(found.Yaw)
-        elif found.get_type() == "GPS":
-            times.append(found._timestamp)
+    while (message := other.recv_match(type=["BAT", "ATT", "GPS"])) is not None:
+        if message.get_type() == "BAT" and message.Inst == 1:
+            volts.append(message.Volt * message.Curr)
+        elif message.get_type() == "ATT":
+            yaws.append(message.Yaw)
+        elif message.get_type() == "GPS":
+            times.append(message._timestamp)
     assert log.solar_power_w == pytest.approx(volts)
     assert np.degrees(log.attitude.yaw_rad) == pytest.approx(yaws)
     assert log.time_s == pytest.approx(
@@ -169,9 +169,9 @@ def test_a_quaternion_a_little_off_the_unit_is_the_same_attitude(tmp_path):
         file = tmp_path / f"{length}.ulg"
         file.write_bytes(ulog_bytes(content))
         logs.append(read_flight_log(file))
-    for one, other in zip(logs[0].attitude, logs[1].attitude, strict=True):
+    for angle, other in zip(logs[0].attitude, logs[1].attitude, strict=True):
         # A log holds single precision.
-        assert other == pytest.approx(one, abs=1e-5)
+        assert other == pytest.approx(angle, abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -195,6 +195,8 @@ def test_time_of_gps_is_ahead_by_the_leap_seconds(tmp_path, instant, leap_s):
 
 def test_an_empty_battery_is_known_and_a_charge_that_cannot_be_is_not():
     shares = np.array([-1.0, 0.0, 55.0, 100.0, 101.0])
-    found = _first_battery({"BAT": Stream("BAT", np.arange(5.0), {"RemPct": shares})})
+    battery = _first_battery({"BAT": Stream("BAT", np.arange(5.0), {"RemPct": shares})})
     nan = np.nan
-    assert found["state_of_charge"].values == pytest.approx([nan, 0.0, 0.55, 1.0, nan], nan_ok=True)
+    assert battery["state_of_charge"].values == pytest.approx(
+        [nan, 0.0, 0.55, 1.0, nan], nan_ok=True
+    )

@@ -105,8 +105,8 @@ def test_wrong_values_are_left_out_and_named_where_they_are_most(tmp_path, chang
     assert (len(log), log.rows_dropped) == (9, 1)
     assert any(n.startswith(f"{column}: 1 value left out") and "line 6" in n for n in log.notes)
     wrong = [row(0.5 * i, **changes) for i in range(6)]
-    found = messages(tmp_path, [*rows(4), *wrong])
-    assert found[0].startswith(f"log.csv:6: {expected}")
+    problems = messages(tmp_path, [*rows(4), *wrong])
+    assert problems[0].startswith(f"log.csv:6: {expected}")
 
 
 def test_an_optional_column_that_is_mostly_wrong_is_not_used_at_all(tmp_path):
@@ -118,15 +118,15 @@ def test_an_optional_column_that_is_mostly_wrong_is_not_used_at_all(tmp_path):
 
 
 def test_many_wrong_rows_are_counted_not_listed(tmp_path):
-    found = messages(tmp_path, [row(i, roll_deg="x") for i in range(10)])
-    assert len(found) == 3
-    assert found[-1].endswith("(and 7 more rows)")
+    problems = messages(tmp_path, [row(i, roll_deg="x") for i in range(10)])
+    assert len(problems) == 3
+    assert problems[-1].endswith("(and 7 more rows)")
 
 
 def test_every_problem_is_reported_at_once(tmp_path):
     lines = [row(i, pitch_deg="100", longitude_deg="east") for i in range(3)]
-    found = [m.split(": ")[1] for m in messages(tmp_path, lines)]
-    assert set(found) == {"longitude_deg", "pitch_deg"}
+    problems = [m.split(": ")[1] for m in messages(tmp_path, lines)]
+    assert set(problems) == {"longitude_deg", "pitch_deg"}
 
 
 @pytest.mark.parametrize(
@@ -178,8 +178,10 @@ def test_optional_value_may_be_missing(tmp_path):
 
 def test_more_than_half_missing_is_an_error(tmp_path):
     lines = rows(4) + [row(2 + 0.5 * i, solar_power_w="") for i in range(5)]
-    (found,) = messages(tmp_path, lines)
-    assert "5 of 9 rows lack a required value (solar_power_w in 5); allowed: at most 50%" in found
+    (problems,) = messages(tmp_path, lines)
+    assert (
+        "5 of 9 rows lack a required value (solar_power_w in 5); allowed: at most 50%" in problems
+    )
 
 
 @pytest.mark.parametrize("absent", ["column", "values"])
@@ -218,8 +220,8 @@ def test_row_of_another_length(tmp_path):
     lines = rows()
     lines[1] += ",1"
     assert "1 line is left out: line 3 has 10 fields, the header 9" in read(tmp_path, lines).notes
-    found = messages(tmp_path, [f"{line},1" for line in lines])
-    assert found[0] == "log.csv:2: has 10 fields, the header 9"
+    problems = messages(tmp_path, [f"{line},1" for line in lines])
+    assert problems[0] == "log.csv:2: has 10 fields, the header 9"
 
 
 @pytest.mark.parametrize(

@@ -253,11 +253,11 @@ def test_a_course_alone_is_no_attitude(tmp_path):
 )
 def test_values_end_where_their_quantities_do(name, inside, outside):
     flight = table().assign(load_w=20.0, battery_power_w=50.0)
-    some = flight.assign(**{name: inside})
-    assert log_from_table(some, "x").left_out == ()
-    some.loc[7:8, name] = outside
-    (one,) = log_from_table(some, "x").left_out
-    assert (one.column, one.kind, one.values) == (name, "outside", 2)
+    rows = flight.assign(**{name: inside})
+    assert log_from_table(rows, "x").left_out == ()
+    rows.loc[7:8, name] = outside
+    (omission,) = log_from_table(rows, "x").left_out
+    assert (omission.column, omission.kind, omission.values) == (name, "outside", 2)
 
 
 # What one of each unit is, from the definitions of its name.

@@ -33,7 +33,7 @@ def flown():
 
 def found(table):
     left = log_from_table(table, "x").left_out
-    return [(one.column, one.kind, one.values) for one in left]
+    return [(omission.column, omission.kind, omission.values) for omission in left]
 
 
 def with_values(column, rows, value):
@@ -67,9 +67,9 @@ def test_values_that_cannot_be_are_left_out(column, rows, value, kind):
         table = table[table["solar_power_w"] > 150.0].reset_index(drop=True)
         table.loc[rows, column] = value
     assert found(table) == [(column, kind, len(rows))]
-    (one,) = log_from_table(table, "x").left_out
-    assert one.periods[0][0] == pytest.approx(table["time_utc_s"][rows[0]], abs=1e-3)
-    assert one.periods[-1][1] == pytest.approx(table["time_utc_s"][rows[-1]], abs=1e-3)
+    (omission,) = log_from_table(table, "x").left_out
+    assert omission.periods[0][0] == pytest.approx(table["time_utc_s"][rows[0]], abs=1e-3)
+    assert omission.periods[-1][1] == pytest.approx(table["time_utc_s"][rows[-1]], abs=1e-3)
 
 
 def test_a_code_among_other_values_is_a_value():
@@ -203,7 +203,10 @@ def test_times_and_columns_are_left_out_by_hand(tmp_path):
     start = pd.to_datetime(flown()["time_utc_s"][0], unit="s").ceil("h")
     span = f"{start:%H:%M}-{start + pd.Timedelta(minutes=30):%H:%M}"
     log = read(tmp_path, flown(), exclude=[span, "2001-01-01@10:00-11:00"])
-    assert [(one.kind, one.values) for one in log.left_out] == [("excluded", 450), ("excluded", 0)]
+    assert [(omission.kind, omission.values) for omission in log.left_out] == [
+        ("excluded", 450),
+        ("excluded", 0),
+    ]
     assert (len(log), log.rows_dropped) == (len(flown()) - 450, 0)
     log = read(tmp_path, flown().assign(x="?", load_w="?"), ignore=["x", "load_w", "yaw_deg"])
     assert (log.load_w, log.attitude, log.left_out) == (None, None, ())
@@ -243,7 +246,7 @@ def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path):
     assert list(log.mppt_power_w) == ["P_solar_left", "P_solar_right"]
     assert len(log) == 299
     assert sum(log.mppt_power_w.values()) == pytest.approx(log.solar_power_w)
-    assert [(one.column, one.kind, one.values) for one in log.left_out] == [
+    assert [(omission.column, omission.kind, omission.values) for omission in log.left_out] == [
         ("P_solar_right", "code", 1)
     ]
 

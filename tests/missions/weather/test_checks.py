@@ -48,34 +48,34 @@ def test_rows_that_cannot_be_are_refused(tmp_path, days, change, message):
 
 def test_short_gaps_follow_the_clear_sky(tmp_path):
     record = clear_record(3, share=0.6)
-    found = load(tmp_path, record, rows=lambda rows: [*rows[:34], *rows[36:]])
-    assert "2 of 72 rows are missing" in found.repairs
-    assert "2 rows filled between their neighbours" in found.repairs
+    weather = load(tmp_path, record, rows=lambda rows: [*rows[:34], *rows[36:]])
+    assert "2 of 72 rows are missing" in weather.repairs
+    assert "2 rows filled between their neighbours" in weather.repairs
     # A gap at noon under an evenly dimmed sky is filled exactly, but that the clear sky in the
     # middle of an hour is not its mean.
-    assert found.dni == pytest.approx(record.dni, rel=1e-3, abs=0.01)
-    assert found.dhi == pytest.approx(record.dhi, rel=1e-3, abs=0.01)
+    assert weather.dni == pytest.approx(record.dni, rel=1e-3, abs=0.01)
+    assert weather.dhi == pytest.approx(record.dhi, rel=1e-3, abs=0.01)
 
 
 def test_long_gaps_take_the_nearest_day(tmp_path):
     record = clear_record(70, share=0.6)
-    found = load(tmp_path, record, rows=lambda rows: [*rows[:100], *rows[116:]])
+    weather = load(tmp_path, record, rows=lambda rows: [*rows[:100], *rows[116:]])
     # No light is missing at night.
-    lit = np.count_nonzero(record.ghi[100:116])
-    assert f"{lit} rows of long gaps filled from the nearest days" in found.repairs
-    assert not any("between their neighbours" in text for text in found.repairs)
-    assert found.ghi.sum() == pytest.approx(record.ghi.sum(), rel=0.01)  # the days are alike
+    daylight_rows = np.count_nonzero(record.ghi[100:116])
+    assert f"{daylight_rows} rows of long gaps filled from the nearest days" in weather.repairs
+    assert not any("between their neighbours" in text for text in weather.repairs)
+    assert weather.ghi.sum() == pytest.approx(record.ghi.sum(), rel=0.01)  # the days are alike
 
 
 def test_nights_without_rows_are_no_gaps(tmp_path):
     record = clear_record(5)
 
-    def lit(rows):
+    def daylight_rows(rows):
         return [row for row, light in zip(rows, record.ghi, strict=True) if light > 0.0]
 
-    found = load(tmp_path, record, rows=lit)
-    assert found.ghi.sum() == pytest.approx(record.ghi.sum(), rel=1e-4)
-    assert not any("filled" in text for text in found.repairs)
+    weather = load(tmp_path, record, rows=daylight_rows)
+    assert weather.ghi.sum() == pytest.approx(record.ghi.sum(), rel=1e-4)
+    assert not any("filled" in text for text in weather.repairs)
 
 
 def test_noise_of_the_night_is_taken_out_and_counted(tmp_path):
@@ -87,18 +87,18 @@ def test_noise_of_the_night_is_taken_out_and_counted(tmp_path):
             for row, light in zip(rows, record.ghi, strict=True)
         ]
 
-    found = load(tmp_path, record, rows=noisy)
+    weather = load(tmp_path, record, rows=noisy)
     dark = int(np.count_nonzero(record.ghi == 0.0))
-    assert f"noise at night or below zero in {dark} rows set to zero" in found.repairs
-    assert found.ghi.min() == 0.0
+    assert f"noise at night or below zero in {dark} rows set to zero" in weather.repairs
+    assert weather.ghi.min() == 0.0
 
 
 def test_few_impossible_values_are_replaced(tmp_path):
     record = clear_record(10)
-    found = load(tmp_path, record, rows=replaced(35, dni=1e6))
-    assert "1 rows with impossible light taken out" in found.repairs
+    weather = load(tmp_path, record, rows=replaced(35, dni=1e6))
+    assert "1 rows with impossible light taken out" in weather.repairs
     # Closure: the beam is what global and diffuse light leave, at the sun's height of half past.
-    assert found.dni == pytest.approx(record.dni, rel=0.01, abs=1.0)
+    assert weather.dni == pytest.approx(record.dni, rel=0.01, abs=1.0)
 
 
 def test_a_wrong_zone_and_a_record_without_sun_do_not_pass_in_silence(tmp_path):
@@ -113,13 +113,13 @@ def test_a_wrong_zone_and_a_record_without_sun_do_not_pass_in_silence(tmp_path):
 def test_any_two_kinds_of_light_give_the_third(tmp_path):
     record = clear_record(3, interval_s=300.0)
     for lacking in ("ghi", "dni", "dhi"):
-        found = load(
+        weather = load(
             tmp_path,
             record,
             rows=lambda rows, out=lacking: [with_fields(row, **{out: ""}) for row in rows],
         )
         # Of intervals of five minutes the sun's height in the middle is good to this.
-        assert getattr(found, lacking).sum() == pytest.approx(
+        assert getattr(weather, lacking).sum() == pytest.approx(
             getattr(record, lacking).sum(), rel=0.01
         )
 
@@ -127,12 +127,12 @@ def test_any_two_kinds_of_light_give_the_third(tmp_path):
 def test_global_light_alone_is_parted_after_erbs(tmp_path):
     pvlib = pytest.importorskip("pvlib")
     record = clear_record(3, share=0.7)
-    found = load(
+    weather = load(
         tmp_path,
         record,
         rows=lambda rows: [with_fields(row, dni="", dhi="") for row in rows],
     )
-    assert any("Erbs" in text for text in found.repairs)
+    assert any("Erbs" in text for text in weather.repairs)
     middle = record.start_s + record.interval_s / 2.0
     import pandas as pd
 
@@ -140,7 +140,7 @@ def test_global_light_alone_is_parted_after_erbs(tmp_path):
     sun = pvlib.solarposition.get_solarposition(times, 46.8, 6.9, 491.0)
     parts = pvlib.irradiance.erbs(record.ghi, sun["zenith"].to_numpy(), times)
     # Our sun and solar constant differ from pvlib's by per mille; kt enters with its fourth power.
-    assert found.dhi.sum() == pytest.approx(float(np.sum(parts["dhi"])), rel=0.02)
+    assert weather.dhi.sum() == pytest.approx(float(np.sum(parts["dhi"])), rel=0.02)
 
 
 def test_day_of_year_counts_dates_alike_in_leap_years():
@@ -184,18 +184,18 @@ def test_air_that_cannot_be_is_refused(tmp_path, temperature, wind, expected):
 
 def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("missions.weather.checks.MAXIMUM_IMPOSSIBLE", 0.02)
-    found = loaded_beside(tmp_path, [-9999, *([15.0] * 71)], [500.0, *([3.0] * 71)])
-    assert found.repairs == (
+    weather = loaded_beside(tmp_path, [-9999, *([15.0] * 71)], [500.0, *([3.0] * 71)])
+    assert weather.repairs == (
         "temperature missing in 1 of 72 rows: filled between their neighbours",
         "1 rows with a wind speed outside of 0 to 120 m/s taken out",
     )
-    assert (found.temperature_c.max(), found.wind_m_per_s.max()) == (15.0, 3.0)
-    found = loaded_beside(tmp_path, [99.9] * 72, [999] * 19 + [99.9] + [3.0] * 52)
-    assert found.repairs == (
+    assert (weather.temperature_c.max(), weather.wind_m_per_s.max()) == (15.0, 3.0)
+    weather = loaded_beside(tmp_path, [99.9] * 72, [999] * 19 + [99.9] + [3.0] * 52)
+    assert weather.repairs == (
         "temperature missing in 72 of 72 rows: that of the mission's air",
         "wind speed missing in 20 of 72 rows: not used",
     )
-    assert found.wind_m_per_s is found.temperature_c is None
+    assert weather.wind_m_per_s is weather.temperature_c is None
 
 
 def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_path):
@@ -204,10 +204,10 @@ def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_pa
     def february_of(year):
         return lambda rows: [row.replace("2001-02", f"{year}-02") for row in rows]
 
-    found = load(tmp_path, record, rows=february_of(1993))
-    assert found.typical
+    weather = load(tmp_path, record, rows=february_of(1993))
+    assert weather.typical
     # A year without 29 February: the rows follow each other as those of 2001 do.
-    assert np.diff(found.start_s) == pytest.approx(3600.0)
+    assert np.diff(weather.start_s) == pytest.approx(3600.0)
     with pytest.raises(InputError, match="goes back in time"):
         load(
             tmp_path,
@@ -218,8 +218,8 @@ def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_pa
 
 def test_a_beam_is_told_of_the_sun_from_one_degree_on(tmp_path):
     record = clear_record(2, interval_s=60.0)
-    found = load(tmp_path, record, rows=lambda rows: [with_fields(row, dni="") for row in rows])
-    day = day_of_year(found.start_s + 30.0)
+    weather = load(tmp_path, record, rows=lambda rows: [with_fields(row, dni="") for row in rows])
+    day = day_of_year(weather.start_s + 30.0)
     hour = solar_time_h((day % 1.0) * 24.0, day, SITE.longitude_deg)
     height = np.degrees(
         np.arcsin(cos_zenith(SITE.latitude_deg, declination(day), hour_angle(hour)))
@@ -227,9 +227,9 @@ def test_a_beam_is_told_of_the_sun_from_one_degree_on(tmp_path):
     low, higher = (height > 0.2) & (height < 0.95), (height > 1.1) & (height < 3.0)
     assert min(np.count_nonzero(low), np.count_nonzero(higher)) > 10
     # Below, what the light lacks of the diffuse is divided by next to nothing.
-    assert not found.dni[low].any()
+    assert not weather.dni[low].any()
     # Light is written to 0.001 W/m2, over a sine of 0.02.
-    assert found.dni[higher] == pytest.approx(record.dni[higher], rel=0.02, abs=0.1)
+    assert weather.dni[higher] == pytest.approx(record.dni[higher], rel=0.02, abs=0.1)
 
 
 @pytest.mark.parametrize(("years", "told"), [(59.9, "a gap of"), (60.2, "more than 60 years")])
@@ -242,8 +242,8 @@ def test_a_record_spans_no_more_than_sixty_years(tmp_path, years, told):
 
 def test_air_at_the_ends_of_what_can_be_is_kept():
     ends = np.array([-90.0, 70.0, 20.0])
-    found, repairs = checked_air(TEMPERATURE, {"temp_air": ends}, np.zeros(3, int), "a.csv")
-    assert found == pytest.approx(ends)
+    values, repairs = checked_air(TEMPERATURE, {"temp_air": ends}, np.zeros(3, int), "a.csv")
+    assert values == pytest.approx(ends)
     assert not repairs
 
 
@@ -256,5 +256,5 @@ def test_light_without_a_sun_is_diffuse():
     ("clearness", "share"), [(0.2, 0.982), (0.5, 0.65915), (0.79, 0.16463391), (0.9, 0.165)]
 )
 def test_share_of_diffuse_light(clearness, share):
-    found = _diffuse_fraction(np.array([1000.0 * clearness]), np.array([1000.0]))
-    assert found == pytest.approx([share], abs=1e-8)
+    fraction = _diffuse_fraction(np.array([1000.0 * clearness]), np.array([1000.0]))
+    assert fraction == pytest.approx([share], abs=1e-8)

@@ -181,8 +181,8 @@ def test_every_third_hour_of_era5_is_the_light_of_one_hour(tmp_path):
     era5(record).isel(valid_time=slice(2, None, 3)).to_netcdf(tmp_path / "a.nc")
     found = load_weather(tmp_path / "a.nc", HERE)
     assert found.interval_s == HOUR_S
-    told = "rows 3 h apart have the light of 1 h each: shares of the clear sky between"
-    assert told in found.repairs
+    note = "rows 3 h apart have the light of 1 h each: shares of the clear sky between"
+    assert note in found.repairs
     assert np.sum(found.ghi) == pytest.approx(np.sum(record.ghi[2:]), rel=0.01)  # a clear sky
     assert abs(minutes_behind_the_sun(found)) < 2.0  # hours of the low sun are filled
     assert found.temperature_c == pytest.approx(15.0)

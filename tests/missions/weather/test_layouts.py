@@ -111,7 +111,7 @@ def test_one_or_two_of_the_three_kinds_of_light_suffice(tmp_path):
     record = clear_record(3)
     whole = load_weather(write_epw(tmp_path / "a.epw", record))
     lines = (tmp_path / "a.epw").read_text("latin-1").splitlines()
-    for missing, told in (
+    for missing, note in (
         ([13], "ghi missing in 72 rows: from the other two"),
         ([14], "dni missing in 72 rows: from the other two"),
         ([15], "dhi missing in 72 rows: from the other two"),
@@ -123,7 +123,7 @@ def test_one_or_two_of_the_three_kinds_of_light_suffice(tmp_path):
         ]
         (tmp_path / "b.epw").write_text("\n".join([*lines[:8], *rows]), "latin-1")
         found = load_weather(tmp_path / "b.epw")
-        assert told in found.repairs
+        assert note in found.repairs
         # Through the sun's height in the middle of an hour, which at sunrise is not its mean.
         high = whole.ghi > 100.0
         assert found.ghi[high] == pytest.approx(whole.ghi[high], rel=0.02)
@@ -338,9 +338,9 @@ def test_names_and_reasons_are_printable(tmp_path):
     path = write_epw(tmp_path / "a.epw", clear_record(2), name="\x1b[31mRed")
     assert load_weather(path).site.name == "\\x1b[31Mred"
     path.write_bytes(path.read_bytes().replace(b"2001,6,20,3,", b"2001,6,\x1b,3,"))
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as refused:
         load_weather(path)
-    assert str(told.value).isprintable()
+    assert str(refused.value).isprintable()
 
 
 def test_a_file_of_the_largest_size_is_read_and_one_byte_more_is_not(tmp_path, monkeypatch):

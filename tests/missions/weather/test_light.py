@@ -23,13 +23,13 @@ def test_the_mean_of_every_interval_is_kept(shares, latitude, step_s):
     dimmed = clear_record(2, site=record.site, dni=record.dni * factor, dhi=record.dhi * factor)
     light = light_at_altitude(dimmed, 100.0, step_s=step_s)
     parts = len(light.time_s) // len(dimmed)
-    for found, mean in ((light.recorded.dni, dimmed.dni), (light.recorded.dhi, dimmed.dhi)):
-        means = found.reshape(-1, parts).mean(axis=1)
-        lit = (light.cos_zenith.reshape(-1, parts) > 0.0).any(axis=1)
+    for values, mean in ((light.recorded.dni, dimmed.dni), (light.recorded.dhi, dimmed.dhi)):
+        means = values.reshape(-1, parts).mean(axis=1)
+        daylight = (light.cos_zenith.reshape(-1, parts) > 0.0).any(axis=1)
         # Less only where it would exceed the light outside the atmosphere, next to the horizon.
         low = light.cos_zenith.reshape(-1, parts).max(axis=1) < 0.1
-        assert means[lit & ~low] == pytest.approx(mean[lit & ~low], rel=1e-9, abs=1e-9)
-        assert np.all(means[lit] <= mean[lit] * (1 + 1e-9) + 1e-9)
+        assert means[daylight & ~low] == pytest.approx(mean[daylight & ~low], rel=1e-9, abs=1e-9)
+        assert np.all(means[daylight] <= mean[daylight] * (1 + 1e-9) + 1e-9)
 
 
 def test_a_clear_record_is_the_clear_sky_at_any_altitude():

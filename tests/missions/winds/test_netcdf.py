@@ -77,7 +77,7 @@ def test_the_nearest_longitude_is_taken_and_told(tmp_path, longitude):
 
 def test_order_and_names_of_axes_play_no_part(tmp_path):
     data = era5()
-    one = wind_table_from_netcdf(written(data, tmp_path), 5.0)
+    single = wind_table_from_netcdf(written(data, tmp_path), 5.0)
     other = (
         data.rename(valid_time="time", pressure_level="level", latitude="lat", longitude="lon")
         .transpose("lon", "lat", "level", "time")
@@ -90,8 +90,8 @@ def test_order_and_names_of_axes_play_no_part(tmp_path):
     other["northward"].attrs["standard_name"] = "northward_wind"
     other["level"] = ("level", other["level"].to_numpy() * 100.0, {"units": "Pa"})
     two = wind_table_from_netcdf(written(other, tmp_path, "other.nc"), 5.0)
-    assert np.allclose(one.wind_m_per_s, two.wind_m_per_s, rtol=1e-12)
-    assert np.allclose(one.altitude_m, two.altitude_m)
+    assert np.allclose(single.wind_m_per_s, two.wind_m_per_s, rtol=1e-12)
+    assert np.allclose(single.altitude_m, two.altitude_m)
 
 
 def test_heights_are_heights(tmp_path):

@@ -1,4 +1,4 @@
-"""Missions with a percentile of the wind: what is accepted, and the wind of each scenario."""
+"""Missions with a percentile of the wind: what is accepted, and the wind of each before_change."""
 
 import gzip
 from importlib import resources
@@ -97,10 +97,10 @@ def table(folder, wind=12.0):
 
 
 def test_a_table_of_ones_own(tmp_path):
-    own = {"percentile": 65.0, "file": table(tmp_path)}
-    assert mission(altitude_m=100.0, wind=own).strongest_wind_m_per_s == pytest.approx(15.6)
+    user_table = {"percentile": 65.0, "file": table(tmp_path)}
+    assert mission(altitude_m=100.0, wind=user_table).strongest_wind_m_per_s == pytest.approx(15.6)
     with pytest.raises(ValidationError, match="lacks the month Jan"):
-        mission(wind=own, dates={"on": "01-01"})
+        mission(wind=user_table, dates={"on": "01-01"})
 
 
 def test_a_mistake_in_a_table_is_told_with_its_line(tmp_path):
@@ -111,17 +111,17 @@ def test_a_mistake_in_a_table_is_told_with_its_line(tmp_path):
     )
     with pytest.raises(InputError) as refused:
         validate(parse_yaml(text, "mine.yaml"), Mission)
-    places = [(one.source, one.line) for one in refused.value.problems]
+    places = [(problem.source, problem.line) for problem in refused.value.problems]
     assert places == [("mine.yaml", 4), (str(path), 7)]
 
 
 def test_a_changed_table_makes_another_mission(tmp_path):
-    one = mission(wind={"percentile": 65.0, "file": table(tmp_path)})
-    before = one.strongest_wind_m_per_s
+    before_change = mission(wind={"percentile": 65.0, "file": table(tmp_path)})
+    before = before_change.strongest_wind_m_per_s
     context = {"contents": True}
-    written = one.model_dump_json(context=context)
+    written = before_change.model_dump_json(context=context)
     table(tmp_path, wind=24.0)
-    again = mission(wind={"percentile": 65.0, "file": one.wind_statistics.file})
+    again = mission(wind={"percentile": 65.0, "file": before_change.wind_statistics.file})
     assert again.strongest_wind_m_per_s == pytest.approx(2.0 * before)
     assert again.model_dump_json(context=context) != written
 

@@ -57,10 +57,10 @@ def test_airplane_has_the_dimensions_of_the_aircraft(craft):
 @CASES
 def test_avl_lifts_the_exported_wing_as_the_models_do(craft, tmp_path):
     solver = avl(craft, tmp_path)
-    given = solver.get_reference_data()
+    reference = solver.get_reference_data()
     span, ratio = craft.airframe.wingspan_m, craft.airframe.aspect_ratio
-    assert given["Bref"] == pytest.approx(span)
-    assert given["Sref"] == pytest.approx(span**2 / ratio)
+    assert reference["Bref"] == pytest.approx(span)
+    assert reference["Sref"] == pytest.approx(span**2 / ratio)
     slope = (lift_of_wing(solver, 2.0) - lift_of_wing(solver, -2.0)) / math.radians(4.0)
     # The models take the lifting line of an elliptic wing. A rectangle with a real chord lifts
     # less: lifting surfaces of aspect ratio 13 to 19 by 4 to 7 %.
@@ -99,9 +99,9 @@ def test_the_script_makes_the_same_airplane():
             pytest.approx(direct.c_ref, rel=1e-5),
             pytest.approx(direct.b_ref, rel=1e-5),
         )
-        for one, two in zip(made.wings, direct.wings, strict=True):
-            assert (one.name, one.symmetric) == (two.name, two.symmetric)
-            for a, b in zip(one.xsecs, two.xsecs, strict=True):
+        for wing, expected in zip(made.wings, direct.wings, strict=True):
+            assert (wing.name, wing.symmetric) == (expected.name, expected.symmetric)
+            for a, b in zip(wing.xsecs, expected.xsecs, strict=True):
                 assert list(a.xyz_le) == pytest.approx(list(b.xyz_le), abs=1e-5)
                 assert (a.chord, a.twist) == pytest.approx((b.chord, b.twist), rel=1e-5)
                 assert a.airfoil.max_thickness() == pytest.approx(b.airfoil.max_thickness())
@@ -116,10 +116,10 @@ def test_names_mean_nothing_in_scripts():
 
 
 def test_surfaces_say_where_their_numbers_come_from():
-    found = lifting_surfaces(AS2)
-    assert any("no drag polar" in note for note in found.notes)
-    assert any("symmetric" in note for note in found.notes)
-    assert (found.surfaces[0].drag, found.other_drag_coefficient) == (None, 0.0)
+    surfaces = lifting_surfaces(AS2)
+    assert any("no drag polar" in note for note in surfaces.notes)
+    assert any("symmetric" in note for note in surfaces.notes)
+    assert (surfaces.surfaces[0].drag, surfaces.other_drag_coefficient) == (None, 0.0)
     assert any("Section: mh114" in note for note in lifting_surfaces(AIRFOIL).notes)
     drag = lifting_surfaces(AIRFOIL).surfaces[0].drag
     assert list(drag.lift_coefficients) == sorted(drag.lift_coefficients)

@@ -18,14 +18,14 @@ ANALYSIS = sizing.analyse(TWIN, missions.load_mission("rafz-july"), replay=False
 
 
 def test_surfaces_have_the_areas_and_places_of_the_file():
-    found, planes = lifting_surfaces(TWIN, 0.13), ANALYSIS.balance.planes
-    wing, horizontal, vertical = found.surfaces
+    surfaces, planes = lifting_surfaces(TWIN, 0.13), ANALYSIS.balance.planes
+    wing, horizontal, vertical = surfaces.surfaces
     halves = (
         (out.y_m - into.y_m) * (into.chord_m + out.chord_m) / 2.0
         for into, out in pairwise(wing.sections)
     )
     assert 2.0 * sum(halves) == pytest.approx(25.0 / 15.0)
-    quarters = [one.x_m + 0.25 * one.chord_m for one in wing.sections]
+    quarters = [section.x_m + 0.25 * section.chord_m for section in wing.sections]
     assert quarters == pytest.approx([quarters[0]] * len(quarters))
     tip = horizontal.sections[-1]
     assert 2.0 * tip.y_m * tip.chord_m == pytest.approx(planes.horizontal_m2)
@@ -35,10 +35,10 @@ def test_surfaces_have_the_areas_and_places_of_the_file():
     assert vertical.symmetric
     assert root.y_m == end.y_m == pytest.approx(tip.y_m)
     assert 2.0 * (end.z_m - root.z_m) * root.chord_m == pytest.approx(planes.vertical_m2)
-    assert found.reference_x_m == 0.13
+    assert surfaces.reference_x_m == 0.13
     # At the polar's Reynolds number, not far from that of the flight.
     parasitic = ANALYSIS.drag_coefficients.parasitic
-    assert found.other_drag_coefficient == pytest.approx(parasitic, rel=0.02)
+    assert surfaces.other_drag_coefficient == pytest.approx(parasitic, rel=0.02)
 
 
 def test_files_carry_the_centre_of_gravity():

@@ -60,8 +60,8 @@ def test_shipped_files_are_valid(kind, name):
 def test_keys_have_labels_and_units(kind):
     schema = VALIDATORS[kind].schema
     if kind == "aircraft":
-        found = schema["$defs"]["Battery"]["properties"]["specific_energy_wh_per_kg"]
-        assert found["description"] == "Specific energy of the battery [Wh/kg]"
+        field = schema["$defs"]["Battery"]["properties"]["specific_energy_wh_per_kg"]
+        assert field["description"] == "Specific energy of the battery [Wh/kg]"
     else:
         assert schema["properties"]["clearness"]["description"]
 

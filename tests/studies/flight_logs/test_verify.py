@@ -136,11 +136,11 @@ def test_models_order_as_in_the_report():
 
 def test_windows_of_every_day_and_of_one():
     log = made()
-    every, one = verified(log, windows=[Window(10, 12), parse_window("2015-07-01@10:12")]).windows
+    every, item = verified(log, windows=[Window(10, 12), parse_window("2015-07-01@10:12")]).windows
     # On the first day the aircraft starts at 9.7 h solar time.
-    assert every.samples == pytest.approx(2 * one.samples, rel=0.02)
-    assert one.label == "2015-07-01, 10 to 12 h"
-    assert one.filter_s == 1.0
+    assert every.samples == pytest.approx(2 * item.samples, rel=0.02)
+    assert item.label == "2015-07-01, 10 to 12 h"
+    assert item.filter_s == 1.0
 
 
 def test_gap_is_not_filtered_over():
@@ -173,7 +173,7 @@ def test_ambient_temperature_of_log_then_mission_then_standard_air():
 
 
 def reasons(result):
-    return [one.reason for one in result.left_out]
+    return [item.reason for item in result.left_out]
 
 
 @pytest.mark.parametrize("missing", [[], ["state_of_charge"], ["mppt_voltage_v"], ATTITUDE])
@@ -248,12 +248,12 @@ def test_gaps_by_day_are_told_and_those_at_night_are_not():
 
 
 def estimate(result, name):
-    return next(one for one in result.estimates if one.name == name)
+    return next(item for item in result.estimates if item.name == name)
 
 
 def covers(result, name, truth):
-    one = estimate(result, name)
-    return one.low <= truth <= one.high
+    item = estimate(result, name)
+    return item.low <= truth <= item.high
 
 
 def altered(log, clock_min=0.0, heading_deg=0.0):
@@ -325,9 +325,9 @@ def test_what_is_known_to_nothing_is_not_determined():
 def test_units_and_signs_are_named(factor, words):
     log = made().log()
     wrong = replace(log, solar_power_w=factor * log.solar_power_w)
-    one = estimate(verify(aircraft(), wrong, mission()), "solar_factor")
-    assert words in one.why
-    assert one.apply == ()
+    item = estimate(verify(aircraft(), wrong, mission()), "solar_factor")
+    assert words in item.why
+    assert item.apply == ()
 
 
 def test_power_of_level_flight_is_the_load_without_avionics():
@@ -365,10 +365,10 @@ def test_intervals_hold_on_flights_of_another_simulation(number, truth):
     rows = made_elsewhere(aircraft(), truth, 5000 + number).rows
     result = verify(aircraft(), log_from_table(rows, "elsewhere.csv"), mission())
     for name in ("clock", "heading"):
-        one = estimate(result, f"{name}_offset")
+        item = estimate(result, f"{name}_offset")
         # Three standard errors: two, the interval, are passed by one in twenty.
-        error = one.value - (truth.size if truth.cause == name else 0.0)
-        assert abs(error) < 1.5 * (one.high - one.value), one
+        error = item.value - (truth.size if truth.cause == name else 0.0)
+        assert abs(error) < 1.5 * (item.high - item.value), item
 
 
 # ---- Residuals
@@ -376,19 +376,19 @@ def test_intervals_hold_on_flights_of_another_simulation(number, truth):
 
 def test_residuals_are_errors_of_bins():
     result = verified(made(start_utc_s=MORNING_S, duration_h=6.0, bias=-0.05))
-    samples, found = result.samples, result.residuals
+    samples, verification = result.samples, result.residuals
     inside = (samples.elevation_deg >= 30.0) & (samples.elevation_deg < 40.0)
-    row = next(one for one in found.morning if one.low == 30.0)
+    row = next(item for item in verification.morning if item.low == 30.0)
     assert row.samples == inside.sum()
     measured = samples.measured_w[inside].mean()
     assert row.as_logged == pytest.approx(samples.modelled_w["FM"][inside].mean() / measured - 1.0)
-    assert found.afternoon == ()
+    assert verification.afternoon == ()
     bright = (samples.measured_w > 0.02 * samples.measured_w.max()).sum()
-    for rows in (found.time, found.morning, found.bearing):
-        assert bright <= sum(one.samples for one in rows) <= len(samples.time_s)
-        for one in rows[1:]:  # the first hour has hardly any light
-            assert one.as_logged == pytest.approx(-0.05, abs=0.02)
-            assert one.estimated == pytest.approx(0.0, abs=0.02)
+    for rows in (verification.time, verification.morning, verification.bearing):
+        assert bright <= sum(item.samples for item in rows) <= len(samples.time_s)
+        for item in rows[1:]:  # the first hour has hardly any light
+            assert item.as_logged == pytest.approx(-0.05, abs=0.02)
+            assert item.estimated == pytest.approx(0.0, abs=0.02)
 
 
 def test_dead_modules_are_seen_beside_the_other_mppts():
@@ -402,8 +402,8 @@ def test_dead_modules_are_seen_beside_the_other_mppts():
     log = replace(log, mppt_power_w=power, solar_power_w=np.sum(list(power.values()), axis=0))
     result = verify(aircraft(), log, mission())
     each = result.mppts.each
-    assert [one.modules[0] for one in each] == ["left front", "centre front", "right front"]
-    assert [one.ratio for one in each] == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
+    assert [item.modules[0] for item in each] == ["left front", "centre front", "right front"]
+    assert [item.ratio for item in each] == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
     assert "power of the MPPTs; their modules by name" in str(result.at_level(2))
     assert len(plots.residual_figure(result).axes) == 5
 
@@ -413,8 +413,8 @@ def test_mppts_are_matched_by_name_by_number_or_in_order():
 
     def matched(names, where):
         power = dict.fromkeys(names, log.solar_power_w)
-        own, how = surfaces_of(replace(log, mppt_power_w=power), where)
-        return None if own is None else own.astype(int).tolist(), how
+        wiring, how = surfaces_of(replace(log, mppt_power_w=power), where)
+        return None if wiring is None else wiring.astype(int).tolist(), how
 
     six = matched([f"mppt {i}" for i in range(6)], surfaces)
     assert six == (np.eye(6).tolist(), "in the order of the surfaces")
@@ -502,7 +502,7 @@ def test_command_prints_json(log_file):
     record = json.loads(result.output)
     assert [s["filter_s"] for s in (*record["windows"], *record["days"])] == [7, 7]
     assert record["models"] == ["CDM", "CAM", "VM", "FM"]
-    assert [one["reason"] for one in record["left_out"]] == ["battery_full"]
+    assert [item["reason"] for item in record["left_out"]] == ["battery_full"]
     assert set(record["estimates"]) == {
         "clock_offset", "heading_offset", "solar_factor", "level_power",
     }  # fmt: skip
@@ -614,9 +614,9 @@ def test_text_fits_80_columns_for_large_and_small_aircraft():
             for model, errors in result.windows[0].errors.items()
         },
     )
-    for one in (result, replace(result, windows=(large,))):
+    for item in (result, replace(result, windows=(large,))):
         for level in (1, 2):
-            assert max(map(len, one.at_level(level).to_text().splitlines())) <= 80
+            assert max(map(len, item.at_level(level).to_text().splitlines())) <= 80
 
 
 def test_a_log_in_the_folder_of_results_is_not_overwritten(tmp_path):

@@ -78,25 +78,25 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.Monke
 def test_cells_are_those_of_single_analyses(plane: str, thermal: float, model: Any) -> None:
     aircraft, solar = load_aircraft(plane), SolarModel(model)
     rough = with_values(JULY, {"turbulence.thermal": thermal})
-    found = map_block(aircraft, rough, LATITUDES, DAYS, solar)
+    result = map_block(aircraft, rough, LATITUDES, DAYS, solar)
     for (i, latitude), (j, day) in product(enumerate(LATITUDES), enumerate(DAYS)):
         scenario = Scenarios(np.array([latitude]), np.array([day]))
-        lit = solar_day(aircraft, rough, solar, scenarios=scenario)
-        cycle = performance(aircraft, rough, solar, day=lit).cycle
-        assert int(found["status"][i, j]) == int(cycle.status[0])
+        sun = solar_day(aircraft, rough, solar, scenarios=scenario)
+        cycle = performance(aircraft, rough, solar, day=sun).cycle
+        assert int(result["status"][i, j]) == int(cycle.status[0])
         # Rounding of the flow's factor, which a map leaves out.
-        assert found["excess_time"][i, j] == pytest.approx(cycle.excess_time_h[0], rel=1e-12)
-        assert found["charge_margin"][i, j] == cycle.charge_margin_h[0]
+        assert result["excess_time"][i, j] == pytest.approx(cycle.excess_time_h[0], rel=1e-12)
+        assert result["charge_margin"][i, j] == cycle.charge_margin_h[0]
         lowest = cycle.minimum_state_of_charge[0]
-        assert found["minimum_state_of_charge"][i, j] == pytest.approx(lowest, rel=1e-7)
-        assert found["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
+        assert result["minimum_state_of_charge"][i, j] == pytest.approx(lowest, rel=1e-7)
+        assert result["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
 
 
 def test_models_with_attitude_are_mapped_too() -> None:
-    found = map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
-    lit = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
-    cycle = performance(AS2, JULY, SolarModel("FM"), day=lit).cycle
-    assert found["excess_time"][0, 1] == cycle.excess_time_h[0]
+    result = map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
+    day = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
+    cycle = performance(AS2, JULY, SolarModel("FM"), day=day).cycle
+    assert result["excess_time"][0, 1] == cycle.excess_time_h[0]
 
 
 def test_tropics_fly_all_year_and_polar_winter_never(data: xr.Dataset) -> None:
@@ -147,8 +147,8 @@ def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
 
 
 def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
-    lit = study.feasibility_map(AS2, JULY, latitudes=[89.0, 90.0], days=[170, 172, 174])
-    axes, bar = plot_map(lit).axes
+    polar_day = study.feasibility_map(AS2, JULY, latitudes=[89.0, 90.0], days=[170, 172, 174])
+    axes, bar = plot_map(polar_day).axes
     assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
     assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
     assert bar.get_yticks().tolist() == list(LEVELS_H)
@@ -239,15 +239,15 @@ def test_wrong_values_are_refused(run: Run, option: str, value: str, said: str) 
 
 
 def test_endurance_of_the_days_without_perpetual_flight_is_told() -> None:
-    found = study.feasibility_map(
+    result = study.feasibility_map(
         AS2, JULY, latitudes=[0.0, 47.6], days=[1, 100, 172], endurance=True
     )
-    record = MapResult(found).to_dict()
-    hours = found["endurance"].to_numpy()
+    record = MapResult(result).to_dict()
+    hours = result["endurance"].to_numpy()
     finite = hours[1][np.isfinite(hours[1])]
     assert record["least_endurance_h"][1] == pytest.approx(finite.min())
     assert record["largest_endurance_h"][1] == pytest.approx(finite.max())
     assert record["perpetual_days"][1] == 3 - len(finite)
-    assert "endurance" in str(MapResult(found))
+    assert "endurance" in str(MapResult(result))
     plain = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[1])
     assert "least_endurance_h" not in MapResult(plain).to_dict()

@@ -27,10 +27,10 @@ LOITER = load_mission("rafz-loiter")
 
 
 def flags(*spans: tuple[int, int]) -> np.ndarray:
-    found = np.zeros(365, bool)
+    result = np.zeros(365, bool)
     for first, last in spans:
-        found[first - 1 : last] = True
-    return found
+        result[first - 1 : last] = True
+    return result
 
 
 @pytest.mark.parametrize(
@@ -71,35 +71,35 @@ def test_two_windows_between_the_tropics_are_both_found(
 ) -> None:
     """At the equator the sun is highest at the equinoxes: the solstices are the dark seasons."""
     hungry = load_aircraft("atlantiksolar-as2", {"power.avionics_w": avionics_w})
-    found = perpetual_flags(hungry, LOITER, 0.0, [model])[model]
+    result = perpetual_flags(hungry, LOITER, 0.0, [model])[model]
     every = perpetual_days(hungry, LOITER, 0.0, model)
-    np.testing.assert_array_equal(np.flatnonzero(found) + 1, every)
-    assert np.count_nonzero(found != np.roll(found, 1)) == 4
+    np.testing.assert_array_equal(np.flatnonzero(result) + 1, every)
+    assert np.count_nonzero(result != np.roll(result, 1)) == 4
 
 
 def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[str, int]] = []
+    requests: list[tuple[str, int]] = []
 
     def counted(
         craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any, around: Any
     ) -> Any:
-        asked.extend((model, int(day)) for day in of.day_of_year)
+        requests.extend((model, int(day)) for day in of.day_of_year)
         return modelled_power(craft, there, model, of, at, around)
 
     monkeypatch.setattr("sizing.day.light.modelled_power", counted)
     perpetual_flags(AS2, LOITER, 47.6, combinations())
-    assert len(asked) == len(set(asked))
+    assert len(requests) == len(set(requests))
     # Every 32nd day and the solstices; both sides of each of two edges, three days between them,
     # and that again for models whose edges are some days apart.
-    assert 14 <= sum(model == "FM" for model, _ in asked) <= 14 + 2 * 2 * 5
+    assert 14 <= sum(model == "FM" for model, _ in requests) <= 14 + 2 * 2 * 5
 
 
 def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
     model = SolarModel("FM", "report")
     season = season_of(perpetual_flags(AS2, LOITER, 47.6, [model])[model], 47.6)
     around = [season.first - 1, season.first, season.last, season.last + 1]
-    found = perpetual_days(AS2, LOITER, 47.6, model, days=around)
-    assert found.tolist() == [season.first, season.last]
+    result = perpetual_days(AS2, LOITER, 47.6, model, days=around)
+    assert result.tolist() == [season.first, season.last]
     assert season.first < day_of_year("06-21") < season.last
 
 
@@ -108,10 +108,10 @@ def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis
         update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=2.0)}
     )
     model = SolarModel("CAM", "report")
-    found = perpetual_flags(AS2, wary, 47.6, [model])[model]
+    result = perpetual_flags(AS2, wary, 47.6, [model])[model]
     every = perpetual_days(AS2, wary, 47.6, model)
-    np.testing.assert_array_equal(np.flatnonzero(found) + 1, every)
-    assert found.sum() < perpetual_flags(AS2, LOITER, 47.6, [model])[model].sum()
+    np.testing.assert_array_equal(np.flatnonzero(result) + 1, every)
+    assert result.sum() < perpetual_flags(AS2, LOITER, 47.6, [model])[model].sum()
 
 
 def test_full_model_on_the_loiter_is_one_case_with_the_report() -> None:
@@ -170,12 +170,12 @@ def test_days_with_a_wind_aloft_too_strong_for_the_path_are_not_flown() -> None:
     windy = plain | {"climb": {"ceiling_m": 26000.0}, "flight_path": path}
     there = Mission.model_validate(windy)
     aircraft, models = load_aircraft("stratosphere-design"), [SolarModel("VM")]
-    flown = np.flatnonzero(perpetual_flags(aircraft, there, 40.0, models)[models[0]]) + 1
+    simulated = np.flatnonzero(perpetual_flags(aircraft, there, 40.0, models)[models[0]]) + 1
     days = Scenarios(np.full(365, 40.0), np.arange(1, 366))
 
     def kept(where: Mission) -> BoolArray:
         return np.array([trouble is None for trouble in path_troubles(aircraft, where, days)])
 
     able = np.arange(1, 366)[kept(there)]
-    assert set(flown) <= set(able)
+    assert set(simulated) <= set(able)
     assert kept(there.at_altitude(20000.0)).sum() > len(able) > 0

@@ -137,9 +137,9 @@ def test_rows_of_a_report_belong_to_the_scenario_they_name(designs: study.Compar
     worst, every = designs.scenario_tables()
     for case, row in zip(designs.cases, worst.rows, strict=True):
         model, correction, scenario, solar_wh, excess_h, *_ = row
-        found = analyse(designs.aircraft, designs.mission, model=model, correction=correction)
-        frame = found.to_frame().iloc[found.worst]
-        assert scenario == found.performance.day.scenarios.label(found.worst)
+        analysis = analyse(designs.aircraft, designs.mission, model=model, correction=correction)
+        frame = analysis.to_frame().iloc[analysis.worst]
+        assert scenario == analysis.performance.day.scenarios.label(analysis.worst)
         assert solar_wh == pytest.approx(frame["solar_energy_wh"])
         assert excess_h == pytest.approx(frame["excess_time_h"], abs=1e-6)
         assert case.prediction.scenario == scenario

@@ -26,10 +26,10 @@ AS2 = load_aircraft("atlantiksolar-as2")
 def test_module_power_is_that_of_every_other_study(margins: dict[str, Any]) -> None:
     """The same light is believed everywhere, uncertainty margins taken off."""
     mission = with_values(load_mission("rafz-loiter"), {"uncertainty_margins": margins})
-    found = component_efficiencies(AS2, mission)
+    data = component_efficiencies(AS2, mission)
     day = solar_day(AS2, mission, SolarModel("FM"))
-    lit = np.isin(day.time_h, found["time"].to_numpy())
+    daylight = np.isin(day.time_h, data["time"].to_numpy())
     # The same formulas; numpy may sum the blocks of one and the other in another order.
     np.testing.assert_allclose(
-        found["specific_power"].to_numpy(), day.specific_power_w_per_m2[0][lit], rtol=1e-12
+        data["specific_power"].to_numpy(), day.specific_power_w_per_m2[0][daylight], rtol=1e-12
     )

@@ -29,34 +29,34 @@ def data() -> xr.Dataset:
 
 
 def test_perpetual_flight_comes_first_then_the_largest_excess_time(data: xr.Dataset) -> None:
-    table, told = best_first(data)
-    assert told == "perpetual flight first, then the largest excess time"
+    table, order = best_first(data)
+    assert order == "perpetual flight first, then the largest excess time"
     status = table["status"].tolist()
     assert set(status) == {"limited", "perpetual"}
     assert status == sorted(status, reverse=True)
-    for _, some in table.groupby("status"):
-        assert (np.diff(some["excess_time"]) <= 0.0).all()
+    for _, rows in table.groupby("status"):
+        assert (np.diff(rows["excess_time"]) <= 0.0).all()
 
 
 def test_equal_points_remain_in_their_order(data: xr.Dataset) -> None:
     level = data.assign(excess_time=data["excess_time"] * 0.0)
     table, _ = best_first(level)
-    for _, some in table.groupby("status"):
-        assert some.index.is_monotonic_increasing
+    for _, rows in table.groupby("status"):
+        assert rows.index.is_monotonic_increasing
 
 
 def test_sized_points_are_ordered_by_their_objective() -> None:
     sized = sweep(DESIGN, MISSION, {"wingspan_m": [2.0, 5.0, 4.0, 6.0]}, resize="min_mass")
-    table, told = best_first(sized)
-    assert told == "points with a design first, then the least total mass"
+    table, order = best_first(sized)
+    assert order == "points with a design first, then the least total mass"
     assert table["status"].tolist() == ["optimal"] * 3 + ["infeasible"]
     assert table["total_mass"].head(3).is_monotonic_increasing
     assert "endurance" not in str(SweepResult(sized))
 
 
 def test_a_key_sorts_upwards_and_with_a_minus_downwards(data: xr.Dataset) -> None:
-    up, told = sorted_by(data, "total_mass")
-    assert (up["total_mass"].is_monotonic_increasing, told) == (True, "least total_mass")
+    up, order = sorted_by(data, "total_mass")
+    assert (up["total_mass"].is_monotonic_increasing, order) == (True, "least total_mass")
     assert sorted_by(data, "-total_mass")[0]["total_mass"].is_monotonic_decreasing
     with pytest.raises(ValueError, match="'mass' is not one of battery_mass_kg"):
         sorted_by(data, "mass")
@@ -81,8 +81,8 @@ def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data: xr.
             "modules": {"area_m2": row["module_area"]},
         }
         parts = {k: getattr(DESIGN, k).model_copy(update=v) for k, v in changed.items()}
-        found = performance(DESIGN.model_copy(update=parts), MISSION)
-        assert row["endurance"] == pytest.approx(found.endurance_h.min(), rel=1e-6)
+        result = performance(DESIGN.model_copy(update=parts), MISSION)
+        assert row["endurance"] == pytest.approx(result.endurance_h.min(), rel=1e-6)
     assert "endurance" in str(SweepResult(data))
 
 
@@ -94,7 +94,7 @@ def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.
     assert front["excess_time"].is_monotonic_increasing
     assert set(table["point"][~table["pareto_front"]]) <= {""}
     record = SweepResult(data, front=("wingspan_m", "excess_time")).to_dict()["pareto_front"]
-    assert [one["point"] for one in record["points"]] == list("ABC"[: len(record["points"])])
+    assert [point["point"] for point in record["points"]] == list("ABC"[: len(record["points"])])
     text = str(SweepResult(data, front=("total_mass", "excess_time")))
     assert "Pareto front of less total mass and more excess time" in text
     assert text.count("perpetual") == len(front) + 1  # and in the heading

@@ -182,8 +182,8 @@ def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
     windy = study(DESIGN, JULY, "mission.wind_m_per_s=0,15", "battery_mass_kg=3")
     assert "below the wind" in str(windy["message"].values[1, 0])
     told = [
-        str(one["violated_requirement"].values.ravel()[i])
-        for one, i in ((small, 0), (small, 1), (heavy, 1), (windy, 1))
+        str(data["violated_requirement"].values.ravel()[i])
+        for data, i in ((small, 0), (small, 1), (heavy, 1), (windy, 1))
     ]
     assert told == ["module_coverage", "", "mass_budget", "airspeed_above_wind"]
 
@@ -198,8 +198,8 @@ def test_figure_and_table_tell_the_reason_of_each_point() -> None:
     assert table.columns[-1].name == "why"
     assert {row[-1] for row in table.rows} == {"", *words}
     line = sweep_plots.plot_sweep(study(DESIGN, JULY, varied[1]))
-    (own,) = (axes.get_legend() for axes in line.axes[:1])
-    assert [text.get_text() for text in own.get_texts()] == ["modules: too large"]
+    (legend,) = (axes.get_legend() for axes in line.axes[:1])
+    assert [text.get_text() for text in legend.get_texts()] == ["modules: too large"]
     with pytest.raises(ValueError, match=r"nothing to draw .2 points: modules: too large"):
         sweep_plots.plot_sweep(study(DESIGN, JULY, "module_area_m2=1.9,2"))
 
@@ -207,7 +207,7 @@ def test_figure_and_table_tell_the_reason_of_each_point() -> None:
 def test_what_is_maximised_is_a_column_of_the_table() -> None:
     data = study(DESIGN, JULY, "wingspan_m=5,6", resize="max_payload_mass")
     table = next(block for block in SweepResult(data).summary().blocks if isinstance(block, Table))
-    column = [one.name for one in table.columns].index("payload_mass")
+    column = [column.name for column in table.columns].index("payload_mass")
     assert [row[column] for row in table.rows] == sorted(data["payload_mass"].values)[::-1]
 
 
@@ -479,10 +479,10 @@ def test_python_is_the_command(run: Run, tmp_path: Path) -> None:
     vary = ["--vary", "aircraft.battery.mass_kg=2:3:0.5", "--vary", "mission.clearness=0.8,1"]
     answer = run("sweep", "atlantiksolar-as2", *vary, "--model", "CDM", "--out", "s.nc")
     assert answer.code == 0
-    found = sweep(
+    result = sweep(
         AS2, JULY, {"battery_mass_kg": [2, 2.5, 3], "mission.clearness": (0.8, 1)}, model="CDM"
     )
-    xr.testing.assert_identical(found, xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf"))
+    xr.testing.assert_identical(result, xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf"))
 
 
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "atlantiksolar-design", "sky-sailor"])
