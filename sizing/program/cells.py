@@ -24,7 +24,7 @@ from sizing.design import DesignVariables, picked, variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
-from sizing.program.climbing import Profile, flight
+from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by, violations
@@ -36,7 +36,7 @@ from sizing.program.result import (
     merit_of,
     objective_value,
 )
-from sizing.program.size import Search
+from sizing.program.search import Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
 from sizing.program.variables import WIND
@@ -173,8 +173,7 @@ class _Cells:
         self._run(again)
         lit = {}
         for cell, task in enumerate(self.tasks):
-            lowest = task.day.specific_power_w_per_m2.min(axis=-1)
-            if lowest.min() > 0.0 and (task.required_h > 0.0 or task.maximises_excess):
+            if task.has_continuous_sun:
                 lit[cell] = Search(task.with_values(continuous=True))
         self._run(lit)
         return self._results(seed)
@@ -187,10 +186,10 @@ class _Cells:
         ends += [min(behind)] if behind else []
         known = [one for i in ends if (one := self.found[i].outcome) is not None]
         if not known:
-            return Search(self.tasks[cell], row=self.row)
+            return Search(self.tasks[cell], active_set=self.row)
         sizes = {name: np.array([one.values[name] for one in known]) for name in known[0].values}
         first = {n: float(np.exp(np.log(np.maximum(v, 1e-12)).mean())) for n, v in sizes.items()}
-        return Search(self.tasks[cell], first=first, warm=known[0].solution, row=self.row)
+        return Search(self.tasks[cell], first=first, warm=known[0].solution, active_set=self.row)
 
     def _run(self, searches: dict[int, Search]) -> None:
         """Run some searches; the designs of all fly together in every round."""
@@ -220,7 +219,7 @@ class _Cells:
         mission = first.mission  # whose flights are no batch of pairs
         if mission.climb is not None or mission.holds_station or first.window_h is not None:
             return {
-                cell: flight(self.tasks[cell], some, profiles[cell])
+                cell: simulate(self.tasks[cell], some, profiles[cell])
                 for cell, some in designs.items()
             }
         cells = np.repeat(list(designs), [len(some) for some in designs.values()])
@@ -244,10 +243,10 @@ class _Cells:
         places = cells[:, np.newaxis] * each + np.arange(each)
         variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, each))
         perf = fly(
-            first.flown,
+            first.simulated_aircraft,
             first.mission,
             first.solar,
-            closed_design(first.flown, first.mission, variables),
+            closed_design(first.simulated_aircraft, first.mission, variables),
             self.day.at(places.ravel()),
             keep_trajectory=keep,
             paired=True,
@@ -284,7 +283,7 @@ class _Cells:
             task, excess_h = self.tasks[cell], perf.cycle.excess_time_h.min(axis=-1)
             good = (excess_h > 0.0) & (excess_h >= task.required_h)
             wind = task.held[WIND]
-            good &= meets_requirements(task.flown, perf.design, wind_m_per_s=wind)
+            good &= meets_requirements(task.simulated_aircraft, perf.design, wind_m_per_s=wind)
             merit = np.where(good, merit_of(first.objective, perf), -np.inf)
             best_of[place] = merit.max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0

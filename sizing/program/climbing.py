@@ -17,7 +17,7 @@ from sizing.day.heights import flight_levels
 from sizing.design import Design
 from sizing.held_station import flight_faster
 from sizing.mass_budget import closed_design, parametric_design
-from sizing.performance import Performance, performance_along
+from sizing.performance import Performance, performance_along, performance_of_designs
 from sizing.program.schedule import flown_along
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import LEVELS, lagrange
@@ -35,16 +35,19 @@ class Profile(NamedTuple):
         return np.interp(time_h, self.clock_h % 24.0, self.share, period=24.0)
 
 
-def flight(task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]) -> Performance:
-    """Fly designs in all scenarios; with climbs along profiles, at the floor where there is none.
+def simulate(
+    task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]
+) -> Performance:
+    """Simulate designs in all scenarios; climbs along profiles, at the floor where there is none.
 
     What is freed has the value of the first design.
     """
-    if task.mission.climb is None:
-        return task.simulate(designs)
     task = task.eased(designs[0])
-    design = closed_design(task.flown, task.mission, task.stacked(designs))
-    levels = flight_levels(task.flown, task.mission, design, task.day)
+    if task.mission.climb is None:
+        aircraft, variables = task.simulated_aircraft, task.stacked(designs)
+        return performance_of_designs(aircraft, task.mission, variables, task.solar, day=task.day)
+    design = closed_design(task.simulated_aircraft, task.mission, task.stacked(designs))
+    levels = flight_levels(task.simulated_aircraft, task.mission, design, task.day)
     time_h, shape = task.day.time_h, (len(designs), task.count)
     height_m = np.zeros((task.count, len(time_h)))
     for number, profile in profiles.items():
@@ -66,7 +69,7 @@ def power_beyond_floor(
     """
     weights = np.stack(lagrange((heights[1:] + heights[:-1]) / 2.0, LEVELS))[:, np.newaxis]
     flown = [
-        parametric_design(task.flown, air, design.variables, design.total_mass_kg)
+        parametric_design(task.simulated_aircraft, air, design.variables, design.total_mass_kg)
         for air in task.airs
     ]
     powers = [np.asarray(one.propulsion_power_w)[:, np.newaxis] for one in flown]
@@ -76,7 +79,7 @@ def power_beyond_floor(
         ratio = np.maximum(wind / np.exp(np.sum(weights * np.log(speeds), axis=0)), 1.0)
         every = (one.mapped(lambda v: np.asarray(v)[..., np.newaxis]) for one in flown)
         powers = [
-            flight_faster(task.flown, air, one, ratio).propulsion_power_w
+            flight_faster(task.simulated_aircraft, air, one, ratio).propulsion_power_w
             for air, one in zip(task.airs, every, strict=True)
         ]
     table = np.log(np.stack(np.broadcast_arrays(*powers)))

@@ -31,7 +31,6 @@ from sizing.program.days import (
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
-    FIRST_HEIGHT,
     FIRST_MARGIN,
     INSIDE,
     LEVELS,
@@ -175,11 +174,7 @@ def unserved(task: SizingTask, perf: Performance, number: int) -> float:
 
 def _heights(form: Form, scenario: Scenario) -> FloatArray:
     """Heights at the nodes to start from."""
-    if not form.heights:
-        return np.zeros(0)
-    if scenario.profile is None:
-        return np.full(form.heights, FIRST_HEIGHT)
-    return np.clip(scenario.share(), *INSIDE)
+    return np.clip(scenario.share(), *INSIDE) if form.climbs else np.zeros(0)
 
 
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:
@@ -197,9 +192,9 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     design, count = perf.design, len(task.variables)
     if len(np.ravel(design.total_mass_kg)) == 1:  # flown alone
         designs = task.stacked(neighbours(task, values))
-        design = closed_design(task.flown, task.mission, designs)
+        design = closed_design(task.simulated_aircraft, task.mission, designs)
     assert design.chain is not None
-    limits = {row.name: row.value for row in design_requirements(task.flown, design)}
+    limits = {row.name: row.value for row in design_requirements(task.simulated_aircraft, design)}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
     found[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
@@ -224,7 +219,7 @@ def _bend(task: SizingTask, values: Values) -> FloatArray:
     steps: list[dict[str, float]] = [{}, *({n: h} for n in names), *({n: -h} for n in names)]
     steps += [{names[i]: h, names[j]: h} for i, j in pairs]
     designs = task.stacked([_moved(task, values, one) for one in steps])
-    chain = closed_design(task.flown, task.mission, designs).chain
+    chain = closed_design(task.simulated_aircraft, task.mission, designs).chain
     assert chain is not None
     own, *others = np.log(np.asarray(chain.efficiency))
     ahead, behind, both = np.split(np.array(others), [count, 2 * count])
@@ -243,7 +238,7 @@ def _surface(task: SizingTask, design: Design) -> FloatArray:
         return np.zeros(1)
     airs = [air.with_payload_of(variables) for air in task.airs]
     by_parts, by_chain = (
-        np.array(power_surface(task.flown, form, airs, variables, one)[0], float)
+        np.array(power_surface(task.simulated_aircraft, form, airs, variables, one)[0], float)
         for one in (design._replace(chain=None), design)
     )
     return np.asarray(np.nan_to_num(np.log(by_parts / by_chain)).ravel(order="F"))

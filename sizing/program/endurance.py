@@ -18,7 +18,7 @@ from sizing.design import DesignVariables
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
-from sizing.program.size import Search
+from sizing.program.search import Search
 from sizing.program.task import SizingTask
 from sizing.roots import bisect
 
@@ -52,7 +52,8 @@ def longest_flight_of_all(
     def tried(there: Mission, light: SolarDay) -> bool:
         """Search for the design with most excess time, and keep it if its flight is longer."""
         nonlocal best, longest_h, launch_h, report
-        search = Search(task.with_values(mission=there, day=light), best).run()
+        first = None if best is None else task.first_values(best)
+        search = Search(task.with_values(mission=there, day=light), first).run()
         report += search.report
         if (found := search.outcome) is None:
             return False
@@ -67,20 +68,20 @@ def longest_flight_of_all(
         return search.best is not None
 
     def window(hours: float) -> Mission:
-        """Mission of a flight for some hours from the launch of the longest."""
-        minutes = round(launch_h * 60.0) % (24 * 60)
+        """Return the mission of a flight of that length from the launch of the longest.
+
+        A launch counts in minutes: the next full one, as a later launch never has less charge.
+        """
+        minutes = math.ceil(launch_h * 60.0) % (24 * 60)
         launch = f"{minutes // 60:02d}:{minutes % 60:02d}"
         flight = Flight(launch=launch, hours=hours, reserve_h=required_h)
         update = {"flight": flight, "required_excess_time_h": required_h}
         return repeated.model_copy(update=update)
 
     def too_long(hours: float) -> bool:
-        nonlocal longest_h
+        """Return whether no design flies so long."""
         there = window(hours)
-        if hours > longest_h and not tried(there, day.over_days(there.days_of_light)):
-            return True
-        longest_h = max(longest_h, hours)
-        return False
+        return hours > longest_h and not tried(there, day.over_days(there.days_of_light))
 
     tried(repeated, day)
     if best is not None and longest_h < LONGEST_H:

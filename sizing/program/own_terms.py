@@ -24,7 +24,7 @@ from sizing.limits import QUANTITIES, DesignInFlight, Requirement, design_requir
 from sizing.mass_budget import closed_design, parametric_design
 from sizing.parameters import replaced
 from sizing.performance import Performance
-from sizing.program.variables import OWN
+from sizing.program.variables import TOTAL_OVER_BATTERY_MASS, USER_OBJECTIVE
 from sizing.smooth import Value
 
 OwnFunction = Callable[[Any], Any]
@@ -111,7 +111,7 @@ class OwnObjective:
     scale: float
     aircraft: Aircraft
 
-    variable: ClassVar[str] = OWN
+    variable: ClassVar[str] = USER_OBJECTIVE
     label: ClassVar[str] = "objective"
     unit: ClassVar[str] = ""
     maximised: ClassVar[bool] = False
@@ -121,7 +121,7 @@ class OwnObjective:
     @property
     def cost(self) -> dict[str, float]:
         """Weights of the program's variables in what it minimises."""
-        return {OWN: 1.0}
+        return {USER_OBJECTIVE: 1.0}
 
     def of_flight(self, perf: Performance) -> Value:
         """Value of simulated designs."""
@@ -129,7 +129,7 @@ class OwnObjective:
 
     def row(self, it: DesignInFlight, variable: Value) -> Requirement:
         """Equation that makes a variable of the program the objective."""
-        return Requirement(OWN, (variable - self.term(it)) / self.scale, "")
+        return Requirement(USER_OBJECTIVE, (variable - self.term(it)) / self.scale, "")
 
 
 class _OwnConstraint(NamedTuple):
@@ -168,12 +168,12 @@ def with_own_terms(
     variables = variables_of(aircraft)
     design = closed_design(aircraft, mission, variables)
     if not np.isfinite(design.total_mass_kg):
-        mass_kg = 3.0 * variables.battery_mass_kg
+        mass_kg = TOTAL_OVER_BATTERY_MASS * variables.battery_mass_kg
         design = parametric_design(aircraft, mission, variables, mass_kg)
     start = DesignInFlight(aircraft, design)
     own = None if objective is None else _objective(objective, start)
     rows = tuple(_constraint(one, start) for one in constraints)
-    taken = {*_ENERGY, OWN, *(row.name for row in design_requirements(*start))}
+    taken = {*_ENERGY, USER_OBJECTIVE, *(row.name for row in design_requirements(*start))}
     for one in rows:
         if one.name in taken:
             raise ValueError(f"a constraint needs a name of its own: there is a {one.name} already")

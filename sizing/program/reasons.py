@@ -110,7 +110,7 @@ def violations(
     """
     worst, required_h = nearest.worst_scenario(), task.required_h
     with np.errstate(invalid="ignore"):  # the nearest design may be impossible
-        rows = design_requirements(task.flown, nearest.design)
+        rows = design_requirements(task.simulated_aircraft, nearest.design)
     where = nearest.day.scenarios.label(worst)
     left_h = float(nearest.cycle.excess_time_h[worst])
     flown = f"an excess time of {required_h:g} h is out of reach at {where}: the nearest design"

@@ -24,7 +24,8 @@ from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.program.reasons import PERCENT, least_mission
 from sizing.program.result import SizingResult
-from sizing.program.size import Search, searched, size_aircraft
+from sizing.program.search import Search
+from sizing.program.size import best_search, size_aircraft
 from sizing.program.task import SizingTask
 from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables
 from sizing.relaxed_flight import Direction, Relaxation, rounded
@@ -133,7 +134,7 @@ class _Relaxations:
             freed={freed.name: (freed.key, freed.scale)},
             own_cost={freed.name: 1.0 if freed.upwards else -1.0},
         )
-        best = searched(task, self.start).best
+        best = best_search(task, task.first_values(self.start)).best
         if best is None and not np.isfinite(self.nearest.design.total_mass_kg):
             # What carries its own mass at no present value may do so at the furthest one.
             first = task.first_values(self.start) | {freed.name: freed.ends[freed.upwards]}

@@ -28,13 +28,13 @@ from sizing.program.days import (
     reserve_nodes,
 )
 from sizing.program.transcription import (
-    FIRST_HEIGHT,
     FIRST_MARGIN,
     FULLER,
     INSIDE,
     IPOPT,
     LEVELS,
     LONGEST_H,
+    PRICE,
     RESERVE_SCALE_H,
     BlockData,
     DesignSymbols,
@@ -57,8 +57,6 @@ _DESIGN = dict.fromkeys(DesignSymbols._fields, 1) | {
 _ROUNDS = 6  # of program and simulator, at most
 _AGREED_H = 0.02  # excess time within which they agree
 _WIDER = 3.0  # factor on the margin of a day's return where that is too little
-# Cost of an hour without power in hours of excess time: far above what any schedule makes of it.
-_PRICE = 100.0
 LOWEST_M = 1.0  # way to climb that counts as one
 
 
@@ -183,9 +181,7 @@ def best_heights(
         [max(float(flown.cycle.excess_time_h[i]), 0.0)],
         np.full(FORM.intervals, INSIDE[0]),
         np.clip(around.soc, *INSIDE) * full_wh / unit_wh,
-        np.clip(around.share, *INSIDE)
-        if around.share.any()
-        else np.full(FORM.heights, FIRST_HEIGHT),
+        np.clip(around.share, *INSIDE),
     )
     x0 = np.concatenate(start)
     low, most = np.zeros(len(x0)), np.full(len(x0), np.inf)
@@ -335,7 +331,7 @@ def _program(limit: ChargeLimit, repeated: bool) -> tuple[ca.Function, FloatArra
     symbols = {
         "x": ca.vertcat(excess_h, lack, charge, height),
         "p": ca.vertcat(*data.values(), *design, *block),
-        "f": (_PRICE * lacking_h - excess_h) / RESERVE_SCALE_H - FULLER * ca.sum1(charge),
+        "f": (PRICE * lacking_h - excess_h) / RESERVE_SCALE_H - FULLER * ca.sum1(charge),
         "g": ca.vertcat(*(value for _, value in rows)),
     }
     equation = [c.equation for c, value in rows for _ in range(value.shape[0])]

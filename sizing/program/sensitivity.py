@@ -23,7 +23,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import variable_keys
 from sizing.parameters import build_scales, catalogue, parameter_value, with_parameter
-from sizing.program.climbing import Profile, flight
+from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import Linearisation, Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import limits_of
@@ -145,8 +145,7 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
             assert one.clock_h is not None
             one.profile = Profile(one.clock_h, found.heights(block))
     point = _linearised(task, neighbours(task, values), known)
-    goal_h, blocks = found.excess_time_h, found.program.blocks
-    return solve(task, point, blocks, excess_h=goal_h), result.objective_value
+    return solve(task, point, excess_h=found.excess_time_h), result.objective_value
 
 
 def _linearised(
@@ -154,7 +153,7 @@ def _linearised(
 ) -> Linearisation:
     """Light and load of a design and its neighbours, at heights that are known."""
     profiles = {number: one.profile for number, one in known.items() if one.profile is not None}
-    return linearised(task, dict(designs[0]), flight(task, designs, profiles), known)
+    return linearised(task, dict(designs[0]), simulate(task, designs, profiles), known)
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:

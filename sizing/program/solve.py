@@ -18,7 +18,9 @@ from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
 from sizing.program.transcription import (
     FASTEST,
+    INSIDE,
     LONGEST_H,
+    PRICE,
     RESERVE_SCALE_H,
     Program,
     build_program,
@@ -26,21 +28,16 @@ from sizing.program.transcription import (
 from sizing.program.variables import WORST_EXCESS, Role, scales_of
 from solar.types import BoolArray, FloatArray
 
-# Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
-# multiplier of a cost of order one, so that none is missed for a gain.
-PRICE = 100.0
-LACKING = 1e-4  # relative: less is what the solver leaves
+LACKING = 1e-4  # relative: a smaller violation is what the solver leaves
 _PAYLOAD_SHARE = 0.1  # of mass or load: a smaller payload counts as this in the cost
-_FIRST_SLACK = 0.01  # where missed requirements start: inside their bounds
-
-_STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
-_STILL = 3e-3  # of a step, in variables of order one: about its square is what is left
-_REACH = 1.0  # likewise: sizes change by no more than a factor of e at once
+_MOST_STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
+_LARGEST_STEP = 1.0  # of the logarithm of a size
+_SETTLED_STEP = 3e-3  # in variables of order one: about its square is what is left
 
 
 @dataclass
 class ActiveSet:
-    """Sequential quadratic programming for a row of similar programs.
+    """Sequential quadratic programming for a series of similar programs.
 
     Whole Newton steps from the last solution. The rows that hold in one quadratic program are the
     first guess for the next one (Ferreau, H. J. et al. 2014, qpOASES, Math. Prog. Comp. 6:327).
@@ -52,20 +49,20 @@ class ActiveSet:
     def solve(
         self, program: Program, ends: dict[str, Any], multipliers: FloatArray
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Answer and statistics, as those of IPOPT; without success where steps lead nowhere."""
+        """Return answer and statistics as IPOPT's; without success where steps lead nowhere."""
         if self._program is not program or self._quadratic is None:
             self._program, shapes = program, program.derivatives
             sparsity = {"h": shapes.sparsity_out(3), "a": shapes.sparsity_out(2)}
             quiet: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
             with redirect_stdout(StringIO()):  # it prints its licence
-                self._quadratic = ca.conic("row", "qpoases", sparsity, quiet)
+                self._quadratic = ca.conic("similar", "qpoases", sparsity, quiet)
         x, held = ca.DM(ends["x0"]), ca.DM(multipliers)
         p, low, high, most = (ca.DM(ends[name]) for name in ("p", "lbx", "ubx", "ubg"))
         sizes = program.parts["design"]
-        for number in range(_STEPS):
+        for number in range(_MOST_STEPS):
             least, largest = low - x, high - x
-            least[sizes] = ca.fmax(least[sizes], -_REACH)
-            largest[sizes] = ca.fmin(largest[sizes], _REACH)
+            least[sizes] = ca.fmax(least[sizes], -_LARGEST_STEP)
+            largest[sizes] = ca.fmin(largest[sizes], _LARGEST_STEP)
             rows, slope, jacobian, bent = program.derivatives(x, p, held)
             step = self._quadratic(
                 h=bent, g=slope, a=jacobian, lba=-rows, uba=most - rows, lbx=least, ubx=largest
@@ -74,14 +71,14 @@ class ActiveSet:
             if not (self._quadratic.stats()["success"] and math.isfinite(far)):
                 break
             x, held = x + step["x"], step["lam_a"]
-            if far < _STILL:
+            if far < _SETTLED_STEP:
                 stats = {
                     "success": True,
                     "iter_count": number + 1,
                     "return_status": "Solve_Succeeded",
                 }
                 return {"x": x, "lam_g": held, "lam_x": step["lam_x"]}, stats
-        self._quadratic = None  # what it has learnt leads nowhere
+        self._quadratic = None  # its guess leads nowhere
         return {}, {"success": False, "iter_count": number + 1}
 
 
@@ -135,22 +132,36 @@ class Solution:
         """Largest part by which anything is missed."""
         return float(max(self.lack.max(), max(self.missed.values(), default=0.0)))
 
-    def charge(self, block: int) -> FloatArray:
-        """Charge at the nodes of a block, over the energy of a full battery."""
-        charge = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
-        return np.asarray(charge / max(float(charge.max()), 1e-9))
-
     def heights(self, block: int) -> FloatArray:
         """Heights at the nodes of a block, over the way to the ceiling."""
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
 
+    @property
+    def largest_change(self) -> float:
+        """Largest relative change of a size or the mass of the design by this solution.
+
+        A payload is a part of the mass, or of the load.
+        """
+        before, after = self.linearisation.values, self.values
+        sizes = [v.name for v in self.task.variables if v.role is Role.design]
+        pairs = [(before[name], after[name]) for name in sizes]
+        changes = [abs(math.log(a / b)) for b, a in pairs if a > 0.0 and b > 0.0]
+        power_w = after["payload_power_w"] - before["payload_power_w"]
+        return max(abs(power_w) / self.linearisation.load_w, *changes)
+
     def reserve_h(self, block: int) -> float:
         """Excess time that a block has in the program, the required one or more [h]."""
         kept = self._of("excess_time", block)
         kept[kept] = self.linearisation.blocks[block].reserve > 0.0
-        spare_h = self._rows[kept] / -self._rows_by_hour[kept]
-        return self.excess_time_h + float(spare_h.min())
+        beyond_h = self._rows[kept] / -self._rows_by_hour[kept]
+        return self.excess_time_h + float(beyond_h.min())
+
+    def lacking_h(self, block: int) -> float:
+        """Excess time that the power which a block lacks stands for: what its night lacks [h]."""
+        charge = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
+        night_h = self.linearisation.blocks[block].hours[np.diff(charge) < 0.0].sum()
+        return float(self.lack[block] * (night_h + self.reserve_h(block)))
 
     def shift_h(self, block: int) -> float:
         """Excess time of the program beyond that of the simulator, as the program has it [h]."""
@@ -228,19 +239,18 @@ class Solution:
 def solve(
     task: SizingTask,
     point: Linearisation,
-    blocks: int,
     *,
     excess_h: float,
     before: Solution | None = None,
-    row: ActiveSet | None = None,
+    active_set: ActiveSet | None = None,
 ) -> Solution:
     """Solve the program of a task around a simulated design.
 
     ``point``: light and load of the design, and where the search starts. ``excess_h``: worst excess
-    time to start from [h]. ``row``: solver of many similar programs, that is tried first, from the
-    solution ``before``: of the last round, or of a similar task.
+    time to start from [h]. ``active_set``: solver of many similar programs, that is tried first,
+    from the solution ``before``: of the last round, or of a similar task.
     """
-    program = build_program(task.aircraft, task.form(blocks))
+    program = build_program(task.aircraft, task.form(len(point.blocks)))
     scales = scales_of(task.variables, point.values)
     centre = np.array(
         [v.to_program(point.values[v.name], s) for v, s in zip(task.variables, scales, strict=True)]
@@ -255,7 +265,7 @@ def solve(
     parts = program.parts
     start = np.zeros(parts["speed"].stop)
     start[parts["design"]], start[parts["excess"]] = centre, excess_h
-    start[parts["missed"]] = start[parts["lack"]] = _FIRST_SLACK
+    start[parts["missed"]] = start[parts["lack"]] = INSIDE[0]
     for name, rows in (("charge", point.charge), ("height", point.height), ("speed", point.speed)):
         start[parts[name]] = np.concatenate(rows)
     equation = np.array([c.equation for c in program.constraints])
@@ -267,13 +277,15 @@ def solve(
     }
     iterations, stats = 0, {"success": False}
     with program.lock:
-        if row is not None:
+        if active_set is not None:
             near, held = start, np.zeros(len(equation))
             if before is not None and before.program is program:
                 near, held = before.x.copy(), before.row_multipliers
                 near[parts["design"]], near[parts["excess"]] = centre, excess_h
                 near[parts["charge"]] *= before.linearisation.load_w / point.load_w
-            answer, stats = row.solve(program, {**ends, "x0": np.clip(near, low, high)}, held)
+            answer, stats = active_set.solve(
+                program, {**ends, "x0": np.clip(near, low, high)}, held
+            )
             iterations += stats["iter_count"]
         if not stats["success"]:
             answer = program.solver(lbg=0.0, **ends, x0=np.clip(start, low, high))

@@ -16,20 +16,21 @@ from sizing.design import DesignVariables, FlightConditions
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
 from sizing.parameters import with_parameter
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import Performance
 from sizing.program.objectives import Objective
-from sizing.program.result import objective_value
+from sizing.program.result import merit_of
 from sizing.program.transcription import LEVELS, Form
 from sizing.program.variables import (
-    OWN,
     SOLAR_TECHNOLOGY,
     TOTAL_MASS,
+    TOTAL_OVER_BATTERY_MASS,
+    USER_OBJECTIVE,
     Role,
     Variable,
     chosen_variables,
 )
 from sizing.propulsion.chain import UnlimitedPropulsion
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 Values = Mapping[str, float]
 
@@ -164,7 +165,7 @@ class SizingTask:
         return np.stack(winds, axis=-1)
 
     @cached_property
-    def flown(self) -> Aircraft:
+    def simulated_aircraft(self) -> Aircraft:
         """Aircraft that designs are simulated with: limits of propulsion parts are rows."""
         parts = self.aircraft.propulsion_by_parts
         if parts is None:
@@ -176,6 +177,12 @@ class SizingTask:
         """Whether the excess time itself is to be as long as possible."""
         longest = self.objective is Objective.max_excess_time and self.own_cost is None
         return longest and not self.continuous
+
+    @property
+    def has_continuous_sun(self) -> bool:
+        """Whether a required excess time may come from a sun that never sets."""
+        never_dark = self.window_h is None and self.day.specific_power_w_per_m2.min() > 0.0
+        return bool(never_dark and (self.required_h > 0.0 or self.maximises_excess))
 
     @property
     def goal_h(self) -> float:
@@ -211,9 +218,8 @@ class SizingTask:
 
     def within_bounds(self, values: Values) -> dict[str, float]:
         """Values of a design, each within its bounds: the solver may step slightly over."""
-        return {
-            v.name: min(max(float(values[v.name]), v.minimum), v.maximum) for v in self.variables
-        }
+        variables = self.variables
+        return {v.name: min(max(float(values[v.name]), v.minimum), v.maximum) for v in variables}
 
     def eased(self, values: Values) -> SizingTask:
         """The same for aircraft, mission and light with the values of what is freed."""
@@ -226,41 +232,42 @@ class SizingTask:
             return self
         return replace(self, aircraft=aircraft, mission=mission, day=day)
 
-    def simulate(self, designs: list[Values]) -> Performance:
-        """Simulate some designs in all scenarios; what is freed has the value of the first."""
-        it = self.eased(designs[0])
-        variables = self.stacked(designs)
-        return performance_of_designs(it.flown, it.mission, variables, self.solar, day=it.day)
-
     def stacked(self, designs: list[Values]) -> DesignVariables:
-        """Variables of some designs as arrays."""
+        """Return the variables of a list of designs as arrays."""
         chosen = [self.design_variables(values).chosen() for values in designs]
         return DesignVariables(
-            **{name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
+            **{name: np.array([float(design[name]) for design in chosen]) for name in chosen[0]}
         )
 
     def first_values(self, variables: DesignVariables) -> dict[str, float]:
-        """Values of a design at whatever mass closes its budget, or a guess of it."""
+        """Return the values of a design, with a guess of the mass that closes its budget."""
         chosen = {name: float(value) for name, value in variables.chosen().items()}
-        values: dict[str, float] = {OWN: 0.0, TOTAL_MASS: 1.0} | self.held
+        values: dict[str, float] = {USER_OBJECTIVE: 0.0} | self.held
+        values[TOTAL_MASS] = TOTAL_OVER_BATTERY_MASS * chosen["battery_mass_kg"]
         if (parts := self.aircraft.propulsion_by_parts) is not None:
-            own = parts.propeller.diameter_m, parts.propeller.pitch_m, parts.gear.ratio
-            known = (*own, parts.motor_constants.speed_constant_rpm_per_v)
+            shaft = parts.propeller.diameter_m, parts.propeller.pitch_m, parts.gear.ratio
+            known = (*shaft, parts.motor_constants.speed_constant_rpm_per_v)
             values |= {n: v for n, v in zip(PROPULSION_VARIABLES, known, strict=True) if v}
         values |= {v.name: chosen[v.name] for v in self.variables if v.name in chosen}
         values |= {v.name: v.minimum for v in self.variables if v.name not in values}
         return self.within_bounds(values)
 
-    def merit(self, values: Values, perf: Performance) -> FloatArray:
-        """Objective of simulated designs, the larger the better; the cost's where that is own."""
+    def merit(self, values: Values, perf: Performance, worst_excess_h: float) -> float:
+        """Return the objective of the first of simulated designs, the larger the better."""
         if self.own_cost is not None:
-            return np.array(-sum(w * values[name] for name, w in self.own_cost.items()))
-        value = objective_value(self.objective, perf)
-        return value if self.objective.maximised else -value
+            return -sum(weight * values[name] for name, weight in self.own_cost.items())
+        if self.objective is Objective.max_excess_time:
+            return worst_excess_h
+        return float(merit_of(self.objective, perf)[0])
+
+    def is_enough(self, excess_h: FloatArray) -> BoolArray:
+        """Return whether excess times are those required; scenarios are the last axis."""
+        worst_h = excess_h.min(axis=-1)
+        return np.asarray((worst_h > 0.0) & (worst_h >= self.required_h))
 
     def meets(self, values: Values, perf: Performance) -> bool:
-        """Whether a design keeps every requirement on itself (of a batch the first one)."""
+        """Return whether a design, the first of a batch, keeps every requirement on itself."""
         it = self.eased(values)
-        aircraft = it.aircraft if self.beyond_limits else it.flown
+        aircraft = it.aircraft if self.beyond_limits else it.simulated_aircraft
         met = meets_requirements(aircraft, perf.design)
         return bool(np.ravel(met)[0])

@@ -43,9 +43,9 @@ from sizing.limits import MASS_BUDGET, DesignInFlight, design_requirements
 from sizing.mass_budget import level_flight, parametric_design
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
-    OWN,
     SOLAR_TECHNOLOGY,
     TOTAL_MASS,
+    USER_OBJECTIVE,
     WIND,
     Constraint,
     Role,
@@ -57,7 +57,6 @@ from solar.types import FloatArray
 
 INTERVALS = 22  # of a day at one height: the charge bends at few places, where nodes lie
 CLIMBING_INTERVALS = 40  # of heights, which change all day
-FIRST_HEIGHT = 0.3  # where heights start: between floor and ceiling
 INSIDE = (0.01, 0.99)  # where heights and charges start: interior points start inside bounds
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
 # that returns any less lets the battery run empty over many days.
@@ -70,6 +69,9 @@ LEVELS = 5  # heights, from the floor to the ceiling, through which light and po
 RATIOS = 4  # airspeeds likewise, from the design's own to the fastest
 FASTEST = math.log(3.0)  # airspeed over the design's own: rated powers end long before
 _OFF = 1e3  # beyond any row of order one: a row that is not asked for
+# Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
+# multiplier of a cost of order one, so that none is missed for a gain.
+PRICE = 100.0
 _BUDGET = 10.0  # of the price, for requirements on the design: next to none can be missed
 FULLER = 1e-6  # of the cost: charges that nothing holds are as high as they can be
 
@@ -389,11 +391,11 @@ def _design_symbols(
         if one.name in bounds and one.name in values:
             value = eased_row(value, bounds[one.name].end, values[one.name])
         rows.append((Constraint(one.name, equation=one.name == MASS_BUDGET), value))
-    if OWN in values:
+    if USER_OBJECTIVE in values:
         space: Any = kind.design_space
         it = DesignInFlight(flown, design)
-        own = space.own_objective.row(it, values[OWN])
-        rows.append((Constraint(OWN, equation=True), own.value))
+        own = space.own_objective.row(it, values[USER_OBJECTIVE])
+        rows.append((Constraint(USER_OBJECTIVE, equation=True), own.value))
     powers, speeds = power_surface(flown, form, airs, variables, design)
     surface = ca.reshape(data["surface"], form.levels, -1) if chain is not None else 0.0
     assert design.chain is not None

@@ -20,7 +20,9 @@ WORST_EXCESS = "worst_excess_time_h"
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
 WIND = "mission.wind_m_per_s"
-OWN = "own_objective"  # what the user's own objective is, where there is one
+USER_OBJECTIVE = "own_objective"  # value of an objective that is a function of the user's
+# Of a guess; Sky-Sailor, AtlantikSolar 2 and SoLong have 2.3, 2.4 and 2.3.
+TOTAL_OVER_BATTERY_MASS = 2.3
 
 
 class Role(Enum):
@@ -108,7 +110,9 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
     own = getattr(space, "own_objective", None)
     if own is not None:
         ends = -math.inf, math.inf
-        always.append(Variable(OWN, "1", *ends, Role.objective, linear=True, least=own.scale))
+        always.append(
+            Variable(USER_OBJECTIVE, "1", *ends, Role.objective, linear=True, least=own.scale)
+        )
     if not eased:
         return tuple(always)
     always += [

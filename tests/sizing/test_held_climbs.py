@@ -154,7 +154,6 @@ def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> 
     assert np.all(flight.maximum_altitude_m <= top_m + 1e-6)
 
 
-@pytest.mark.xfail(reason="0.23 h: five heights over twice the way know the power less well")
 def test_a_ceiling_that_is_as_low_changes_nothing(tmp_path: Path) -> None:
     flight = performance(HIGH, held(tmp_path, STRONG_ALOFT))
     low = held(tmp_path, STRONG_ALOFT, climb={"ceiling_m": 21000.0, "strategy": "surplus"})
@@ -204,19 +203,7 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) ->
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "winds",
-    [
-        pytest.param(
-            STRONG_ALOFT,
-            marks=pytest.mark.xfail(
-                reason="what is flown along five heights over twice the way has 0.22 h less"
-            ),
-        ),
-        EVEN,
-        FALLING,
-    ],
-)
+@pytest.mark.parametrize("winds", [STRONG_ALOFT, EVEN, FALLING])
 def test_a_design_that_holds_its_place_is_the_lightest(
     tmp_path: Path, winds: Mapping[int, float]
 ) -> None:
@@ -224,8 +211,11 @@ def test_a_design_that_holds_its_place_is_the_lightest(
     result = size_aircraft(HIGH, there, Objective.min_mass)
     assert result.design is not None
     optimum = result.design.variables
+    assert result.simulated is not None
+    assert float(np.min(result.simulated.cycle.excess_time_h)) >= 1.0
+    # The schedule that is best for the design is known to within 0.02 h.
     flight = performance_of_designs(HIGH, there, optimum)
-    assert float(np.min(flight.cycle.excess_time_h)) >= 1.0
+    assert float(np.min(flight.cycle.excess_time_h)) >= 1.0 - 0.02
     assert meets_requirements(HIGH, flight.design)
     # Other designs around it, simulated: none that is lighter by more than a per cent is enough.
     for changed in ("wingspan_m", "battery_mass_kg", "module_area_m2"):

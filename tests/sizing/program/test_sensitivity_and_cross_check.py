@@ -48,6 +48,20 @@ def value(result: SizingResult) -> float:
     return result.objective_value
 
 
+def without_excess(result: SizingResult) -> float:
+    """Objective of exactly the required excess time.
+
+    A search ends where less than 0.03 % of the objective is left to gain; a difference of two
+    sizings is of that order itself.
+    """
+    if result.objective is Objective.max_excess_time:
+        return value(result)
+    assert result.simulated is not None
+    worst_h = float(result.simulated.cycle.excess_time_h.min())
+    gain_per_h = sum(one.gain for one in constraint_multipliers(result) if one.step == "1 h")
+    return value(result) - gain_per_h * (worst_h - result.required_excess_time_h)
+
+
 @pytest.mark.parametrize(
     ("objective", "required_h", "mission"),
     [
@@ -73,16 +87,19 @@ def test_sensitivities_equal_sizing_again(
         "mission.clearness",
     ):
         here = found[name]
-        step = 2e-3 * here.value
+        step = 5e-3 * here.value
         # Clearness may not exceed one: a step to one side there.
-        high = here.value if name == "mission.clearness" else here.value + step
+        one_sided = name == "mission.clearness"
+        high = here.value if one_sided else here.value + step
         ends = [
-            value(sized(objective, required_h, f"{name}={v!r}", mission=mission))
+            without_excess(sized(objective, required_h, f"{name}={v!r}", mission=mission))
             for v in (here.value - step, high)
         ]
         difference = (ends[1] - ends[0]) / (high - here.value + step)
-        # Curvature over the step: 0.1 to 1 % of the slope, more for the one-sided one.
-        assert here.derivative == pytest.approx(difference, rel=0.01), name
+        # Curvature over the step, which a central difference does not have, and what a search
+        # leaves of the objective: up to 0.7 % and 0.9 %.
+        tolerance = 0.015 if one_sided else 0.01
+        assert here.derivative == pytest.approx(difference, rel=tolerance), name
 
 
 # Curvature is nothing in a central difference: 0.1 % is found with modules as warm as the air. With

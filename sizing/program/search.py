@@ -1,0 +1,332 @@
+"""The loop around the program: simulate, linearise, solve, until both agree.
+
+The program has a few scenarios, in the light and under the load of the last design; the simulator
+judges every design in all of them. Scenarios that turn out worse than those in the program join it,
+and the excess time that the program requires is shifted by what the simulator finds otherwise. What
+counts is the simulator's number: of all designs that it accepts the best is the optimum.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from sizing.design import NO_FLIGHT_W, variables_of
+from sizing.performance import Performance, performance_of_designs
+from sizing.program.climbing import Profile, simulate
+from sizing.program.corrections import (
+    Linearisation,
+    Scenario,
+    linearised,
+    neighbours,
+    unserved,
+)
+from sizing.program.result import SizingStatus, SolverReport
+from sizing.program.solve import LACKING, ActiveSet, Solution, solve
+from sizing.program.start import most_promising
+from sizing.program.task import SizingTask, Values
+from sizing.program.transcription import FIRST_MARGIN
+from sizing.program.variables import TOTAL_MASS
+from solar.types import FloatArray
+
+MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are few
+_MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
+# Excess time above the required one that is aimed at: by so much the simulator's number varies
+# from round to round.
+_CUSHION_H = 5e-4
+_TOLERANCE = 3e-4  # of the objective: a search ends where no more is left to gain
+_NEAR = 0.15  # relative change of a design within which its linearisation and its nodes hold
+# Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; from
+# the third on halved by every step that is shorter or turns back, so that rounds end.
+_REACH = 0.5
+
+
+@dataclass(frozen=True)
+class JudgedDesign:
+    """A design that the simulator has judged.
+
+    ``perf``: of the design and its neighbours, with climbs at the heights ``profiles`` of the
+    program. ``climbs``: flight at the heights that are best for the design, where those of the
+    program are insufficient. ``excess_h``: of every scenario. ``merit``: objective, the larger the
+    better.
+    """
+
+    values: dict[str, float]
+    perf: Performance
+    excess_h: FloatArray
+    merit: float
+    accepted: bool
+    solution: Solution | None
+    profiles: Mapping[int, Profile]
+    climbs: Performance | None
+
+    @property
+    def worst(self) -> int:
+        """Scenario of the least excess time."""
+        return int(np.argmin(self.excess_h))
+
+    @property
+    def flies(self) -> bool:
+        """Whether the design carries its own mass."""
+        mass_kg = float(np.asarray(self.perf.design.total_mass_kg)[0])
+        load_w = np.ravel(np.asarray(self.perf.nominal_load_w))[0]
+        return math.isfinite(mass_kg) and bool(load_w < NO_FLIGHT_W / 2.0)
+
+
+@dataclass
+class Search:
+    """One search for the optimum of a task, and its outcome.
+
+    ``first``: values to start from; those of the most promising design of a grid where there are
+    none. ``scenarios``: what is known of those that are or were in the program. ``warm``: solution
+    for a similar task, whose multipliers the first program starts from. ``active_set``: solver that
+    is tried first.
+    """
+
+    task: SizingTask
+    first: Values | None = None
+    stop_at_merit: float = math.inf
+    scenarios: dict[int, Scenario] = field(default_factory=dict)
+    warm: Solution | None = None
+    active_set: ActiveSet | None = None
+    best: JudgedDesign | None = None
+    nearest: JudgedDesign | None = None
+    status: SizingStatus = SizingStatus.not_converged
+    report: SolverReport = field(default_factory=SolverReport)
+    _blocks: list[int] = field(default_factory=list)
+    _rounds_without_gain: int = 0
+    _violation: float = math.inf
+
+    def run(self) -> Search:
+        """Search until program and simulator agree."""
+        rounds = self.rounds()
+        values = next(rounds, None)
+        while values is not None:
+            perf = simulate(self.task, neighbours(self.task, values), self.profiles)
+            try:
+                values = rounds.send(perf)
+            except StopIteration:
+                values = None
+        return self
+
+    def rounds(self) -> Generator[Values, Performance, None]:
+        """Search, yielding every design whose flight, with its neighbours', is needed."""
+        solution, judged, reach = self.warm, None, math.inf
+        values = self.task.first_values(most_promising(self.task))
+        if self.first is not None:
+            values = self.task.within_bounds(self.task.held | dict(self.first))
+        for number in range(_MOST_ROUNDS):
+            judged = yield from self._flying(values, solution if number else None, judged)
+            if self._ends(judged):
+                break
+            self._learn_from(judged)
+            point = linearised(self.task, judged.values, judged.perf, self._known)
+            if number > 1 or point.parts is not None:
+                reach = min(reach, _REACH)
+            last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
+            reach = solution.linearisation.reach
+            if number > 1 and not _goes_on(solution, last):
+                reach /= 2.0
+            values = solution.values
+        if self.best is not None:
+            self.status = SizingStatus.optimal
+
+    @property
+    def profiles(self) -> dict[int, Profile]:
+        """Heights along which designs are simulated, by scenario."""
+        known = self.scenarios.items()
+        return {n: it.profile for n, it in known if it.profile is not None}
+
+    @property
+    def outcome(self) -> JudgedDesign | None:
+        """Best design, or the nearest where there is none."""
+        return self.nearest if self.best is None else self.best
+
+    @property
+    def merit(self) -> float:
+        """Objective, the larger the better; minus infinity without a design."""
+        return -math.inf if self.best is None else self.best.merit
+
+    @property
+    def solution(self) -> Solution | None:
+        """Solution of the best design, else of the nearest; of a start the first one from it."""
+        best = None if self.best is None else self.best.solution
+        return best or (None if self.nearest is None else self.nearest.solution)
+
+    @property
+    def _known(self) -> dict[int, Scenario]:
+        """Scenarios in the program, in the order of its blocks."""
+        return {number: self.scenarios[number] for number in self._blocks}
+
+    def _solved(
+        self, point: Linearisation, judged: JudgedDesign, before: Solution | None
+    ) -> Solution:
+        """Solve the program around a design; where that fails, once more with limited steps.
+
+        The heights of the solution become those of its scenarios.
+        """
+        task, begun_s = self.task, time.perf_counter()
+        worst_h, excess_h = float(judged.excess_h.min()), self.task.goal_h
+        if task.maximises_excess and math.isfinite(worst_h):
+            excess_h = max(excess_h, worst_h)
+        solve_at = partial(
+            solve, task, excess_h=excess_h, before=before, active_set=self.active_set
+        )
+        solutions = [solve_at(point)]
+        if not solutions[0].converged and point.reach > _REACH:
+            solutions.append(solve_at(replace(point, reach=_REACH)))
+        self.report += SolverReport(
+            iterations=sum(solution.iterations for solution in solutions),
+            time_s=time.perf_counter() - begun_s,
+            solves=len(solutions),
+            message=solutions[-1].message,
+        )
+        if solutions[-1].program.form.climbs:
+            for block, scenario in enumerate(self._known.values()):
+                assert scenario.clock_h is not None
+                scenario.profile = Profile(scenario.clock_h, solutions[-1].heights(block))
+        return solutions[-1]
+
+    def _flying(
+        self, values: dict[str, float], solution: Solution | None, last: JudgedDesign | None
+    ) -> Generator[Values, Performance, JudgedDesign]:
+        """Judge a design; where it does not fly one nearer to the last, or the file's own."""
+        judged, step = self._judged(values, solution, (yield values)), 1.0
+        if last is None and not judged.flies:
+            values = self.task.first_values(variables_of(self.task.aircraft))
+            return self._judged(values, solution, (yield values))
+        while last is not None and not judged.flies:  # the last one does
+            step /= 2.0
+            between = {n: v + step * (values[n] - v) for n, v in last.values.items()}
+            judged = self._judged(between, solution, (yield between))
+        return judged
+
+    def _judged(
+        self, values: dict[str, float], solution: Solution | None, perf: Performance
+    ) -> JudgedDesign:
+        """Judge a design by its flight."""
+        task, climbs = self.task, None
+        excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
+        mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
+        if math.isfinite(mass_kg):
+            values = {**values, TOTAL_MASS: mass_kg}
+        promising = bool(self.profiles) if solution is None else solution.violation <= LACKING
+        if promising and task.mission.climb is not None and not task.is_enough(excess_h):
+            # Heights of the program are no more than a proposal: the best for the design count.
+            it, design = task.eased(values), task.design_variables(values)
+            climbs = performance_of_designs(
+                it.simulated_aircraft, it.mission, design, it.solar, day=it.day
+            )
+            excess_h = np.maximum(excess_h, climbs.cycle.excess_time_h)
+        judged = JudgedDesign(
+            values=values,
+            perf=perf,
+            excess_h=excess_h,
+            merit=task.merit(values, perf, float(excess_h.min())),
+            accepted=bool(task.is_enough(excess_h)) and task.meets(values, perf),
+            solution=solution,
+            profiles=self.profiles,
+            climbs=climbs,
+        )
+        if judged.accepted:
+            gain = judged.merit - self.merit
+            if self.best is not None:
+                # Of two infinite excess times it is no number.
+                self._rounds_without_gain += not gain >= _TOLERANCE * max(abs(self.merit), 1e-3)
+            if gain > 0.0:
+                self.best = judged
+        if solution is not None or self.nearest is None:
+            self.nearest = judged
+        return judged
+
+    def _ends(self, judged: JudgedDesign) -> bool:
+        """Return whether nothing better is to be expected."""
+        solution, task = judged.solution, self.task
+        if not judged.flies:
+            self.status = SizingStatus.infeasible
+            return True
+        if judged.accepted and judged.merit >= self.stop_at_merit:
+            return True
+        if solution is None:
+            return False
+        near = solution.largest_change < _NEAR
+        if solution.violation > LACKING:
+            # Corrections that mend a violation at least halve it; and none mends more than what a
+            # linearisation leaves out over a step.
+            self._rounds_without_gain += solution.violation > self._violation / 2.0
+            self._violation = min(self._violation, solution.violation)
+            known = near or self._rounds_without_gain > 0
+            hopeless = known and solution.violation > _NEAR**2
+            if hopeless or self._rounds_without_gain >= 2:
+                self.status = SizingStatus.infeasible
+                return True
+            return False
+        if not judged.accepted:
+            return False
+        excess_h = float(judged.excess_h.min()) - task.required_h
+        to_gain = excess_h * solution.cost_of_hour()
+        if task.window_h is not None:
+            to_gain += _left_h(judged.perf, judged.worst)[1] * solution.cost_of_hour(on_way=True)
+        settled = task.continuous or (not task.maximises_excess and to_gain < _TOLERANCE)
+        if near and judged.worst in self._blocks and settled:
+            return True
+        return self._rounds_without_gain >= 2
+
+    def _learn_from(self, judged: JudgedDesign) -> None:
+        """Correct what the program requires, and exchange its scenarios."""
+        if judged.solution is not None:
+            for block, number in enumerate(self._blocks):
+                self._correct(judged, judged.solution, block, number)
+        if not self._blocks:
+            order = np.argsort(judged.excess_h, kind="stable")
+            self._blocks = [int(n) for n in order[:MOST_BLOCKS]]
+        elif judged.worst not in self._blocks:
+            easiest = max(self._blocks, key=lambda number: float(judged.excess_h[number]))
+            self._blocks[self._blocks.index(easiest)] = judged.worst
+            self.scenarios[easiest] = Scenario(profile=self.scenarios[easiest].profile)
+        for number in self._blocks:
+            self.scenarios.setdefault(number, Scenario())
+
+    def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
+        """Correct the goal of one scenario by what the simulator finds for the last solution."""
+        task, scenario = self.task, self.scenarios[number]
+        simulated_h = float(judged.excess_h[number])
+        scenario.shift_h = solution.shift_h(block)
+        far = solution.largest_change > _NEAR
+        if far and scenario.profile is None:
+            scenario.nodes = None
+        if task.window_h is not None:
+            simulated_h, way_h = _left_h(judged.perf, number)
+            if way_h < 0.0 or solution.excess_multiplier(block, on_way=True) > LACKING:
+                scenario.way_h = max(scenario.way_h + _CUSHION_H - way_h, 0.0)
+        if task.continuous and simulated_h > 0.0:
+            return
+        if simulated_h > 0.0 and math.isfinite(simulated_h):
+            planned_h = solution.reserve_h(block) - solution.lacking_h(block)
+            scenario.shift_h += planned_h - simulated_h + _CUSHION_H
+        elif solution.violation <= LACKING and not far:
+            scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
+
+
+def _goes_on(solution: Solution, last: Solution | None) -> bool:
+    """Return whether a step is as long as allowed, and in the direction of the last one."""
+    if last is None:
+        return False
+    as_far = float(np.abs(solution.step).max()) > 0.99 * solution.linearisation.reach
+    return as_far and float(solution.step @ last.step) > 0.0
+
+
+def _left_h(perf: Performance, number: int) -> tuple[float, float]:
+    """Return how long the charge at the landing lasts, and the least on the way, or what lacks."""
+    cycle, store = perf.cycle, perf.store
+    nominal_w = np.broadcast_to(perf.nominal_load_w, cycle.status.shape)[0, number]
+    full_wh = np.ravel(store.battery_energy_wh)[0]
+    lowest_wh = cycle.minimum_state_of_charge[0, number] * full_wh * store.discharge_efficiency
+    lacking_wh = cycle.energy_budget.unserved_wh[0, number]
+    landing_wh = cycle.energy_wh[0, number, -1] * store.discharge_efficiency
+    return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
