@@ -130,7 +130,9 @@ class Search:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
             reach = solution.linearisation.reach
-            if number > 1 and not _goes_on(solution, last):
+            # Nothing but shorter steps mends a sun that does not carry the load at all times.
+            errs = self.task.continuous and not judged.accepted
+            if number > 1 and (errs or not _goes_on(solution, last)):
                 reach /= 2.0
             values = solution.values
         if self.best is not None:

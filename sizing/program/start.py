@@ -31,6 +31,11 @@ def most_promising(task: SizingTask) -> DesignVariables:
         ranks = {
             Objective.min_mass.variable: design.total_mass_kg,
             Objective.min_wingspan.variable: grid.wingspan_m,
+            # What is stored lasts longest; and the largest design carries most.
+            Objective.max_excess_time.variable: -np.asarray(design.battery_energy_wh)
+            / np.asarray(design.nominal_load_w(task.mission)),
+            Objective.max_payload_mass.variable: -np.asarray(design.total_mass_kg),
+            Objective.max_payload_power.variable: -np.asarray(grid.module_area_m2),
         }
         rank = np.asarray(ranks.get(task.objective.variable, missed))
     best = int(np.lexsort((rank, missed))[0])
