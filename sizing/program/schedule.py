@@ -275,6 +275,7 @@ def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
         log_power_w=np.log(around.power_w),
         airspeed_m_per_s=np.ones(LEVELS),
         constant_w=levels.constant_power_w[i],
+        payload_w=0.0,
         steady=float(levels.nominal_ratio[i]),
         rated_w=levels.most_power_w[i],
         efficiency=levels.efficiency[i],

@@ -130,9 +130,7 @@ class Search:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
             reach = solution.linearisation.reach
-            # Nothing but shorter steps mends a sun that does not carry the load at all times.
-            errs = self.task.continuous and not judged.accepted
-            if number > 1 and (errs or not _goes_on(solution, last)):
+            if number > 1 and not _goes_on(solution, last):
                 reach /= 2.0
             values = solution.values
         if self.best is not None:
@@ -275,7 +273,7 @@ class Search:
         if task.window_h is not None:
             to_gain += _left_h(judged.perf, judged.worst)[1] * solution.cost_of_hour(on_way=True)
         settled = task.continuous or (not task.maximises_excess and to_gain < _TOLERANCE)
-        if near and judged.worst in self._blocks and settled:
+        if near and not solution.is_limited and judged.worst in self._blocks and settled:
             return True
         return self._rounds_without_gain >= 2
 
@@ -317,10 +315,7 @@ class Search:
 
 def _goes_on(solution: Solution, last: Solution | None) -> bool:
     """Return whether a step is as long as allowed, and in the direction of the last one."""
-    if last is None:
-        return False
-    as_far = float(np.abs(solution.step).max()) > 0.99 * solution.linearisation.reach
-    return as_far and float(solution.step @ last.step) > 0.0
+    return last is not None and solution.is_limited and float(solution.step @ last.step) > 0.0
 
 
 def _left_h(perf: Performance, number: int) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import cached_property
@@ -137,18 +137,26 @@ class Solution:
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
 
+    def _changes(self, names: Iterable[str]) -> list[float]:
+        """Return by how much variables change, as logarithms; of those that are not zero."""
+        before, after = self.linearisation.values, self.values
+        pairs = [(before[name], after[name]) for name in names]
+        return [abs(math.log(a / b)) for b, a in pairs if a > 0.0 and b > 0.0]
+
+    @property
+    def is_limited(self) -> bool:
+        """Whether a size changes by as much as it may."""
+        return max(self._changes(self.task.moved), default=0.0) > 0.99 * self.linearisation.reach
+
     @property
     def largest_change(self) -> float:
         """Largest relative change of a size or the mass of the design by this solution.
 
         A payload is a part of the mass, or of the load.
         """
-        before, after = self.linearisation.values, self.values
         sizes = [v.name for v in self.task.variables if v.role is Role.design]
-        pairs = [(before[name], after[name]) for name in sizes]
-        changes = [abs(math.log(a / b)) for b, a in pairs if a > 0.0 and b > 0.0]
-        power_w = after["payload_power_w"] - before["payload_power_w"]
-        return max(abs(power_w) / self.linearisation.load_w, *changes)
+        power_w = self.values["payload_power_w"] - self.linearisation.values["payload_power_w"]
+        return max(abs(power_w) / self.linearisation.load_w, *self._changes(sizes))
 
     def reserve_h(self, block: int) -> float:
         """Excess time that a block has in the program, the required one or more [h]."""

@@ -359,6 +359,7 @@ class DesignSymbols(NamedTuple):
     log_power_w: Any
     airspeed_m_per_s: Any
     constant_w: Any
+    payload_w: Any
     steady: Any
     rated_w: Any
     efficiency: Any
@@ -405,6 +406,7 @@ def _design_symbols(
         log_power_w=ca.log(powers) + surface,
         airspeed_m_per_s=speeds,
         constant_w=design.constant_power_w,
+        payload_w=airs[0].payload_power_w,
         steady=1.0 + airs[0].turbulence,
         rated_w=design.rated_power_w,
         efficiency=design.chain.efficiency,
@@ -464,7 +466,7 @@ def power_surface(
 class Unknowns(NamedTuple):
     """What is unknown of a day besides the design; symbols.
 
-    ``lack``: missing power over the nominal load, of all or of each interval.
+    ``lack``: missing power over the nominal load without payload, of all intervals or of each.
     ``charge``: energy at the nodes over that load for ``RESERVE_SCALE_H``. ``height``: at the
     nodes, over the way to the ceiling. ``speed``: logarithm of the airspeed over the design's.
     """
@@ -497,7 +499,9 @@ def day_rows(
     light = ca.sum1(light * motion.weights).T * brighter[:-1]
     load_w = level_w * block.load * heavier[:-1] + motion.beyond_w
     nominal_w = block.nominal * level_w * heavier[-1]
-    net_w = design.area_m2 * light - load_w + unknown.lack * nominal_w
+    # A payload counts for nothing in what may be missing: it would grow without end.
+    lack_w = unknown.lack * (nominal_w - design.payload_w)
+    net_w = design.area_m2 * light - load_w + lack_w
     net, charge, full = net_w * block.hours / unit_wh, unknown.charge, design.full_wh / unit_wh
     into, out_of = data["efficiencies"][0], data["efficiencies"][1]
     gain = charge[1:] - charge[:-1]
@@ -511,7 +515,7 @@ def day_rows(
     wanted_h = block.reserve * (unknown.excess_h + shift_h) + block.way_h
     wanted = wanted_h * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
-    sun = sun_w / nominal_w - 1.0 - CONTINUOUS_MARGIN + unknown.lack
+    sun = (sun_w + lack_w) / nominal_w - 1.0 - CONTINUOUS_MARGIN
     rows.append((Constraint("excess_time"), charge * out_of - wanted + _OFF * block.continuous))
     rows.append((Constraint("continuous"), sun + _OFF * (1.0 - block.continuous)))
     once = _OFF * (1.0 - block.repeated)
