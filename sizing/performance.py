@@ -25,7 +25,7 @@ from sizing.day.march import ChargingDay
 from sizing.day.metrics import Course, Cycle, joined
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
-from solar.types import BoolArray, FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sizing.program.climbing_flights import ClimbFlights
@@ -33,6 +33,43 @@ if TYPE_CHECKING:
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
+
+
+@dataclass(frozen=True)
+class LevelFlights:
+    """Flights of elements at one altitude, in the light of their repeated day, ``(element, time)``.
+
+    As :class:`sizing.program.climbing_flights.ClimbFlights`.
+    """
+
+    time_h: FloatArray
+    solar_w: FloatArray
+    load_w: FloatArray
+    store: Store
+    altitude_m: float
+
+    def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
+        """Return the flight time of elements from launches with a full battery [h]."""
+        flights = Flights.of(self.time_h, self.solar_w, self.load_w, self.store)
+        return flights.hours(cells, launch_h)
+
+    def longest(self) -> Endurance:
+        """Return the longest flight of every element over all launches."""
+        return longest_flight(self.time_h, self.solar_w, self.load_w, self.store)
+
+    def course(self, i: int, launch_h: float, hours: float) -> Course:
+        """Return the flight of an element, launched with a full battery."""
+        end_h, store = launch_h + hours, self.store.select(slice(i, i + 1))
+        days = [self.time_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
+        clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
+        clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
+        powers = (self.solar_w[i], self.load_w[i])
+        solar, load = (np.interp(clock_h % 24.0, self.time_h, power_w) for power_w in powers)
+        full_wh = np.asarray(store.battery_energy_wh, float)
+        day = ChargingDay.of(PowerBalance.of(clock_h, (solar - load)[:, np.newaxis]))
+        charge = day.run(store, full_wh).energy_at_nodes_wh()[:, 0] / full_wh
+        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # landed
+        return Course(clock_h, solar, load, charge, np.full_like(clock_h, self.altitude_m))
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,14 +177,7 @@ class Performance:
             Hours of flight, infinite beyond 366 days [h].
         """
         launches = np.asarray(launch_h, float)
-        climbing = self._climbing([scenario])
-        if climbing is not None:
-            return climbing.hours(np.zeros(len(launches), int), launches)
-        only = slice(scenario, scenario + 1)
-        day_h, solar_w, load_w = self._first_day(self.solar_power_w[only], self.load_w[only])
-        store = self.store.flat(self.cycle.status.shape).select(only)
-        flights = Flights.of(day_h, solar_w, load_w, store)
-        return flights.hours(np.zeros(len(launches), int), launches)
+        return self._flights([scenario]).hours(np.zeros(len(launches), int), launches)
 
     def course(self, scenario: int, launch_h: float, hours: float) -> Course:
         """Return a flight in a scenario of a single design, launched with a full battery.
@@ -165,57 +195,33 @@ class Performance:
             Over solar time since the midnight before the launch; the state of charge is zero from
             when the battery is empty.
         """
-        climbing = self._climbing([scenario])
-        if climbing is not None:
-            return climbing.course(0, launch_h, hours)
-        end_h = launch_h + hours
-        day_h, *powers = self._first_day(self.solar_power_w, self.load_w)
-        days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
-        clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
-        clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
-        solar, load = (np.interp(clock_h % 24.0, day_h, power[scenario]) for power in powers)
-        store = self.store.flat(self.cycle.status.shape).select(slice(scenario, scenario + 1))
-        full_wh = np.asarray(store.battery_energy_wh, float)
-        day = ChargingDay.of(PowerBalance.of(clock_h, (solar - load)[:, np.newaxis]))
-        charge = day.run(store, full_wh).energy_at_nodes_wh()[:, 0] / full_wh
-        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # landed
-        altitude_m = np.full_like(clock_h, self.mission.altitude_m)
-        return Course(clock_h, solar, load, charge, altitude_m)
+        return self._flights([scenario]).course(0, launch_h, hours)
 
     def _longest_flights(self, limited: BoolArray | None = None) -> Endurance:
         """Return the longest flights of limited or marked elements; infinite elsewhere."""
         shape = self.cycle.status.shape
         indices = np.flatnonzero(~self.cycle.perpetual if limited is None else limited)
-        store = self.store.flat(shape)
         hours, launch = np.full((2, self.cycle.status.size), np.inf)
-        time_h, *powers = self._first_day(self.solar_power_w, self.load_w)
-        solar, load = (np.broadcast_to(power, (*shape, len(time_h))) for power in powers)
-        for block in blocks(len(indices), _SCENARIOS_AT_ONCE):
-            elements = indices[block]
-            at = np.unravel_index(elements, shape)
-            climbing = self._climbing(elements) if len(elements) else None
-            flights = (
-                longest_flight(time_h, solar[at], load[at], store.select(elements))
-                if climbing is None
-                else climbing.longest()
-            )
-            hours[elements], launch[elements] = flights.endurance_h, flights.launch_h
+        for block in blocks(len(indices), _SCENARIOS_AT_ONCE) if len(indices) else ():
+            flights = self._flights(indices[block]).longest()
+            hours[indices[block]], launch[indices[block]] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
 
-    def _first_day(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
-        """Return time axis and powers of the first day, of which longest flights are made."""
-        nodes = slice((len(self.day.time_h) - 1) // self.mission.days_of_light + 1)
-        return self.day.time_h[nodes], *(power[..., nodes] for power in powers)
+    def _flights(self, elements: ArrayLike) -> LevelFlights | ClimbFlights:
+        """Return the flights of a part of all elements in the light of their first day."""
+        rows, shape = np.asarray(elements, int), self.cycle.status.shape
+        store = self.store.flat(shape).select(rows)
+        if self.levels is not None:
+            from sizing.program.climbing_flights import ClimbFlights
 
-    def _climbing(self, elements: ArrayLike) -> ClimbFlights | None:
-        """Return the flights with climbs of a part of the elements; None for a mission without."""
-        if self.levels is None:
-            return None
-        levels, store = self.levels.select(np.asarray(elements, int)), self.store
-        batteries = store.flat(self.cycle.status.shape).select(np.asarray(elements, int))
-        from sizing.program.climbing_flights import ClimbFlights
-
-        return ClimbFlights(self.day.time_h, levels, batteries)
+            return ClimbFlights(self.day.time_h, self.levels.select(rows), store)
+        time_h = self.day.time_h[: (len(self.day.time_h) - 1) // self.mission.days_of_light + 1]
+        at, batch = np.unravel_index(rows, shape), (*shape, len(time_h))
+        solar_w, load_w = (
+            np.broadcast_to(power_w[..., : len(time_h)], batch)[at]
+            for power_w in (self.solar_power_w, self.load_w)
+        )
+        return LevelFlights(time_h, solar_w, load_w, store, self.mission.altitude_m)
 
 
 def performance(
