@@ -1,4 +1,4 @@
-"""A command: a data class that declares its options, and a function that takes an instance.
+"""A command: a class that declares its options, and a function that takes an instance.
 
 The class stands in ``studies.cli.commands``, and is all that help needs; the function
 in ``studies.cli.bodies``, imported with everything heavy once the options go together.
@@ -11,7 +11,7 @@ import os
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, dataclass_transform
@@ -52,36 +52,50 @@ _BODIES = "studies.cli.bodies"
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
+@dataclass(frozen=True)
+class _Declared:
+    """Option or argument of a class of options; ``make`` takes its name."""
+
+    make: Callable[[str], click.Parameter]
+
+
 def option(*spelled: str, **settings: Any) -> Any:
     """Return a field that an option fills; ``settings`` are those of :func:`click.option`."""
-    return field(metadata={"made": lambda name: click.Option([*spelled, name], **settings)})
+    return _Declared(lambda name: click.Option([*spelled, name], **settings))
 
 
 def argument(**settings: Any) -> Any:
     """Return a field that an argument fills; ``settings``: of :func:`click.argument`."""
-    return field(metadata={"made": lambda name: click.Argument([name], **settings)})
+    return _Declared(lambda name: click.Argument([name], **settings))
 
 
-@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(option, argument))
-@dataclass(frozen=True, kw_only=True)
+@dataclass_transform(kw_only_default=True, field_specifiers=(option, argument))
 class CommandOptions:
     """Options and arguments of a command: those of its fields that :func:`option` declares.
 
-    Each class of options is a data class. What does not go together is refused by its ``refuse``,
-    those of its bases first.
+    What does not go together is refused by the ``refuse`` of each class, those of the bases first.
     """
 
-    def __init_subclass__(cls) -> None:
-        dataclass(frozen=True, kw_only=True, repr=False, eq=False)(cls)
-
-    def __post_init__(self) -> None:
+    def __init__(self, **values: Any) -> None:
+        vars(self).update(values)
         for kind in reversed(type(self).__mro__):
             if "refuse" in vars(kind):
                 kind.refuse(self)  # type: ignore[attr-defined]  # looked up a line above
 
+    @classmethod
+    def parameters(cls) -> list[click.Parameter]:
+        """Return the options and arguments, those of the bases first."""
+        made: dict[str, click.Parameter] = {}
+        for kind in reversed(cls.__mro__):
+            fields = vars(kind).items()
+            made |= {
+                name: field.make(name) for name, field in fields if isinstance(field, _Declared)
+            }
+        return list(made.values())
+
 
 class Command(click.Command):
-    """Command whose options are the fields of a data class, whose help text is its docstring.
+    """Command whose options are the fields of a class, whose help text is its docstring.
 
     ``body``: what is called with an instance, ``module:function`` of :mod:`studies.cli.bodies`.
     ``task``: what it is for. ``examples``: calls as they are typed, shown first in the help text;
@@ -92,14 +106,12 @@ class Command(click.Command):
         self, options: type[CommandOptions], task: str, summary: str, body: str, *examples: str
     ) -> None:
         self.options, self.task, self.body, self.examples = options, task, body, examples
-        made = {declared.name: declared.metadata.get("made") for declared in fields(options)}
-        params = [make(name) for name, make in made.items() if make is not None]
         super().__init__(
             re.sub(r"(?<=[a-z])(?=[A-Z])", "-", options.__name__).lower(),
             help=options.__doc__,
             short_help=summary,
             callback=self._perform,
-            params=params,
+            params=options.parameters(),
         )
 
     def _perform(self, **values: Any) -> None:
@@ -191,7 +203,7 @@ COMMANDS: dict[str, Command] = {}
 
 
 def command(task: str, summary: str, body: str, *examples: str) -> Callable[[Declared], Declared]:
-    """Declare a data class of options as the command of its name; see :class:`Command`."""
+    """Declare a class of options as the command of its name; see :class:`Command`."""
 
     def declared(options: Declared) -> Declared:
         made = Command(options, task, summary, body, *examples)
