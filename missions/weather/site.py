@@ -42,9 +42,11 @@ def mission_at_site(
     if away_km > NEAR_KM and mission.longitude_deg is not None:
         notes.append(f"flown at the record's site, {away_km:.0f} km from the mission's")
     elif away_km > NEAR_KM:
+        latitudes = mission.latitudes()
+        ends = map(latitude_label, sorted({latitudes[0], latitudes[-1]}))
         notes.append(
             f"the mission has no longitude: its site is at {latitude_label(site.latitude_deg)} "
-            f"instead of {_latitudes_label(mission)}"
+            f"instead of {' to '.join(ends)}"
         )
     altitude_m = mission.altitude_m
     if altitude_m >= THIN_AIR_FROM_M:
@@ -73,13 +75,6 @@ def mission_at_site(
         }
     )
     return moved, tuple(notes)
-
-
-def _latitudes_label(mission: Mission) -> str:
-    latitudes = mission.latitudes()
-    return " to ".join(
-        latitude_label(latitude) for latitude in sorted({latitudes[0], latitudes[-1]})
-    )
 
 
 def _distance_km(mission: Mission, weather: Weather) -> float:

@@ -194,8 +194,9 @@ def prepare(
     slow = goal is not None or solar.needs_path or endurance or climbs
     north_deg, days = _grid(latitudes, days, slow=slow)
     cells = np.array(np.meshgrid(north_deg, days, indexing="ij"), float).reshape(2, -1).T
-    if goal is not None or solar.needs_path or mission.holds_station:
-        _check_winds(mission, cells)
+    wind_matters = goal is not None or solar.needs_path or mission.holds_station
+    if wind_matters and mission.wind_statistics is not None:
+        mission.scenario_winds_m_per_s(scenarios_of(cells))  # refuses cells without a wind
     coordinates = {
         "latitude": Labelled(
             ("latitude",), north_deg, {"units": "degrees_north", "standard_name": "latitude"}
@@ -267,12 +268,6 @@ def _grid(
     if np.any(date != np.round(date)):
         raise ValueError("days must be whole numbers")
     return north_deg, date.astype(int)
-
-
-def _check_winds(mission: Mission, cells: FloatArray) -> None:
-    """Refuse cells outside the mission's table of winds, if the result depends on it."""
-    if mission.wind_statistics is not None:
-        mission.scenario_winds_m_per_s(scenarios_of(cells))
 
 
 def _cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
