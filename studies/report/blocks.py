@@ -33,14 +33,10 @@ class Items:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing as markup, and its caption.
-
-    ``scrolls`` says that it is too wide for a telephone and is moved there under the finger.
-    """
+    """A drawing as markup, which scrolls on a telephone, and its caption."""
 
     markup: str
     caption: str
-    scrolls: bool = False
     kind: ClassVar[str] = "figure"
 
 

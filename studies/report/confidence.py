@@ -8,7 +8,7 @@ factor.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -218,11 +218,9 @@ def margin_table(subject: Subject) -> Table | None:
     day = nominal.day.at(weakest)
     required = max(subject.mission.required_excess_time_h, 0.0)
     holds = bool(np.all(_hold(nominal.cycle, required)))
-    quantities = _quantities(subject.aircraft, subject.mission)
     rows = []
-    for quantity, limit in zip(
-        quantities, _limits(quantities, day, required, holds=holds), strict=True
-    ):
+    for quantity in _quantities(subject.aircraft, subject.mission):
+        limit = _limit(quantity, day, required, holds=holds)
         change = None if limit is None else limit - quantity.value
         scale = max(abs(quantity.value), 100.0 if quantity.unit == "%" else 1.0)
         if change is not None and abs(change) <= _NO_MARGIN * scale:
@@ -268,46 +266,31 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
     ]  # fmt: skip
 
 
-def _limits(
-    quantities: Sequence[_Quantity], day: SolarDay, required: float, *, holds: bool
-) -> list[float | None]:
-    """Return values at which the weakest scenario just has what is required, or None.
-
-    All quantities are halved together.
-    """
-
-    def enough(values: Sequence[float]) -> list[bool]:
-        return _suffice(quantities, values, day, required)
-
-    good = [quantity.value if holds else quantity.better for quantity in quantities]
-    bad = [quantity.worse if holds else quantity.value for quantity in quantities]
-    # What becomes of the values themselves is known: ``holds``.
-    known = [not flies for flies in enough(bad)] if holds else enough(good)
+def _limit(quantity: _Quantity, day: SolarDay, required: float, *, holds: bool) -> float | None:
+    """Return the value at which the weakest scenario just has what is required, or None."""
+    good, bad = (quantity.value, quantity.worse) if holds else (quantity.better, quantity.value)
+    if _suffices(quantity, bad if holds else good, day, required) is holds:
+        return None
     for _ in range(_STEPS):
-        middle = [0.5 * (g + b) for g, b in zip(good, bad, strict=True)]
-        fly = enough(middle)
-        good = [m if flies else g for m, g, flies in zip(middle, good, fly, strict=True)]
-        bad = [b if flies else m for m, b, flies in zip(middle, bad, fly, strict=True)]
-    return [limit if has_one else None for limit, has_one in zip(good, known, strict=True)]
-
-
-def _suffice(
-    quantities: Sequence[_Quantity], values: Sequence[float], day: SolarDay, required: float
-) -> list[bool]:
-    """Return whether each quantity at its value leaves every scenario what is required."""
-    sufficient = []
-    for quantity, value in zip(quantities, values, strict=True):
-        aircraft, mission, factor = quantity.changed(value)
-        try:
-            if mission.ceiling_m > mission.altitude_m:
-                design_of(aircraft, mission.at_altitude(mission.ceiling_m))
-            light = day.scaled(factor)
-            perf = performance(aircraft, mission, day=light, keep_trajectory=False)
-        except ImpossibleDesignError:
-            sufficient.append(False)
+        middle = 0.5 * (good + bad)
+        if _suffices(quantity, middle, day, required):
+            good = middle
         else:
-            sufficient.append(bool(np.all(_hold(perf.cycle, required))))
-    return sufficient
+            bad = middle
+    return good
+
+
+def _suffices(quantity: _Quantity, value: float, day: SolarDay, required: float) -> bool:
+    """Return whether a quantity at a value leaves every scenario what is required."""
+    aircraft, mission, factor = quantity.changed(value)
+    try:
+        if mission.ceiling_m > mission.altitude_m:
+            design_of(aircraft, mission.at_altitude(mission.ceiling_m))
+        light = day.scaled(factor)
+        cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
+    except ImpossibleDesignError:
+        return False
+    return bool(np.all(_hold(cycle, required)))
 
 
 def _hold(cycle: Cycle, required: float) -> BoolArray:

@@ -73,8 +73,8 @@ def _design_tables(subject: Subject) -> tuple[Table, ...]:
         if entry.group not in ("masses", "balance"):
             row = entry.label, " ".join(entry.shown()).strip()
             groups.setdefault(entry.group, []).append(row)
-    groups["flight"] += wind_rows(subject.mission)
-    return tuple(facts(group, rows) for group, rows in groups.items())
+    groups.setdefault("flight", []).extend(wind_rows(subject.mission))
+    return tuple(facts(group, rows) for group, rows in groups.items() if rows)
 
 
 # ---- Masses and power

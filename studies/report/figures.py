@@ -60,7 +60,7 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
 def page_figure(figure: Plot, caption: str, *, title: str, description: str, key: str) -> Figure:
     """Return a figure of matplotlib as a block, which scrolls on a telephone."""
     markup = figure_markup(figure, title=title, description=description, key=key)
-    return Figure(markup, caption, scrolls=True)
+    return Figure(markup, caption)
 
 
 def figure_markup(figure: Plot, *, title: str, description: str, key: str) -> str:

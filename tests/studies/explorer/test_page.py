@@ -304,6 +304,17 @@ def test_nothing_hangs_out_of_its_panel(page: Any) -> None:
         assert too_wide(page) == [], (width, height)
 
 
+def test_each_field_says_what_it_is(page: Any) -> None:
+    words = page.locator("#field-airframe-wingspan_m-about")
+    assert not words.is_visible()
+    button = page.get_by_role("button", name="About wingspan")
+    button.click()
+    assert "Tip to tip" in words.inner_text()
+    assert button.get_attribute("aria-expanded") == "true"
+    assert accessibility_problems(page) == []
+    assert page.get_by_role("button", name="About ").count() == len(page.locator(".field").all())
+
+
 def test_measured_aircraft_says_what_it_cannot(open_page: Any, measured_address: str) -> None:
     page = at_rest(open_page(measured_address, waiting=True))
     assert slider(page, "airframe.wingspan_m").is_disabled()

@@ -6,11 +6,14 @@ from typing import Any
 import pytest
 from builders import AS2, shipped_mission
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from sizing import analyse
 from studies.output.cycle_plots import plot_cycle
 from studies.output.figures.layout import StyledFigure
+from studies.output.figures.options import FigureOptions, read_size
 
 
 @pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
@@ -42,3 +45,27 @@ def test_a_figure_is_saved_as_matplotlib_would_in_two_passes(
     once = saved()
     monkeypatch.setattr(StyledFigure, "draw", Figure.draw)
     assert once == saved()
+
+
+def test_small_figures_have_smaller_type_and_their_title_above_the_axes() -> None:
+    options = FigureOptions(size_in=read_size("85x60mm"))
+    figure = plot_cycle(analyse(AS2, shipped_mission()), figure=options)
+    figure.savefig(io.BytesIO(), format="png")
+    title = next(text for text in figure.texts if text.get_text())
+    highest = max(axes.get_window_extent().y1 for axes in figure.axes)
+    assert title.get_window_extent().y0 > highest
+    sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
+    assert 4.0 < min(sizes) < 8.0
+
+
+def test_a_drawing_in_the_place_of_axes_stays_there() -> None:
+    figure = Figure(figsize=(7.0, 2.8))
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    plot_cycle(analyse(AS2, shipped_mission()), ax=right)
+    figure.savefig(io.BytesIO(), format="png")
+    (part,) = figure.subfigs
+    (legend,) = part.legends
+    assert legend.get_window_extent().x0 >= left.get_window_extent().x1
+    lowest = min(axes.get_tightbbox().y0 for axes in part.axes)
+    assert legend.get_window_extent().y1 <= lowest + 1.0
