@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import neighbours
+from sizing.program.cross_check import random_factors
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by, violations
 from sizing.program.result import (
@@ -42,10 +44,8 @@ from sizing.program.task import SizingTask, Values
 from sizing.program.variables import WIND
 from solar.types import FloatArray, IntArray
 
-_STRIDE = 16  # cells between those that start from nothing
-# Cross-check: random neighbours of every optimum, and by how much one may be better.
-_NEIGHBOURS = 24
-_SPREADS = (0.03, 0.004)
+_STRIDE = 16  # cells between those that start from no neighbour; a power of two
+_NEIGHBOURS = 24  # of every optimum that its cross-check simulates
 _PAYLOADS = ("payload_mass_kg", "payload_power_w")
 
 
@@ -132,8 +132,9 @@ def size_cells(
         raise ValueError(f"{objective.value} is a range of days or latitudes: use widest_range")
     count = len(scenarios) // scenarios_per_cell
 
-    def each(given: ArrayLike | None, otherwise: float) -> list[float]:
-        return [float(v) for v in np.broadcast_to(otherwise if given is None else given, count)]
+    def each(values: ArrayLike | None, otherwise: float) -> list[float]:
+        """Return a value for every cell."""
+        return [float(v) for v in np.broadcast_to(otherwise if values is None else values, count)]
 
     columns = zip(
         each(required_excess_time_h, mission.required_excess_time_h),
@@ -144,12 +145,12 @@ def size_cells(
     day = solar_day(aircraft, mission, solar, scenarios=scenarios)
     tasks = []
     for cell, (required_h, mass_kg, power_w) in enumerate(columns):
-        some = day.at(np.arange(cell * scenarios_per_cell, (cell + 1) * scenarios_per_cell))
+        light = day.at(np.arange(cell * scenarios_per_cell, (cell + 1) * scenarios_per_cell))
         payload = mission.payload.model_copy(update={"mass_kg": mass_kg, "power_w": power_w})
-        own = mission.model_copy(update={"payload": payload})
+        there = mission.model_copy(update={"payload": payload})
         if mission.wind_statistics is not None and not mission.holds_station:
-            own = own.in_wind(float(mission.scenario_winds_m_per_s(some.scenarios).max()))
-        tasks.append(SizingTask(aircraft, own, objective, solar, some, required_h))
+            there = there.in_wind(float(mission.scenario_winds_m_per_s(light.scenarios).max()))
+        tasks.append(SizingTask(aircraft, there, objective, solar, light, required_h))
     return _Cells(tasks, day).run(seed)
 
 
@@ -159,87 +160,89 @@ class _Cells:
 
     tasks: Sequence[SizingTask]
     day: SolarDay
-    row: ActiveSet = field(default_factory=ActiveSet)
-    found: dict[int, Search] = field(default_factory=dict)
+    active_set: ActiveSet = field(default_factory=ActiveSet)
+    searches: dict[int, Search] = field(default_factory=dict)
 
     def run(self, seed: int) -> CellSizings:
+        """Search in every cell, and once more where a search ends without a verdict."""
         for wave in _waves(len(self.tasks)):
             self._run({cell: self._search(cell) for cell in wave})
-        again = {
-            cell: Search(self.tasks[cell])
-            for cell, one in self.found.items()
-            if one.status is SizingStatus.not_converged
+        open_status = SizingStatus.not_converged
+        without = [cell for cell, search in self.searches.items() if search.status is open_status]
+        self._run({cell: Search(self.tasks[cell]) for cell in without})
+        branches = {
+            cell: Search(task.with_values(continuous=True))
+            for cell, task in enumerate(self.tasks)
+            if task.has_continuous_sun
         }
-        self._run(again)
-        lit = {}
-        for cell, task in enumerate(self.tasks):
-            if task.has_continuous_sun:
-                lit[cell] = Search(task.with_values(continuous=True))
-        self._run(lit)
+        self._run(branches)
         return self._results(seed)
 
     def _search(self, cell: int) -> Search:
-        """Search that starts between the nearest cells on both sides that are known."""
-        before = [i for i in self.found if i < cell]
-        behind = [i for i in self.found if i > cell]
+        """Return a search that starts between the nearest known cells on both sides."""
+        before = [i for i in self.searches if i < cell]
+        behind = [i for i in self.searches if i > cell]
         ends = [max(before)] if before else []
         ends += [min(behind)] if behind else []
-        known = [one for i in ends if (one := self.found[i].outcome) is not None]
-        if not known:
-            return Search(self.tasks[cell], active_set=self.row)
-        sizes = {name: np.array([one.values[name] for one in known]) for name in known[0].values}
-        first = {n: float(np.exp(np.log(np.maximum(v, 1e-12)).mean())) for n, v in sizes.items()}
-        return Search(self.tasks[cell], first=first, warm=known[0].solution, active_set=self.row)
+        known = [judged for i in ends if (judged := self.searches[i].outcome) is not None]
+        search = Search(self.tasks[cell], active_set=self.active_set)
+        if known:
+            columns = {name: [end.values[name] for end in known] for name in known[0].values}
+            search.first = {
+                name: float(np.exp(np.log(np.maximum(values, 1e-12)).mean()))
+                for name, values in columns.items()
+            }
+            search.warm = known[0].solution
+        return search
 
     def _run(self, searches: dict[int, Search]) -> None:
-        """Run some searches; the designs of all fly together in every round."""
-        rounds = {cell: one.rounds() for cell, one in searches.items()}
-        asked = {cell: next(one) for cell, one in rounds.items()}
-        while asked:
-            near = {cell: neighbours(searches[cell].task, values) for cell, values in asked.items()}
-            flights = self._flown(near, {c: searches[c].profiles for c in near}, keep=True)
-            asked = {}
-            for cell, perf in flights.items():
+        """Run searches; the designs of all are simulated together in every round."""
+        rounds = {cell: search.rounds() for cell, search in searches.items()}
+        needed = {cell: next(steps) for cell, steps in rounds.items()}
+        while needed:
+            near = {cell: neighbours(searches[cell].task, it) for cell, it in needed.items()}
+            profiles = {cell: searches[cell].profiles for cell in near}
+            needed = {}
+            for cell, perf in self._simulated(near, profiles, keep=True).items():
                 with suppress(StopIteration):
-                    asked[cell] = rounds[cell].send(perf)
-        for cell, one in searches.items():
-            known = self.found.get(cell)
-            if known is None or one.merit > known.merit:
-                self.found[cell] = one
+                    needed[cell] = rounds[cell].send(perf)
+        for cell, search in searches.items():
+            known = self.searches.get(cell)
+            if known is None or search.merit > known.merit:
+                self.searches[cell] = search
 
-    def _flown(
+    def _simulated(
         self,
         designs: Mapping[int, list[Values]],
         profiles: Mapping[int, Mapping[int, Profile]],
         *,
         keep: bool = False,
     ) -> dict[int, Performance]:
-        """Flights of some designs for each cell, with climbs along the cell's profiles."""
+        """Simulate the designs of each cell, with climbs along the cell's profiles."""
         first = self.tasks[0]
         mission = first.mission  # whose flights are no batch of pairs
         if mission.climb is not None or mission.holds_station or first.window_h is not None:
             return {
-                cell: simulate(self.tasks[cell], some, profiles[cell])
-                for cell, some in designs.items()
+                cell: simulate(self.tasks[cell], values, profiles[cell])
+                for cell, values in designs.items()
             }
-        cells = np.repeat(list(designs), [len(some) for some in designs.values()])
-        every = [one for some in designs.values() for one in some]
-        perf = self.performance(every, cells, keep=keep)
+        cells = np.repeat(list(designs), [len(values) for values in designs.values()])
+        perf = self.performance(list(chain.from_iterable(designs.values())), cells, keep=keep)
         flights: dict[int, Performance] = {}
         for cell in designs:
-            task, own = self.tasks[cell], perf.of_designs(cells == cell)
-            flights[cell] = replace(own, mission=task.mission, day=task.day)
+            task, of_cell = self.tasks[cell], perf.of_designs(cells == cell)
+            flights[cell] = replace(of_cell, mission=task.mission, day=task.day)
         return flights
 
     def performance(
         self, designs: Sequence[Values], cells: IntArray, *, keep: bool = False
     ) -> Performance:
-        """Fly designs, each in the scenarios of its cell, which are the last axis of a batch."""
+        """Simulate designs in the scenarios of their cells, which are the last axis of a batch."""
         first, each, names = self.tasks[0], self.tasks[0].count, set(_PAYLOADS)
         pairs = list(zip(cells.tolist(), designs, strict=True))
         chosen = [self.tasks[c].held | self.tasks[c].design_variables(d).chosen() for c, d in pairs]
         names |= first.design_variables(designs[0]).chosen().keys()
-        columns = {name: np.array([one[name] for one in chosen]) for name in names}
+        columns = {name: np.array([values[name] for values in chosen]) for name in names}
         places = cells[:, np.newaxis] * each + np.arange(each)
         variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, each))
         perf = fly(
@@ -263,44 +266,47 @@ class _Cells:
             cycle=perf.cycle.reshaped(shape),
         )
 
-    def _checked(self, kept: IntArray, own: FloatArray, seed: int) -> NDArray[np.bool_]:
-        """Whether no random neighbour of a design is better by more than the tolerance."""
+    def _checked(self, kept: IntArray, merits: FloatArray, seed: int) -> NDArray[np.bool_]:
+        """Return whether no random neighbour of a design is better by more than the tolerance.
+
+        ``kept``: cells with a design. ``merits``: theirs.
+        """
         first, rng = self.tasks[0], np.random.default_rng(seed)
-        spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
-        factors = {name: np.exp(spread * rng.standard_normal(len(spread))) for name in first.moved}
+        factors = random_factors(first.moved, _NEIGHBOURS, rng)
         designs, profiles = {}, {}
         for cell in kept.tolist():
-            best, task = self.found[cell].best, self.tasks[cell]
+            best, task = self.searches[cell].best, self.tasks[cell]
             assert best is not None
             profiles[cell] = best.profiles
-            near = [
-                {name: best.values[name] * by[number] for name, by in factors.items()}
-                for number in range(len(spread))
+            designs[cell] = [
+                task.within_bounds(
+                    best.values | {name: best.values[name] * by[i] for name, by in factors.items()}
+                )
+                for i in range(_NEIGHBOURS)
             ]
-            designs[cell] = [task.within_bounds(best.values | values) for values in near]
-        best_of = np.full(len(kept), -np.inf)
-        for place, (cell, perf) in enumerate(self._flown(designs, profiles).items()):
-            task, excess_h = self.tasks[cell], perf.cycle.excess_time_h.min(axis=-1)
-            good = (excess_h > 0.0) & (excess_h >= task.required_h)
-            wind = task.held[WIND]
-            good &= meets_requirements(task.simulated_aircraft, perf.design, wind_m_per_s=wind)
-            merit = np.where(good, merit_of(first.objective, perf), -np.inf)
-            best_of[place] = merit.max()
+        highest = np.full(len(kept), -np.inf)
+        for place, (cell, perf) in enumerate(self._simulated(designs, profiles).items()):
+            task = self.tasks[cell]
+            good = task.is_enough(perf.cycle.excess_time_h) & meets_requirements(
+                task.simulated_aircraft, perf.design, wind_m_per_s=task.held[WIND]
+            )
+            highest[place] = np.where(good, merit_of(first.objective, perf), -np.inf).max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0
+        tolerance = np.maximum(RELATIVE_TOLERANCE * np.abs(merits), in_hours)
         # Sums rather than differences: the excess time may be infinite on both sides.
-        return np.asarray(best_of <= own + np.maximum(RELATIVE_TOLERANCE * np.abs(own), in_hours))
+        return np.asarray(highest <= merits + tolerance)
 
     def _results(self, seed: int) -> CellSizings:
         count, first = len(self.tasks), self.tasks[0]
-        status = np.array([self.found[cell].status for cell in range(count)], int)
+        status = np.array([self.searches[cell].status for cell in range(count)], int)
         columns: dict[str, Any] = {f.name: np.full(count, np.nan) for f in fields(CellSizings)}
         columns |= {"status": status, "message": np.full(count, "", object)}
         columns["requirement"] = np.full(count, "", "<U40")
         for cell in np.flatnonzero(status == SizingStatus.infeasible).tolist():
-            worst = _missed_most(self.found[cell])
+            worst = _missed_most(self.searches[cell])
             columns["requirement"][cell], columns["message"][cell] = worst.requirement, worst.text
             columns["shortfall"][cell] = worst.shortfall
-        best = {cell: one.values for cell in range(count) if (one := self.found[cell].best)}
+        best = {cell: it.values for cell in range(count) if (it := self.searches[cell].best)}
         names = {*variables_of(first.aircraft).chosen(), *_PAYLOADS}
         variables = {name: np.full(count, np.nan) for name in names}
         if best:
@@ -322,7 +328,7 @@ class _Cells:
 
 
 def _waves(count: int) -> Iterator[range]:
-    """Every so many of some places, then those half-way between, until all are told."""
+    """Yield every so many of the places, then those half-way between, until none is left."""
     stride = _STRIDE
     yield range(0, count, stride)
     while stride > 1:
@@ -331,7 +337,7 @@ def _waves(count: int) -> Iterator[range]:
 
 
 def _missed_most(search: Search) -> Violation:
-    """Requirement that the design of a cell misses most that comes nearest."""
+    """Return the requirement that the nearest design of a cell misses most."""
     nearest, task = search.nearest, search.task
     assert nearest is not None
     perf = replace(nearest.perf.of_designs(0), mission=task.mission, day=task.day)
@@ -339,4 +345,4 @@ def _missed_most(search: Search) -> Violation:
     short_h = task.required_h - float(np.min(perf.cycle.excess_time_h))
     if task.required_h > short_h > 0.0:  # it flies perpetually
         missed = {"excess_time": short_h}
-    return max(violations(task, perf, missed), key=lambda one: one.shortfall)
+    return max(violations(task, perf, missed), key=lambda violation: violation.shortfall)

@@ -6,6 +6,7 @@ them with a fine time step as well. A search is no proof.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,15 +23,16 @@ from sizing.program.start import grid_of
 from sizing.program.variables import chosen_variables
 from solar.types import FloatArray
 
-_SPREADS = np.repeat([0.03, 0.004], 200)  # of the neighbours, relative
-_FINALISTS = 8
+_SPREADS = (0.03, 0.004)  # of neighbours, relative: beyond and within what a program resolves
+_NEIGHBOURS = 400  # of an optimum that is checked alone
+_FINALISTS = 8  # designs that are simulated with a fine step as well
 
 
 @dataclass(frozen=True)
 class CrossCheck:
     """Outcome of the cross-check.
 
-    ``cross_checked``: nothing found is better by more than the tolerance, and the fine step agrees.
+    ``cross_checked``: no design is better by more than the tolerance, and the fine step agrees.
     ``objective_value``: of the optimum, by the simulator. ``fine_step_value``: the same with a time
     step of one minute. ``best_found``: best objective of all designs and the optimum.
     ``advantage``: by how much that is better, in the objective's unit; zero where nothing is.
@@ -46,6 +48,14 @@ class CrossCheck:
     designs_tried: int
 
 
+def random_factors(
+    names: Iterable[str], count: int, rng: np.random.Generator
+) -> dict[str, FloatArray]:
+    """Return factors on variables that make so many random neighbours of a design."""
+    spread = np.repeat(_SPREADS, count // len(_SPREADS))
+    return {name: np.exp(spread * rng.standard_normal(len(spread))) for name in names}
+
+
 def cross_check(
     aircraft: Aircraft,
     mission: Mission,
@@ -59,11 +69,11 @@ def cross_check(
         raise ValueError(
             f"the sizing is {result.status.name}: only an optimum can be cross-checked"
         )
-    objective, flown = result.objective, result.simulated
+    objective, simulated = result.objective, result.simulated
     fine_day = solar_day(aircraft, mission, solar, step_h=FINE_STEP_H)
 
     def merit(variables: DesignVariables, light: SolarDay) -> FloatArray:
-        """Merit; NaN for designs that miss a requirement, by more than the time step allows."""
+        """Return the merit, NaN of designs that miss a requirement by more than a step allows."""
         perf = performance_of_designs(aircraft, mission, variables, solar, day=light)
         worst_h = np.min(perf.cycle.excess_time_h, axis=-1)
         least_h = result.required_excess_time_h - ABSOLUTE_TOLERANCE_H * (light is fine_day)
@@ -73,32 +83,34 @@ def cross_check(
 
     optimum, grid = result.design.variables, grid_of(aircraft).chosen()
     bounds = {v.name: (v.minimum, v.maximum) for v in chosen_variables(aircraft)}
-    rng, on_grid, designs = np.random.default_rng(seed), np.size(grid["wingspan_m"]), {}
-    for name, value in optimum.mapped(float).chosen().items():
-        around = value * np.exp(_SPREADS * rng.standard_normal(len(_SPREADS)))
-        around = np.clip(around, *bounds.get(name, (value, value)))
+    chosen, on_grid, designs = optimum.mapped(float).chosen(), np.size(grid["wingspan_m"]), {}
+    factors = random_factors(chosen, _NEIGHBOURS, np.random.default_rng(seed))
+    for name, value in chosen.items():
+        around = np.clip(value * factors[name], *bounds.get(name, (value, value)))
         designs[name] = np.append(np.zeros(on_grid) + np.asarray(grid.get(name, value)), around)
-    tried = DesignVariables(**designs)
-    own, fine, merits = merit(optimum, flown.day), merit(optimum, fine_day), merit(tried, flown.day)
+    tried, day = DesignVariables(**designs), simulated.day
+    of_optimum, fine, merits = merit(optimum, day), merit(optimum, fine_day), merit(tried, day)
     finalists = np.argsort(-merits, kind="stable")[:_FINALISTS]  # NaN last
     confirmed = ~np.isnan(merit(tried.mapped(lambda v: np.asarray(v)[finalists]), fine_day))
-    least = -np.inf if np.isnan(own) else own
+    least = -np.inf if np.isnan(of_optimum) else of_optimum
     better = [i for i in finalists[confirmed] if merits[i] > least]
     # Not by a difference: the excess time is infinite where the battery is never needed.
-    best, advantage = (merits[better[0]], merits[better[0]] - least) if better else (own, 0.0)
+    best, advantage = of_optimum, 0.0
+    if better:
+        best, advantage = merits[better[0]], merits[better[0]] - least
     # A payload is what is left of a mass, or of a load, that is known to a tolerance itself.
     tolerances = {
         Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
         Objective.max_payload_mass: ROW_TOLERANCE * result.design.total_mass_kg,
-        Objective.max_payload_power: ROW_TOLERANCE * np.max(flown.nominal_load_w),
+        Objective.max_payload_power: ROW_TOLERANCE * np.max(simulated.nominal_load_w),
     }
-    tolerance = max(RELATIVE_TOLERANCE * abs(own), tolerances.get(objective, 0.0))
+    tolerance = max(RELATIVE_TOLERANCE * abs(of_optimum), tolerances.get(objective, 0.0))
     sign = 1.0 if objective.maximised else -1.0
     return CrossCheck(
         cross_checked=bool(
-            advantage <= tolerance and (fine == own or abs(fine - own) <= tolerance)
+            advantage <= tolerance and (fine == of_optimum or abs(fine - of_optimum) <= tolerance)
         ),
-        objective_value=sign * float(own),
+        objective_value=sign * float(of_optimum),
         fine_step_value=sign * float(fine),
         best_found=sign * float(best),
         advantage=float(advantage),
