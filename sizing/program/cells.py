@@ -1,10 +1,10 @@
 """Many sizings of one aircraft at once: a design for every cell of a map.
 
 Every cell is one place on one day, or a few such scenarios together, with a payload and a required
-excess time of its own if need be, and has a search of its own (:mod:`sizing.program.size`). Designs
-of all cells fly in one batch; programs are solved one after the other. Some cells far apart come
-first, then those half-way between, and so on: each starts from the mean of the designs on both
-sides, and from the multipliers of one of them.
+excess time of its own if need be, and has a search of its own (:mod:`sizing.program.search`).
+Designs of all cells fly in one batch; programs are solved in turn. Some cells far apart come first,
+then those half-way between, and so on: each starts from the mean of the designs on both sides, and
+from the multipliers of one of them.
 """
 
 from __future__ import annotations

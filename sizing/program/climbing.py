@@ -31,7 +31,7 @@ class Profile(NamedTuple):
     share: FloatArray
 
     def at(self, time_h: FloatArray) -> FloatArray:
-        """Share of the way to the ceiling at some times of the day."""
+        """Return the share of the way to the ceiling at times of the day."""
         return np.interp(time_h, self.clock_h % 24.0, self.share, period=24.0)
 
 
@@ -55,38 +55,39 @@ def simulate(
     energy_wh = np.asarray(design.battery_energy_wh)[:, np.newaxis]
     store = Store.of(task.aircraft.battery, energy_wh)
     climbs = flown_along(time_h, levels, store.flat(shape), np.tile(height_m, (len(designs), 1)))
-    flown = (design, task.mission, task.solar, task.day, store, levels, climbs, shape)
-    return performance_along(*flown)
+    return performance_along(
+        design, task.mission, task.solar, task.day, store, levels, climbs, shape
+    )
 
 
 def power_beyond_floor(
     task: SizingTask, design: Design, number: int, heights: FloatArray, hours: FloatArray
 ) -> FloatArray:
-    """Load above that of level flight at the floor, as the program has it [W].
+    """Return the load above that of level flight at the floor, as the program has it [W].
 
     ``design``: a batch. ``heights``: at the nodes, over the way to the ceiling. Returns of shape
     ``(design, interval)``.
     """
     weights = np.stack(lagrange((heights[1:] + heights[:-1]) / 2.0, LEVELS))[:, np.newaxis]
-    flown = [
+    designs = [
         parametric_design(task.simulated_aircraft, air, design.variables, design.total_mass_kg)
         for air in task.airs
     ]
-    powers = [np.asarray(one.propulsion_power_w)[:, np.newaxis] for one in flown]
+    powers = [np.asarray(it.propulsion_power_w)[:, np.newaxis] for it in designs]
     if task.mission.holds_station:
-        speeds = np.stack([np.asarray(one.airspeed_m_per_s)[:, np.newaxis] for one in flown])
+        speeds = np.stack([np.asarray(it.airspeed_m_per_s)[:, np.newaxis] for it in designs])
         wind = np.sum(weights[:, 0] * task.winds_m_per_s[number][:, np.newaxis], axis=0)
         ratio = np.maximum(wind / np.exp(np.sum(weights * np.log(speeds), axis=0)), 1.0)
-        every = (one.mapped(lambda v: np.asarray(v)[..., np.newaxis]) for one in flown)
+        columns = (it.mapped(lambda v: np.asarray(v)[..., np.newaxis]) for it in designs)
         powers = [
-            flight_faster(task.simulated_aircraft, air, one, ratio).propulsion_power_w
-            for air, one in zip(task.airs, every, strict=True)
+            flight_faster(task.simulated_aircraft, air, it, ratio).propulsion_power_w
+            for air, it in zip(task.airs, columns, strict=True)
         ]
     table = np.log(np.stack(np.broadcast_arrays(*powers)))
     power_w, floor_w = np.exp(np.sum(weights * table, axis=0)), np.exp(table[0, :, :1])
-    assert flown[0].chain is not None
+    assert designs[0].chain is not None
     weight_n = np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2
     rate = np.diff(heights) * task.climb_height_m / (3600.0 * hours)
-    climb_w = (weight_n / flown[0].chain.efficiency)[:, np.newaxis] * rate
+    climb_w = (weight_n / designs[0].chain.efficiency)[:, np.newaxis] * rate
     steady = 1.0 + task.mission.turbulence.all_day
     return np.asarray((power_w - floor_w) * steady + climb_w)

@@ -25,8 +25,8 @@ from solar.types import FloatArray, IntArray
 
 _CHARGES = 9  # of a dawn, of which the next one is known; linear between
 _LAUNCHES = 601  # by night
-_SHORT = 1e-9  # of the battery: what lacks of a load that is met but for rounding
-_STEADY = 1e-4  # of the battery: days that lose the same are alike
+_ROUNDING = 1e-9  # of the battery: a load that lacks less is met
+_SAME_LOSS = 1e-4  # of the battery: days that lose the same are alike
 
 
 class Part(NamedTuple):
@@ -80,19 +80,18 @@ class ClimbFlights:
         able &= self.levels.reach_m[i] > LOWEST_M
         if not (able and (level.solar_w > level.load_w).any()):
             return level
-        given = (self.time_h, self.levels, self.store, self.floor)
-        height_m, _ = best_heights(*given, i, window)
+        height_m, _ = best_heights(self.time_h, self.levels, self.store, self.floor, i, window)
         climbing = self._flown(i, window, height_m)
-        return max(level, climbing, key=lambda one: (one.flies_until_h, one.left_wh))
+        return max(level, climbing, key=lambda part: (part.flies_until_h, part.left_wh))
 
     def _flown(self, i: int, window: Window, height_m: FloatArray) -> Part:
-        one = slice(i, i + 1)
-        powers = self.levels.select(one).powers_along(self.time_h, height_m[np.newaxis])
-        day, store = window.day(self.time_h, *powers), self.store.select(one)
+        element = slice(i, i + 1)
+        powers = self.levels.select(element).powers_along(self.time_h, height_m[np.newaxis])
+        day, store = window.day(self.time_h, *powers), self.store.select(element)
         charging = ChargingDay.of(PowerBalance.of(day.time_h, (day.solar_w - day.load_w).T))
         begin_wh = np.array([window.begin_wh])
         run = charging.run(store, begin_wh)
-        empty_h = float(run.empty_h(_SHORT)[0])
+        empty_h = float(run.empty_h(_ROUNDING)[0])
         charge = run.energy_at_nodes_wh()[:, 0]
         left_wh = float(run.midnight_wh[0] + np.minimum(run.drained_wh, 0.0).sum())
         height = np.interp(day.time_h % 24.0, self.time_h, height_m)
@@ -107,18 +106,18 @@ class ClimbFlights:
         dawn_h = 0.0 if np.isnan(dawn_h) else dawn_h
         first_h = (dawn_h - launch_h) % 24.0 or 24.0
         window, days_h, lost_wh = Window(launch_h, launch_h + first_h, full_wh), 0.0, np.nan
-        found: list[tuple[float, Part]] = []
+        parts: list[tuple[float, Part]] = []
         while True:
             part = self.part(i, window)
-            found.append((days_h, part))
-            days_h += window.end_h - dawn_h if len(found) == 1 else 24.0
+            parts.append((days_h, part))
+            days_h += window.end_h - dawn_h if len(parts) == 1 else 24.0
             if not np.isnan(part.empty_h) or days_h > 24.0 * MAXIMUM_DAYS:
-                return found
+                return parts
             loss_wh = window.begin_wh - part.left_wh
             begin_wh = part.left_wh
-            if len(found) > 1 and loss_wh <= _STEADY * full_wh:
-                return found
-            if len(found) > 2 and abs(loss_wh - lost_wh) < _STEADY * full_wh:
+            if len(parts) > 1 and loss_wh <= _SAME_LOSS * full_wh:
+                return parts
+            if len(parts) > 2 and abs(loss_wh - lost_wh) < _SAME_LOSS * full_wh:
                 lowest_wh = min(part.energy_wh)
                 skipped = max(np.floor(lowest_wh / loss_wh) - 1.0, 0.0)
                 begin_wh, days_h = begin_wh - skipped * loss_wh, days_h + 24.0 * skipped
@@ -127,12 +126,12 @@ class ClimbFlights:
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Flight time of elements from launches with a full battery [h]."""
-        found = np.full(len(cells), np.inf)
+        flights_h = np.full(len(cells), np.inf)
         for number, (i, at_h) in enumerate(zip(cells.tolist(), launch_h.tolist(), strict=True)):
             days_h, last = self.parts(i, at_h)[-1]
             if not np.isnan(last.empty_h):
-                found[number] = days_h + last.empty_h - at_h
-        return np.where(found > 24.0 * MAXIMUM_DAYS, np.inf, found)
+                flights_h[number] = days_h + last.empty_h - at_h
+        return np.where(flights_h > 24.0 * MAXIMUM_DAYS, np.inf, flights_h)
 
     def longest(self) -> Endurance:
         """Longest flight of every element over all launches by night, and in level flight."""
@@ -150,14 +149,14 @@ class ClimbFlights:
 
     def _best_launch(self, i: int) -> float:
         """Launch of the longest flight from the evening's to the morning's equal power [h]."""
-        dawn_h, dusk_h = (float(one[i]) for one in self.dawn_h)
+        dawn_h, dusk_h = (float(hours[i]) for hours in self.dawn_h)
         full_wh, floor = float(self.store.battery_energy_wh[i]), self.floor
         out_of = float(
             np.broadcast_to(self.store.discharge_efficiency, self.store.battery_energy_wh.shape)[i]
         )
         charges = np.linspace(0.0, full_wh, _CHARGES)
-        windows = [Window(dawn_h, dawn_h + 24.0, float(one)) for one in charges]
-        left_wh = np.array([self.part(i, one).left_wh for one in windows])
+        windows = [Window(dawn_h, dawn_h + 24.0, float(charge_wh)) for charge_wh in charges]
+        left_wh = np.array([self.part(i, window).left_wh for window in windows])
         before_h = np.linspace(0.0, (dawn_h - dusk_h) % 24.0, _LAUNCHES)
         net_w = floor.load_w[i] - floor.solar_w[i]
         lacking_w = np.interp((dawn_h - before_h) % 24.0, self.time_h, np.maximum(net_w, 0.0))
@@ -181,13 +180,13 @@ class ClimbFlights:
         columns: list[tuple[FloatArray, ...]] = []
         for days_h, part in self.parts(i, launch_h):
             clock_h = days_h + part.clock_h
-            some = slice(1 if columns else 0, None)
+            rest = slice(1 if columns else 0, None)
             rows = (clock_h, part.solar_w, part.load_w, part.energy_wh / full_wh, part.height_m)
-            columns.append(tuple(one[some] for one in rows))
-        time_h, *values = (np.concatenate(one) for one in zip(*columns, strict=True))
+            columns.append(tuple(row[rest] for row in rows))
+        time_h, *values = (np.concatenate(column) for column in zip(*columns, strict=True))
         inside = (time_h > launch_h) & (time_h < end_h)
         clock_h = np.concatenate([[launch_h], time_h[inside], [end_h]])
-        solar, load, charge, height_m = (np.interp(clock_h, time_h, one) for one in values)
+        solar, load, charge, height_m = (np.interp(clock_h, time_h, column) for column in values)
         # It has come down.
         landed = clock_h >= days_h + part.flies_until_h
         charge[np.logical_or.accumulate(landed | (charge <= 0.0))] = 0.0

@@ -92,19 +92,19 @@ class Scenario:
     profile: Profile | None = None
 
     def share(self) -> FloatArray:
-        """Heights flown at the nodes, over the way to the ceiling."""
+        """Return the heights at the nodes, over the way to the ceiling."""
         assert self.clock_h is not None
         level = np.zeros(len(self.clock_h))
         return level if self.profile is None else self.profile.at(self.clock_h)
 
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
-    """A design, and one for each variable that is moved by a step."""
+    """Return a design, and one more for each variable that is moved by a step."""
     return [values, *(_moved(task, values, {name: STEP}) for name in task.moved)]
 
 
 def _moved(task: SizingTask, values: Values, steps: Mapping[str, float]) -> Values:
-    """Design with some variables moved by steps of the program's variable."""
+    """Return a design with variables moved by steps of the program's variable."""
     moved = dict(values)
     for v, scale in zip(task.variables, scales_of(task.variables, values), strict=True):
         if v.name in steps:
@@ -119,7 +119,7 @@ def linearised(
     perf: Performance,
     known: Mapping[int, Scenario],
 ) -> Linearisation:
-    """Light and load of a design in some scenarios, from its flight and its neighbours'.
+    """Return light and load of a design in scenarios, from its flight and its neighbours'.
 
     ``perf``: of :func:`neighbours`, in all scenarios of the task. ``known``: what is known of the
     scenarios that make the blocks, in their order.
@@ -152,11 +152,11 @@ def linearised(
 
 
 def day_of(task: SizingTask, perf: Performance, number: int) -> Day:
-    """Powers of a batch of designs in one scenario, over its day or the flight."""
+    """Return the powers of a batch of designs in a scenario, over its day or the flight."""
     time_h = task.day.time_h
     shape = (np.size(perf.design.total_mass_kg), task.count, len(time_h))
     solar_w, load_w = (
-        np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w)
+        np.broadcast_to(power_w, shape)[:, number] for power_w in (perf.solar_power_w, perf.load_w)
     )
     if task.window_h is None:
         return Day.of(time_h, solar_w, load_w)
@@ -179,8 +179,8 @@ def _heights(form: Form, scenario: Scenario) -> FloatArray:
 
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:
     """Logarithm of the airspeed that holds the place at the floor, over the design's."""
-    own = float(np.ravel(perf.design.airspeed_m_per_s)[0])
-    return math.log(max(float(task.winds_m_per_s[number, 0]) / own, 1.0))
+    airspeed_m_per_s = float(np.ravel(perf.design.airspeed_m_per_s)[0])
+    return math.log(max(float(task.winds_m_per_s[number, 0]) / airspeed_m_per_s, 1.0))
 
 
 def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | None:
@@ -190,22 +190,23 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
         return None
     task = task.eased(values)
     design, count = perf.design, len(task.variables)
-    if len(np.ravel(design.total_mass_kg)) == 1:  # flown alone
+    if len(np.ravel(design.total_mass_kg)) == 1:  # without its neighbours
         designs = task.stacked(neighbours(task, values))
         design = closed_design(task.simulated_aircraft, task.mission, designs)
     assert design.chain is not None
     limits = {row.name: row.value for row in design_requirements(task.simulated_aircraft, design)}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
-    found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
-    found[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
+    count_of = len(design.total_mass_kg)
+    logs = np.log(np.stack([np.broadcast_to(row, count_of) for row in every], 1))
+    logs[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
     if task.beyond_limits:
-        found[:, 2:] = _NEVER
+        logs[:, 2:] = _NEVER
     places = [task.names.index(name) for name in task.moved]
     bend = np.zeros((count, count))
     bend[np.ix_(places, places)] = _bend(task, values)
     surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
-    slope = _derivatives(task, found)
-    return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
+    slope = _derivatives(task, logs)
+    return PartsData(logs[0], slope.ravel(order="F"), bend.ravel(), surface)
 
 
 def _bend(task: SizingTask, values: Values) -> FloatArray:
@@ -218,14 +219,14 @@ def _bend(task: SizingTask, values: Values) -> FloatArray:
     pairs = [(i, j) for i in range(count) for j in range(i)]
     steps: list[dict[str, float]] = [{}, *({n: h} for n in names), *({n: -h} for n in names)]
     steps += [{names[i]: h, names[j]: h} for i, j in pairs]
-    designs = task.stacked([_moved(task, values, one) for one in steps])
+    designs = task.stacked([_moved(task, values, step) for step in steps])
     chain = closed_design(task.simulated_aircraft, task.mission, designs).chain
     assert chain is not None
-    own, *others = np.log(np.asarray(chain.efficiency))
+    centre, *others = np.log(np.asarray(chain.efficiency))
     ahead, behind, both = np.split(np.array(others), [count, 2 * count])
-    bend = np.diag(ahead - 2.0 * own + behind)
+    bend = np.diag(ahead - 2.0 * centre + behind)
     for (i, j), there in zip(pairs, both, strict=True):
-        bend[i, j] = bend[j, i] = there - ahead[i] - ahead[j] + own
+        bend[i, j] = bend[j, i] = there - ahead[i] - ahead[j] + centre
     bend = np.nan_to_num(bend / h**2)
     sizes, axes = np.linalg.eigh(bend)
     return np.asarray(axes @ np.diag(np.minimum(sizes, 0.0)) @ axes.T)
@@ -238,8 +239,8 @@ def _surface(task: SizingTask, design: Design) -> FloatArray:
         return np.zeros(1)
     airs = [air.with_payload_of(variables) for air in task.airs]
     by_parts, by_chain = (
-        np.array(power_surface(task.simulated_aircraft, form, airs, variables, one)[0], float)
-        for one in (design._replace(chain=None), design)
+        np.array(power_surface(task.simulated_aircraft, form, airs, variables, it)[0], float)
+        for it in (design._replace(chain=None), design)
     )
     return np.asarray(np.nan_to_num(np.log(by_parts / by_chain)).ravel(order="F"))
 
@@ -270,15 +271,17 @@ def _block(
         level_w = nominal_w  # as fast as the wind of the scenario
     lowest = day.solar_w.min(axis=-1, keepdims=True) / area
     light = np.hstack([means.light_w / area, lowest])
-    load_w, flown = means.load_w, light[0, :-1]
+    load_w, mean_light = means.load_w, light[0, :-1]
     if (levels := perf.levels) is not None:
         load_w = load_w - power_beyond_floor(
             task, perf.design, number, scenario.share(), means.hours
         )
         way_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
         rows, _ = levels.at_heights(number, way_m)  # of the first design
-        lit = Day.of(time_h, rows, np.zeros_like(rows), scenario.first)
-        flown = light_at_heights(lit, scenario.nodes, scenario.share(), flown).ravel(order="F")
+        at_heights = Day.of(time_h, rows, np.zeros_like(rows), scenario.first)
+        mean_light = light_at_heights(
+            at_heights, scenario.nodes, scenario.share(), mean_light
+        ).ravel(order="F")
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.
@@ -292,7 +295,7 @@ def _block(
         scenario.shift_h = float(beyond_h[0])
     block = BlockData(
         hours=means.hours,
-        light_w_per_m2=flown,
+        light_w_per_m2=mean_light,
         load=load[0, :-1],
         nominal=load[0, -1],
         light_slope=_slopes(task, light),

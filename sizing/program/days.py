@@ -33,16 +33,16 @@ class Day(NamedTuple):
     def of(
         cls, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray, first: int | None = None
     ) -> Day:
-        """The same day, begun at sunrise; without a night where the sun is lowest.
+        """Return the same day, begun at sunrise; without a night where the sun is lowest.
 
         ``first``: step that it begins with instead.
         """
         steps = len(time_h) - 1
-        lit = (solar_w[0, :-1] > 0.0) | (solar_w[0, 1:] > 0.0)
+        bright = (solar_w[0, :-1] > 0.0) | (solar_w[0, 1:] > 0.0)
         if first is None:
             first = int(np.argmin(solar_w[0, :-1]))
-            if lit.any() and not lit.all():
-                first = int(np.flatnonzero(lit & ~np.roll(lit, 1))[0])
+            if bright.any() and not bright.all():
+                first = int(np.flatnonzero(bright & ~np.roll(bright, 1))[0])
         at = (first + np.arange(steps + 1)) % steps
         hours = np.diff(time_h)[at[:-1]]
         clock = time_h[first] + np.concatenate([[0.0], np.cumsum(hours)])
@@ -52,17 +52,17 @@ class Day(NamedTuple):
     def between(
         cls, ends_h: FloatArray, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray
     ) -> Day:
-        """Flight from a launch to a landing."""
+        """Return the flight from a launch to a landing."""
         inside = time_h[(time_h > ends_h[0]) & (time_h < ends_h[1])]
         clock = np.concatenate([ends_h[:1], inside, ends_h[1:]])
         solar, load = (
-            np.stack([np.interp(clock, time_h, one) for one in power])
+            np.stack([np.interp(clock, time_h, row) for row in power])
             for power in (solar_w, load_w)
         )
         return cls(clock, solar, load, 0, lands=True)
 
     def path(self, store: Store, soc: float) -> FloatArray:
-        """State of charge of the first of the batch over the day, from one at its begin."""
+        """Return the state of charge of the batch's first over the day, from its begin on."""
         full = np.asarray(store.battery_energy_wh, float).reshape(1)
         balance = PowerBalance.of(self.time_h, (self.solar_w[:1] - self.load_w[:1]).T)
         run = ChargingDay.of(balance).run(store, soc * full)
@@ -70,13 +70,13 @@ class Day(NamedTuple):
 
 
 def equal_power_step(day: Day, nominal_w: float) -> int:
-    """Step of a day at which the sun carries the nominal load for the first time; 0 if never."""
+    """Return the first step of a day at which the sun carries the nominal load; 0 if none."""
     carried = day.solar_w[0] >= nominal_w
     return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
 
 
 def reserve_nodes(day: Day, nodes: IntArray, nominal_w: float) -> BoolArray:
-    """Whether the excess time must be left at each node: up to equal power, or at the landing."""
+    """Return whether the excess time must be left at each node: to equal power, or at landing."""
     at = np.arange(len(nodes))
     if day.lands:
         return np.asarray(at == at[-1])
@@ -92,7 +92,7 @@ def nodes_of(
     form: Form,
     close: BoolArray | bool = False,
 ) -> IntArray:
-    """Ends of the intervals on the time axis of a day.
+    """Return the ends of the intervals on the time axis of a day.
 
     They lie where light begins and ends, where power is equal, and where the charge limit begins
     to hold back; the rest halve the longest interval of light, again and again, of climbs
@@ -109,9 +109,9 @@ def nodes_of(
     throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
     nodes = {0, steps, equal_power_step(day, nominal_w)}
-    for some in (edges, turns, throttled):
-        if len(nodes) + len(some) <= form.intervals // 2:
-            nodes |= {int(one) for one in some}
+    for steps_there in (edges, turns, throttled):
+        if len(nodes) + len(steps_there) <= form.intervals // 2:
+            nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
     least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
     near = np.convolve(held | least, np.ones(_NEAR), "same") > 0.0
@@ -139,7 +139,7 @@ class DayMeans(NamedTuple):
 
 
 def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans:
-    """Means over the intervals of a day."""
+    """Return the means over the intervals of a day."""
     h = np.diff(day.time_h)
     net, solar = day.solar_w - day.load_w, day.solar_w
     surplus = positive_part_wh(net[:, :-1], net[:, 1:], h)
@@ -152,12 +152,16 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
 
 
-def light_at_heights(lit: Day, nodes: IntArray, share: FloatArray, light: FloatArray) -> FloatArray:
-    """Light at all heights of a program over the intervals, ``(height, interval)``.
+def light_at_heights(
+    at_heights: Day, nodes: IntArray, share: FloatArray, light: FloatArray
+) -> FloatArray:
+    """Return the light at all heights of a program over the intervals, ``(height, interval)``.
 
-    ``lit``: at these heights. ``light``: at the heights flown, ``share`` of the way at the nodes,
-    with which it agrees.
+    ``at_heights``: powers there. ``light``: of the flight, ``share`` of the way at the nodes, with
+    which it agrees.
     """
-    known = day_means(lit, nodes, 1.0, 1.0).light_w
-    own = np.sum(np.stack(lagrange((share[1:] + share[:-1]) / 2.0, len(known))) * known, axis=0)
-    return np.asarray(known * np.where(own > 0.0, light / np.where(own > 0.0, own, 1.0), 1.0))
+    known = day_means(at_heights, nodes, 1.0, 1.0).light_w
+    weights = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, len(known)))
+    mean = np.sum(weights * known, axis=0)
+    bright = mean > 0.0
+    return np.asarray(known * np.where(bright, light / np.where(bright, mean, 1.0), 1.0))

@@ -49,21 +49,21 @@ def longest_flight_of_all(
     best: DesignVariables | None = None
     longest_h, launch_h, report = 0.0, 12.0, SolverReport()
 
-    def tried(there: Mission, light: SolarDay) -> bool:
-        """Search for the design with most excess time, and keep it if its flight is longer."""
+    def search_in(there: Mission, light: SolarDay) -> bool:
+        """Search for the design of most excess time, keep it if its flight is longer."""
         nonlocal best, longest_h, launch_h, report
         first = None if best is None else task.first_values(best)
         search = Search(task.with_values(mission=there, day=light), first).run()
         report += search.report
-        if (found := search.outcome) is None:
+        if (judged := search.outcome) is None:
             return False
-        variables = task.design_variables(found.values)
-        flown = performance_of_designs(aircraft, repeated, variables, solar, day=day)
-        at = int(flown.endurance_h.argmin())
-        hours = float(flown.endurance_h[at]) - required_h
-        if task.meets(found.values, flown) and hours > longest_h:
+        variables = task.design_variables(judged.values)
+        perf = performance_of_designs(aircraft, repeated, variables, solar, day=day)
+        at = int(perf.endurance_h.argmin())
+        hours = float(perf.endurance_h[at]) - required_h
+        if task.meets(judged.values, perf) and hours > longest_h:
             longest_h, best = hours, variables
-            if (launch := flown.endurances()[at]) is not None:
+            if (launch := perf.endurances()[at]) is not None:
                 launch_h = float(launch.launch_h)
         return search.best is not None
 
@@ -81,9 +81,9 @@ def longest_flight_of_all(
     def too_long(hours: float) -> bool:
         """Return whether no design flies so long."""
         there = window(hours)
-        return hours > longest_h and not tried(there, day.over_days(there.days_of_light))
+        return hours > longest_h and not search_in(there, day.over_days(there.days_of_light))
 
-    tried(repeated, day)
+    search_in(repeated, day)
     if best is not None and longest_h < LONGEST_H:
         bisect(longest_h, math.inf, too_long, lambda _: _EXACT_H, most=LONGEST_H)
     result = SizingResult(
@@ -95,9 +95,9 @@ def longest_flight_of_all(
     if best is None:
         return result
     if longest_h >= LONGEST_H:
-        flown = performance_of_designs(aircraft, repeated, best, solar, day=day)
-        return replace(result.with_design(flown), objective_value=math.inf)
+        perf = performance_of_designs(aircraft, repeated, best, solar, day=day)
+        return replace(result.with_design(perf), objective_value=math.inf)
     # Seconds less, as it is launched on the minute.
     there = window(math.floor((longest_h - _EXACT_H) / _EXACT_H) * _EXACT_H)
-    flown = performance_of_designs(aircraft, there, best, solar)
-    return replace(result.with_design(flown), objective_value=longest_h)
+    perf = performance_of_designs(aircraft, there, best, solar)
+    return replace(result.with_design(perf), objective_value=longest_h)

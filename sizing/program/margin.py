@@ -34,10 +34,11 @@ Factors = Callable[[float], tuple[float, float]]
 
 
 class Trial(NamedTuple):
-    """A design that was sized with a margin, and what a judge finds of it without the margin.
+    """A design that was sized with a margin, and its judgement without the margin.
 
     ``reached``: share of draws, or number of days, that it flies. ``surplus``: by how much that is
-    more than asked for, even in the margin; infinite where it tells no more than whether it is.
+    more than required, in the unit of the margin; infinite where no more is known than whether it
+    is.
     """
 
     result: SizingResult
@@ -45,7 +46,7 @@ class Trial(NamedTuple):
     surplus: float
 
     def outcome(self, requirement: str, missed: float, text: str) -> SizingResult:
-        """The design where it is enough; else none, and by how much the nearest one fails."""
+        """Return the design where it suffices; else none, and by how much the nearest fails."""
         if self.surplus >= 0.0:
             return self.result
         violation, nearest = Violation(requirement, missed, text), self.result.simulated
@@ -53,11 +54,11 @@ class Trial(NamedTuple):
 
 
 def best_of(trials: Iterable[Trial]) -> Trial | None:
-    """Trial of the most merit among those that are enough; else the one of most reach."""
+    """Return the trial of most merit among sufficient ones; else the one that reaches most."""
     trials = list(trials)
-    enough = [trial for trial in trials if trial.surplus >= 0.0]
-    if enough:
-        return max(enough, key=lambda trial: trial.result.merit)
+    sufficient = [trial for trial in trials if trial.surplus >= 0.0]
+    if sufficient:
+        return max(sufficient, key=lambda trial: trial.result.merit)
     return max(trials, key=lambda trial: trial.reached, default=None)
 
 
@@ -85,7 +86,7 @@ class MarginSearch(ABC):
         return size_aircraft(self.aircraft, self.mission, self.objective, self.solar)
 
     def sized(self, income: float, storage: float) -> SizingResult:
-        """Best design with a factor on the sun and one on the battery, flown without them."""
+        """Return the best design with factors on sun and battery, simulated without them."""
         margins = self.mission.uncertainty_margins
         # Limits know nothing of the factor, which is no margin of a file: it may exceed 1.
         limits = {
@@ -105,9 +106,10 @@ class MarginSearch(ABC):
         )
         if result.design is None:
             return result
-        given, variables = (self.aircraft, self.mission), result.design.variables
-        flown = performance_of_designs(*given, variables, self.solar, day=self.day)
-        return result.with_design(flown)
+        perf = performance_of_designs(
+            self.aircraft, self.mission, result.design.variables, self.solar, day=self.day
+        )
+        return result.with_design(perf)
 
     def least(
         self,

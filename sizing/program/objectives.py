@@ -38,10 +38,10 @@ class Objective(StrEnum):
         cls, value: str, variable: str = "", weight: float = 0.0, column: str = "", beside: str = ""
     ) -> Objective:
         """Make an objective of its value and what is known of it."""
-        one = str.__new__(cls, value)
-        one._value_, one.variable, one.weight = value, variable, weight
-        one.column, one.beside = column, beside
-        return one
+        objective = str.__new__(cls, value)
+        objective._value_, objective.variable, objective.weight = value, variable, weight
+        objective.column, objective.beside = column, beside
+        return objective
 
     @classmethod
     def _missing_(cls, value: object) -> Objective | None:
@@ -85,9 +85,9 @@ class Objective(StrEnum):
         return not (self.of_range or self is Objective.max_excess_time)
 
 
-OBJECTIVE_NAMES = tuple(one.value for one in Objective)
+OBJECTIVE_NAMES = tuple(objective.value for objective in Objective)
 # Those that a map or a trade study can have in every cell, and the short name of one.
-RESIZE_NAMES = (*(one.value for one in Objective if not one.of_range), "max_payload")
+RESIZE_NAMES = (*(it.value for it in Objective if not it.of_range), "max_payload")
 
 
 class SizingStatus(IntEnum):

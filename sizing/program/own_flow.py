@@ -21,24 +21,23 @@ from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
 
 _LIFT = "airframe.aerodynamics.lift_coefficient"
-_SAME_H = 0.003  # of excess time: the simulator's own steps make half as much
+_NEGLIGIBLE_H = 0.003  # of excess time: the steps of the simulator make half as much
 
 
 def sized_in_own_flow(
     aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, **options: Any
 ) -> tuple[Aircraft, SizingResult]:
-    """Sizing, and the aircraft with its design as first guess where the flow cools its modules.
+    """Size an aircraft, whose first guess becomes the design where the flow cools its modules.
 
     The result is simulated with that aircraft's own sun. Where the known one was off by more than
     next to nothing, or the design is not enough after all, the sizing is repeated from there.
     ``options``: as for :func:`~sizing.program.size.size_aircraft`.
     """
-    given = (mission, objective, solar)
-    result = size_aircraft(aircraft, *given, **options)
-    flown = result.simulated or result.nearest
-    if flown is None or flown.day.cooling is None or not np.isfinite(flown.design.total_mass_kg):
+    result = size_aircraft(aircraft, mission, objective, solar, **options)
+    perf = result.simulated or result.nearest
+    if perf is None or perf.day.cooling is None or not np.isfinite(perf.design.total_mass_kg):
         return aircraft, result
-    variables = flown.design.variables.mapped(float)
+    variables = perf.design.variables.mapped(float)
     # Its design point is that of the design, as far as its file has numbers for it.
     span_m, aspect_ratio = variables.wingspan_m, variables.aspect_ratio
     guessed = aircraft.with_airframe(wingspan_m=span_m, aspect_ratio=aspect_ratio)
@@ -50,12 +49,12 @@ def sized_in_own_flow(
         guessed, _ = with_parameter(guessed, mission, "modules.area_m2", variables.module_area_m2)
     if not result.feasible:
         return guessed, result
-    own = performance_of_designs(guessed, mission, variables, solar)
-    least_h, known_h = (float(np.min(one.cycle.excess_time_h)) for one in (own, flown))
-    enough = least_h > 0.0 and least_h >= result.required_excess_time_h
-    if enough and (least_h == known_h or abs(least_h - known_h) < _SAME_H):
-        return guessed, result.with_design(own)
-    again = size_aircraft(guessed, *given, **options | {"start": variables})
-    if enough and again.merit <= result.merit:
-        return guessed, result.with_design(own)
+    in_own_flow = performance_of_designs(guessed, mission, variables, solar)
+    least_h, known_h = (float(np.min(it.cycle.excess_time_h)) for it in (in_own_flow, perf))
+    sufficient = least_h > 0.0 and least_h >= result.required_excess_time_h
+    if sufficient and (least_h == known_h or abs(least_h - known_h) < _NEGLIGIBLE_H):
+        return guessed, result.with_design(in_own_flow)
+    again = size_aircraft(guessed, mission, objective, solar, **options | {"start": variables})
+    if sufficient and again.merit <= result.merit:
+        return guessed, result.with_design(in_own_flow)
     return guessed, again

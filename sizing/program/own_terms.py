@@ -56,7 +56,7 @@ class _Symbols:
 
 
 def _expression(function: OwnFunction, what: str) -> Any:
-    """Expression that a function returns, each quantity one symbol."""
+    """Return the expression of a function, with a symbol for each quantity."""
     try:
         expression = function(_Symbols())
     except AttributeError as error:
@@ -82,10 +82,10 @@ class _Term:
     @classmethod
     def of(cls, expression: Any) -> _Term:
         symbols = ca.symvar(expression)
-        names = tuple(dict.fromkeys(one.name() for one in symbols))
+        names = tuple(dict.fromkeys(symbol.name() for symbol in symbols))
         every = ca.SX.sym("quantities", len(names))
-        own = [every[names.index(one.name())] for one in symbols]
-        (value,) = ca.substitute([expression], symbols, own)
+        places = [every[names.index(symbol.name())] for symbol in symbols]
+        (value,) = ca.substitute([expression], symbols, places)
         return cls(names, ca.Function("own", [every], [value]))
 
     def __call__(self, it: DesignInFlight) -> Value:
@@ -95,7 +95,7 @@ class _Term:
         arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in values))
         if arrays[0].size == 0:
             return np.zeros(arrays[0].shape)
-        evaluated = self.function(np.stack([one.ravel() for one in arrays]))
+        evaluated = self.function(np.stack([array.ravel() for array in arrays]))
         return np.asarray(evaluated).reshape(arrays[0].shape)
 
 
@@ -149,8 +149,8 @@ class _OwnDesignSpace(DesignSpace):
 
     def user_requirements(self, it: Any) -> list[Any]:
         return [
-            Requirement(one.name, one.term(it), f"{one.name} is missed by {{missed}}")
-            for one in self.own_constraints
+            Requirement(row.name, row.term(it), f"{row.name} is missed by {{missed}}")
+            for row in self.own_constraints
         ]
 
 
@@ -160,9 +160,9 @@ def with_own_terms(
     objective: OwnFunction | None,
     constraints: Sequence[OwnFunction],
 ) -> tuple[Aircraft, OwnObjective | None]:
-    """Aircraft whose design space has an objective and constraints of the user's own.
+    """Return an aircraft whose design space has an objective and constraints of the user.
 
-    Returns the objective as well; None where none is given.
+    And the objective; None where there is none.
     """
     # What scales refer to: the aircraft's own design, or where that has no mass one of a guess.
     variables = variables_of(aircraft)
@@ -171,18 +171,18 @@ def with_own_terms(
         mass_kg = TOTAL_OVER_BATTERY_MASS * variables.battery_mass_kg
         design = parametric_design(aircraft, mission, variables, mass_kg)
     start = DesignInFlight(aircraft, design)
-    own = None if objective is None else _objective(objective, start)
-    rows = tuple(_constraint(one, start) for one in constraints)
+    user_objective = None if objective is None else _objective(objective, start)
+    rows = tuple(_constraint(function, start) for function in constraints)
     taken = {*_ENERGY, USER_OBJECTIVE, *(row.name for row in design_requirements(*start))}
-    for one in rows:
-        if one.name in taken:
-            raise ValueError(f"a constraint needs a name of its own: there is a {one.name} already")
-        taken.add(one.name)
+    for row in rows:
+        if row.name in taken:
+            raise ValueError(f"a constraint needs a name of its own: there is a {row.name} already")
+        taken.add(row.name)
     space = aircraft.design_space
     fields: dict[str, Any] = {name: getattr(space, name) for name in DesignSpace.model_fields}
-    fields |= {"own_objective": own, "own_constraints": rows}
+    fields |= {"own_objective": user_objective, "own_constraints": rows}
     changed = _OwnDesignSpace.model_construct(set(space.model_fields_set), **fields)
-    return replaced(aircraft, ["design_space"], changed), own
+    return replaced(aircraft, ["design_space"], changed), user_objective
 
 
 def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
@@ -198,7 +198,7 @@ def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
 
 
 def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:
-    """Constraint of a comparison, relative to its right-hand side, or the larger one at first."""
+    """Return the constraint of a comparison, relative to a number or the larger side at first."""
     expression = _expression(function, "a constraint")
     if not (expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT)):
         raise ValueError(
@@ -206,14 +206,15 @@ def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:
         )
     small, large = expression.dep(0), expression.dep(1)
     # A number is the limit; of two quantities the larger one.
-    numbers = [abs(float(one)) for one in (small, large) if not ca.symvar(one)]
-    sizes = [abs(float(_Term.of(one)(start))) for one in (small, large) if ca.symvar(one)]
+    sides = small, large
+    numbers = [abs(float(side)) for side in sides if not ca.symvar(side)]
+    sizes = [abs(float(_Term.of(side)(start))) for side in sides if ca.symvar(side)]
     scale = max(numbers, default=0.0) or max(sizes) or 1.0
     name = _name(function, expression).removeprefix("(").removesuffix(")")
     return _OwnConstraint(name, _Term.of((large - small) / scale))
 
 
 def _name(function: OwnFunction, expression: Any) -> str:
-    """Name of a function, or of a lambda what it says."""
+    """Return the name of a function, or of a lambda its expression."""
     name = getattr(function, "__name__", "<lambda>")
     return "".join(str(expression).split()) if name == "<lambda>" else str(name)

@@ -78,16 +78,19 @@ def widest_range(
     def places(run: Run) -> IntArray:
         return np.arange(run[0], sum(run)) % count
 
-    def sized(run: Run, enough_h: float = math.inf, explain: bool = False) -> SizingResult:
+    def sized(run: Run, stop_at_h: float = math.inf, explain: bool = False) -> SizingResult:
         nonlocal start
         at = places(run)[:, np.newaxis] * len(others) + np.arange(len(others))
         result = size_aircraft(
-            *(aircraft, mission, Objective.max_excess_time, solar),
+            aircraft,
+            mission,
+            Objective.max_excess_time,
+            solar,
             required_excess_time_h=required_h if explain else 0.0,
             day=day.at(at.ravel()),
             start=start,
             explain=explain,
-            stop_at_merit=enough_h,
+            stop_at_merit=stop_at_h,
         )
         if result.design is not None:
             start = result.design.variables
@@ -97,14 +100,14 @@ def widest_range(
         return sized(run, required_h).merit >= required_h
 
     def excess_h() -> FloatArray:
-        """Worst excess time of the last design at every member, and beyond the ends of a band."""
+        """Return the last design's worst excess time at every member, and beyond a band's ends."""
         cycle = performance_of_designs(aircraft, mission, start, solar, day=day).cycle
         hours = cycle.excess_time_h.reshape(count, -1).min(axis=-1)
         # Nothing is as hard as what lies beyond the ends.
         return np.append(np.nan_to_num(hours, posinf=np.inf), [] if season else -np.inf)
 
     def grown(centre: int) -> Run:
-        """Longest run around a member that has a design."""
+        """Return the longest run around a member that has a design."""
         hours, runs = excess_h(), [(centre, 1)]
         while len(runs) < count:
             first, length = runs[-1]
@@ -113,23 +116,25 @@ def widest_range(
         run = runs[bisect_left(runs, True, lo=1, key=lambda longer: not covered(longer)) - 1]
         while run[1] < count:
             longer = [(run[0] + shift, run[1] + 1) for shift in _SHIFTS]
-            inside = (one for one in longer if season or 0 <= one[0] <= count - one[1])
-            if (found := next(filter(covered, inside), None)) is None:
+            inside = (it for it in longer if season or 0 <= it[0] <= count - it[1])
+            if (longest := next(filter(covered, inside), None)) is None:
                 break
-            run = found
+            run = longest
         return run
 
     sun = day.specific_power_w_per_m2.sum(axis=-1).reshape(count, -1).min(axis=-1)
     centre = int(np.lexsort((sun, excess_h()[:count]))[-1])
     if not covered((centre, 1)):
-        centre = max(range(0, count, count // _SAMPLES), key=lambda one: sized((one, 1)).merit)
+        centre = max(
+            range(0, count, count // _SAMPLES), key=lambda member: sized((member, 1)).merit
+        )
     if not covered((centre, 1)):
-        found = sized((centre, 1), explain=True)
-        return WidestRange(replace(found, objective=objective, optimum=None))
+        failed = sized((centre, 1), explain=True)
+        return WidestRange(replace(failed, objective=objective, optimum=None))
     run, hours = grown(centre), excess_h()
     for peak in np.flatnonzero((hours > np.roll(hours, 1)) & (hours >= np.roll(hours, -1))):
         if peak not in places(run) and covered((int(peak), 1)):
-            run = max(run, grown(int(peak)), key=lambda one: one[1])
+            run = max(run, grown(int(peak)), key=lambda it: it[1])
     kept = members[places(run)]
     extent = float(run[1] if season else kept[-1] - kept[0])
     result = replace(

@@ -53,7 +53,7 @@ class Limit(NamedTuple):
 
 
 def limits_of(solution: Solution) -> list[Limit]:
-    """What holds a solution back; those come first whose easing gains most."""
+    """Return what holds a solution back; those come first whose easing gains most."""
     label, program = solution.task.day.scenarios.label, solution.program
     strengths: defaultdict[tuple[str, str], float] = defaultdict(float)
 
@@ -86,25 +86,25 @@ def limits_of(solution: Solution) -> list[Limit]:
         for (name, step), strength in strengths.items()
         if strength > least
     ]
-    return sorted(limits, key=lambda one: -one.gain)
+    return sorted(limits, key=lambda limit: -limit.gain)
 
 
 def least_mission(aircraft: Aircraft, mission: Mission, objective: Objective) -> Mission:
-    """Mission without the payload that is to be as large as possible: the easiest one."""
+    """Return the easiest mission: without the payload that is to be as large as possible."""
     if objective.payload_key is None:
         return mission
     return with_parameter(aircraft, mission, objective.payload_key, 0.0)[1]
 
 
 def names_of_limits(solution: Solution) -> tuple[str, ...]:
-    """Names of what holds a solution back."""
-    return tuple(one.name for one in limits_of(solution))
+    """Return the names of what holds a solution back."""
+    return tuple(limit.name for limit in limits_of(solution))
 
 
 def violations(
     task: SizingTask, nearest: Performance, missed: Mapping[str, float]
 ) -> tuple[Violation, ...]:
-    """Missed requirements in words.
+    """Return missed requirements in words.
 
     ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
     """
@@ -127,17 +127,17 @@ def violations(
         "rated power",
         "excess_time": flown,
     }
-    found = []
+    missing = []
     for name, shortfall in missed.items():
         percent = f"{100.0 * shortfall:.0f} %" if shortfall > 0.1 else f"{100.0 * shortfall:.2g} %"
-        found.append(Violation(name, shortfall, texts[name].format(missed=percent)))
-    return tuple(found)
+        missing.append(Violation(name, shortfall, texts[name].format(missed=percent)))
+    return tuple(missing)
 
 
 def missed_by(
     task: SizingTask, solution: Solution | None, nearest: Performance
 ) -> dict[str, float]:
-    """What the nearest design misses, relative; of energy, to the battery's capacity."""
+    """Return what the nearest design misses, relative; of energy, to the battery's capacity."""
     if not np.isfinite(float(np.ravel(nearest.design.total_mass_kg)[0])):
         least = 0.0 if solution is None else solution.missed.get(MASS_BUDGET, 0.0)
         if least:
@@ -160,7 +160,7 @@ def missed_by(
 def _energy_missed(
     task: SizingTask, solution: Solution | None, nearest: Performance
 ) -> dict[str, float]:
-    """What the battery lacks for the worst night, and what the day after it does not return."""
+    """Return what the battery lacks for the worst night, and what the next day does not return."""
     worst = nearest.worst_scenario()
     if task.window_h is not None:
         return {"excess_time": task.required_h - float(nearest.cycle.excess_time_h[worst])}

@@ -1,8 +1,8 @@
 """What would make an infeasible mission feasible: the value of one parameter at a time.
 
 Each relaxation is the same program with one more free variable, which it moves no further than it
-must. Sizings confirm the value told, which is rounded away from the edge: there is a design with
-it, and none with 1 % less of it.
+must. Sizings confirm the value, which is rounded away from the edge: there is a design with it,
+and none with 1 % less of it.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ _LEAST_RELATIVE = {
 }
 _LEAST_OTHER = 1e-3
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
-_BISECTED = PERCENT / 10.0  # of the value, of which one per cent is told
-_AS_GIVEN = dict.fromkeys(("payload_mass_kg", "payload_power_w"))  # payload of a mission
+_BISECTED = PERCENT / 10.0  # of the value, which is confirmed to one per cent
+_OF_MISSION = dict.fromkeys(("payload_mass_kg", "payload_power_w"))  # payload of a mission
 _STEP_DEG, _REACH_DEG = 0.25, 60.0
 
 
@@ -57,9 +57,9 @@ def relaxations(
     search = _Relaxations(
         aircraft, least_mission(aircraft, mission, result.objective), result, solar
     )
-    found = [search.relaxed(freed) for freed in search.freed()]
-    found += [search.latitude(), search.required_excess()]
-    return sorted((one for one in found if one), key=lambda one: one.relative_change)
+    candidates = [search.relaxed(freed) for freed in search.freed()]
+    candidates += [search.latitude(), search.required_excess()]
+    return sorted((it for it in candidates if it), key=lambda it: it.relative_change)
 
 
 class _Freed(NamedTuple):
@@ -88,7 +88,7 @@ class _Relaxations:
         # A requirement that is met at the expense of another one stands in the way as well.
         held = {label.partition(" (")[0] for label in result.active_constraints}
         self.in_the_way = self.others_missed | held
-        self.start = result.nearest.design.variables.mapped(float)._replace(**_AS_GIVEN)
+        self.start = result.nearest.design.variables.mapped(float)._replace(**_OF_MISSION)
 
     # --- one parameter in the program ----------------------------------------------------------
 
@@ -141,7 +141,7 @@ class _Relaxations:
             best = Search(task, first=first).run().best
         if best is None:
             return None
-        start = task.design_variables(best.values)._replace(**_AS_GIVEN)
+        start = task.design_variables(best.values)._replace(**_OF_MISSION)
         direction: Direction = "at least" if freed.upwards else "at most"
         present, value = freed.present, rounded(freed.scale * best.values[freed.name], direction)
 
@@ -156,7 +156,7 @@ class _Relaxations:
         if (less > present) is freed.upwards and reached_h(less) is not None:
             less = bisect(
                 *(present, less, lambda value: reached_h(value) is not None),
-                lambda found: _BISECTED * max(found, PERCENT * present),
+                lambda end: _BISECTED * max(end, PERCENT * present),
             )
             if reached_h(rounded(less, direction)) is not None:
                 value = rounded(less, direction)
@@ -231,9 +231,9 @@ class _Relaxations:
         tried = np.stack(sides)[:, 3::20]
         days = np.asarray(self.mission.dates.days(), int)
         scenarios = Scenarios(np.repeat(tried.ravel(), len(days)), np.tile(days, tried.size))
-        given = (self.aircraft, self.mission)
-        day = solar_day(*given, self.solar, scenarios=scenarios, step_h=0.5)
-        perf = performance_of_designs(*given, self.start, self.solar, day=day)
+        aircraft, mission = self.aircraft, self.mission
+        day = solar_day(aircraft, mission, self.solar, scenarios=scenarios, step_h=0.5)
+        perf = performance_of_designs(aircraft, mission, self.start, self.solar, day=day)
         excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
         side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
         places: list[float] = sides[side][: 4 + 20 * int(peak)].tolist()

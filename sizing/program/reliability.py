@@ -77,25 +77,26 @@ def check_reliability(
             f"{objective.value} counts days or degrees: no reliability can be asked of it"
         )
     inputs = uncertain_inputs(without_whole_cells(aircraft), mission, solar)
-    own = [one for one in inputs.inputs if one.key != SOLAR_MODEL]
-    if not own:
+    of_files = [it for it in inputs.inputs if it.key != SOLAR_MODEL]
+    if not of_files:
         raise ValueError(
             f"neither {aircraft.name} nor {mission.name} has an uncertain input: a reliability "
             "needs uncertainty.inputs, for instance "
             "battery.specific_energy_wh_per_kg: {relative_sigma: 0.04}"
         )
-    for one in own:
+    for uncertain in of_files:
         # The distribution of what is chosen moves with it; one with ends of its own does not.
-        if one.key in variable_keys() and not hasattr(one.distribution, "relative_sigma"):
+        key, distribution = uncertain.key, uncertain.distribution
+        if key in variable_keys() and not hasattr(distribution, "relative_sigma"):
             raise ValueError(
-                f"{one.key} is chosen by the sizing: uncertainty.inputs.{one.key} must be normal "
-                f"or lognormal, around what is chosen (got {one.distribution.distribution})"
+                f"{key} is chosen by the sizing: uncertainty.inputs.{key} must be normal or "
+                f"lognormal, around what is chosen (got {distribution.distribution})"
             )
     check_inputs(inputs, mission, solar)
 
 
 def with_design(aircraft: Aircraft, mission: Mission, design: Design) -> tuple[Aircraft, Mission]:
-    """Aircraft and mission with the variables of a design put in, unchecked."""
+    """Return aircraft and mission with the variables of a design put in, unchecked."""
     chosen = design.variables.mapped(float).chosen()
     aircraft = without_whole_cells(aircraft)
     if (propulsion := aircraft.propulsion_by_parts) is not None:
@@ -142,7 +143,7 @@ class ReliableSizing(MarginSearch):
     _profiles: Profiles = field(default_factory=lambda: Profiles({}, {}))
 
     def run(self) -> tuple[SizingResult, Reliability | None]:
-        """Outcome, and how reliable it is: None where there is no design even without a margin."""
+        """Return the outcome, and how reliable it is; None without a design for any margin."""
         nominal, least = self.plain, self.reliability
         if nominal.design is None or nominal.objective_value is None:
             return nominal, None
@@ -167,12 +168,12 @@ class ReliableSizing(MarginSearch):
         return result, Reliability(*known)
 
     def _searched(self, hours: FloatArray, surplus: float) -> Trial | None:
-        """Design of the least index that is enough, from the draws of the nominal design on."""
+        """Return the design of the least sufficient index, from the nominal design's draws on."""
         # Income and storage, as logarithms: their mean, and where the draws that fail lie from it.
         propagation, inputs = self._study(self.plain)
         assert self.plain.simulated is not None
         worst = int(np.argmin(self.plain.simulated.cycle.excess_time_h))
-        files = {one.key: np.array([one.nominal]) for one in inputs.inputs}
+        files = {uncertain.key: np.array([uncertain.nominal]) for uncertain in inputs.inputs}
         drawn, plain = (
             np.log(propagation.income_and_storage(values, worst))
             for values in (inputs.values(self._shares), files)
@@ -200,14 +201,14 @@ class ReliableSizing(MarginSearch):
         return self._judged(result, self._excess_h(result, self._shares))
 
     def _judged(self, result: SizingResult, hours: FloatArray) -> Trial:
-        """Trial by excess times of draws; the surplus is one of normal scores, as the index is."""
+        """Return the trial of the draws' excess times; its surplus is of normal scores."""
         assert result.design is not None
         good, count = int(np.count_nonzero(hours >= self._required_h)), len(hours)
         surplus = _score((good + 0.5) / (count + 1.0)) - _score(self.reliability)
-        enough = good >= self.reliability * count
-        surplus = max(surplus, 0.0) if enough else min(surplus, -_NO_LOSS)
-        sound = meets_requirements(self.aircraft, result.design)
-        return Trial(result, good / count, surplus if sound else -math.inf)
+        sufficient = good >= self.reliability * count
+        surplus = max(surplus, 0.0) if sufficient else min(surplus, -_NO_LOSS)
+        feasible = meets_requirements(self.aircraft, result.design)
+        return Trial(result, good / count, surplus if feasible else -math.inf)
 
     def _excess_h(self, result: SizingResult, shares: FloatArray) -> FloatArray:
         propagation, inputs = self._study(result)
@@ -215,10 +216,11 @@ class ReliableSizing(MarginSearch):
         return np.where(flights.excess_time_h > 0.0, flights.excess_time_h, -np.inf)
 
     def _study(self, result: SizingResult) -> tuple[Propagation, UncertainInputs]:
-        """Flights of the draws of a design, along profiles of one alike, and its inputs."""
+        """Return the flights of the draws of a design, along known profiles, and its inputs."""
         assert result.design is not None
-        given = *with_design(self.aircraft, self.mission, result.design), self.solar
-        return Propagation(*given, profiles=self._profiles), uncertain_inputs(*given)
+        aircraft, mission = with_design(self.aircraft, self.mission, result.design)
+        propagation = Propagation(aircraft, mission, self.solar, profiles=self._profiles)
+        return propagation, uncertain_inputs(aircraft, mission, self.solar)
 
     @cached_property
     def _shares(self) -> FloatArray:

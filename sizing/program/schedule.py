@@ -1,4 +1,4 @@
-"""The best heights of a day for a design that is given: the sizing program with its design held.
+"""The best heights of a day for a known design: the sizing program with its design held.
 
 Light and power of the design at all heights are known; what is unknown is charge and height along
 the day. The excess time is as long as any schedule makes it, and where none closes the day the
@@ -57,14 +57,14 @@ _DESIGN = dict.fromkeys(DesignSymbols._fields, 1) | {
 _ROUNDS = 6  # of program and simulator, at most
 _AGREED_H = 0.02  # excess time within which they agree
 _WIDER = 3.0  # factor on the margin of a day's return where that is too little
-LOWEST_M = 1.0  # way to climb that counts as one
+LOWEST_M = 1.0  # a shorter way to climb is none
 
 
 class Climbs(NamedTuple):
     """Cycles of elements along heights of their own; arrays ``(element, time)``.
 
     ``program_h``: excess time that the program has of the heights, NaN in level flight; None of
-    heights that it was not asked for.
+    heights that are not its own.
     """
 
     cycle: Cycle
@@ -84,14 +84,14 @@ class Window(NamedTuple):
     def day(self, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray) -> Day:
         """Powers of a repeated day in it."""
         axis = np.concatenate([time_h, time_h[1:] + 24.0])
-        twice = (np.concatenate([one, one[:, 1:]], axis=1) for one in (solar_w, load_w))
+        twice = (np.concatenate([power_w, power_w[:, 1:]], axis=1) for power_w in (solar_w, load_w))
         return Day.between(np.array([self.begin_h, self.end_h]), axis, *twice)
 
 
 def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climbs:
-    """Fly every element along the heights with which its excess time is longest."""
+    """Simulate every element along the heights with which its excess time is longest."""
     best_m = np.zeros((len(levels.scenario), len(time_h)))
-    level = flown = flown_along(time_h, levels, store, best_m)
+    level = climbs = flown_along(time_h, levels, store, best_m)
     best_h = level.cycle.excess_time_h
     able = levels.flies & (levels.reach_m > LOWEST_M) & np.isfinite(best_h)
     able &= level.solar_w.max(axis=-1) > 0.0
@@ -103,16 +103,16 @@ def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climb
         height_m = best_m.copy()
         for i in np.flatnonzero(able).tolist():
             height_m[i], goal_h[i] = best_heights(
-                time_h, levels, store, flown, i, margin=float(margin[i])
+                time_h, levels, store, climbs, i, margin=float(margin[i])
             )
-        flown = flown_along(time_h, levels, store, height_m)
-        excess_h = flown.cycle.excess_time_h
+        climbs = flown_along(time_h, levels, store, height_m)
+        excess_h = climbs.cycle.excess_time_h
         better = excess_h > best_h
         best_m = np.where(better[:, np.newaxis], height_m, best_m)
         program_h = np.where(better, goal_h, program_h)
         best_h = np.maximum(excess_h, best_h)
         # A day that should close, and does not quite.
-        margin = np.where(flown.cycle.missing_h > 0.0, _WIDER * margin, margin)
+        margin = np.where(climbs.cycle.missing_h > 0.0, _WIDER * margin, margin)
         able &= np.abs(goal_h - excess_h) > _AGREED_H
         able &= goal_h > _AGREED_H
     if not best_m.any():
@@ -128,7 +128,7 @@ def flown_along(
     *,
     of_others: bool = False,
 ) -> Climbs:
-    """Fly elements along heights above the lowest altitude [m], ``(element, time)``.
+    """Simulate elements along heights above the lowest altitude [m], ``(element, time)``.
 
     ``of_others``: heights that were chosen for other elements, of which each flies the share that
     its reach and its largest power allow; without a trajectory.
@@ -160,25 +160,25 @@ def best_heights(
     time_h: FloatArray,
     levels: FlightLevels,
     store: Store,
-    flown: Climbs,
+    climbs: Climbs,
     i: int,
     window: Window | None = None,
     margin: float = 0.0,
 ) -> tuple[FloatArray, float]:
-    """Best heights of one element by the program around a flight of it [m], and its excess time.
+    """Return the best heights of an element around a flight of it [m], and its excess time.
 
     The excess time is below zero by the hours that lack power.
 
     Of the day that repeats itself, or of a window, which begins and ends at the lowest altitude.
     ``margin``: by how much more a night takes, relative.
     """
-    around = _Around.of(time_h, levels, store.select(slice(i, i + 1)), flown, i, window)
+    around = _Around.of(time_h, levels, store.select(slice(i, i + 1)), climbs, i, window)
     nominal_w, full_wh = float(levels.nominal_load_w[i]), around.full_wh
     design, unit_wh = _design(levels, i, around), RESERVE_SCALE_H * nominal_w
     block = _block(design, around, nominal_w, margin)
     data = (*around.efficiencies, nominal_w, around.climb_m)
     start = (
-        [max(float(flown.cycle.excess_time_h[i]), 0.0)],
+        [max(float(climbs.cycle.excess_time_h[i]), 0.0)],
         np.full(FORM.intervals, INSIDE[0]),
         np.clip(around.soc, *INSIDE) * full_wh / unit_wh,
         np.clip(around.share, *INSIDE),
@@ -226,7 +226,7 @@ class _Around(NamedTuple):
         time_h: FloatArray,
         levels: FlightLevels,
         store: Store,
-        flown: Climbs,
+        climbs: Climbs,
         i: int,
         window: Window | None,
     ) -> _Around:
@@ -238,16 +238,17 @@ class _Around(NamedTuple):
         full_wh, nominal_w = float(store.battery_energy_wh[0]), float(levels.nominal_load_w[i])
         climb_m = float(levels.reach_m[i])
         light, power_w = levels.at_heights(i, np.linspace(0.0, climb_m, LEVELS))
-        dark, powers = np.zeros_like(light), (flown.solar_w[i : i + 1], flown.load_w[i : i + 1])
+        dark, powers = np.zeros_like(light), (climbs.solar_w[i : i + 1], climbs.load_w[i : i + 1])
         if window is None:
             day = Day.of(time_h, *powers)
-            lit = Day.of(time_h, light, dark, day.first)
+            at_heights = Day.of(time_h, light, dark, day.first)
             at = (day.first + np.arange(len(time_h))) % (len(time_h) - 1)
-            path = flown.cycle.energy_wh[i][at] / full_wh
+            path = climbs.cycle.energy_wh[i][at] / full_wh
         else:
-            day, lit = window.day(time_h, *powers), window.day(time_h, light, dark)
+            day = window.day(time_h, *powers)
+            at_heights = window.day(time_h, light, dark)
             path = day.path(store, window.begin_wh / full_wh)
-        height_m = np.interp(day.time_h % 24.0, time_h, flown.height_m[i])
+        height_m = np.interp(day.time_h % 24.0, time_h, climbs.height_m[i])
         # A glide follows the light, and is short where nothing feeds it.
         light_w = day.solar_w[0, :-1]
         close = (np.diff(height_m) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w))
@@ -258,7 +259,7 @@ class _Around(NamedTuple):
             (into, out_of),
             climb_m,
             means,
-            light_at_heights(lit, nodes, share, means.light_w[0]),
+            light_at_heights(at_heights, nodes, share, means.light_w[0]),
             power_w,
             day.time_h[nodes] % 24.0,
             path[nodes],
@@ -268,7 +269,7 @@ class _Around(NamedTuple):
 
 
 def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
-    """Numbers of an element's design."""
+    """Return the numbers of an element's design."""
     return DesignSymbols(
         area_m2=1.0,
         full_wh=around.full_wh,
@@ -284,7 +285,7 @@ def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
 
 
 def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: float) -> BlockData:
-    """Data of the day of a design that is held: nothing is known of others."""
+    """Return the data of the day of a design that is held, without slopes."""
     share, hours = around.share, around.means.hours
     middle = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
     climb_w = design.weight_n / design.efficiency * np.diff(share) * around.climb_m
@@ -313,7 +314,7 @@ def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: flo
 
 @lru_cache(maxsize=8)
 def _program(limit: ChargeLimit, repeated: bool) -> tuple[ca.Function, FloatArray, RLock]:
-    """Solver of a charge limit for designs that are held, upper ends of its rows, and its lock.
+    """Return the solver of a charge limit for known designs, upper ends of rows, and its lock.
 
     For a day that repeats itself or a window; built once.
     """

@@ -76,11 +76,11 @@ def sensitivities(
     requested = aircraft.design_space.requested_ranges()
     chosen = {key for key, name in variable_keys().items() if name in requested}
     rows = []
-    for name, one in catalogue().items():
+    for name, row in catalogue().items():
         value = parameter_value(aircraft, mission, name)
-        if not one.sensitive or value is None or name in chosen or build_scales(aircraft, name):
+        if not row.sensitive or value is None or name in chosen or build_scales(aircraft, name):
             continue
-        if result.objective.variable in (one.key, one.name):
+        if result.objective.variable in (row.key, row.name):
             continue
         step = _RELATIVE_STEP * abs(value) if value != 0.0 else _RELATIVE_STEP
         low, high = max(value - step, 0.0), value + step  # no parameter may become negative
@@ -91,7 +91,7 @@ def sensitivities(
         derivative = to_units * (above - below) / (high - low)
         both = value != 0.0 and objective_value != 0.0
         elasticity = derivative * value / objective_value if both else None
-        rows.append(Sensitivity(name, one.unit, value, derivative, elasticity))
+        rows.append(Sensitivity(name, row.unit, value, derivative, elasticity))
     # Efficiencies of one chain have one sensitivity, but for rounding: they keep their order.
     return sorted(rows, key=lambda s: -float(f"{abs(s.per_percent):.6g}"))
 
@@ -121,38 +121,38 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
     to_units = abs(_objective_per_cost(optimum, objective_value))
     longest = result.objective is Objective.max_excess_time
     gains: defaultdict[tuple[str, str], float] = defaultdict(float)
-    for one in limits_of(optimum):
-        if one.multiplier > LEAST_MULTIPLIER and not (longest and one.step == "1 h"):
-            name = one.name
-            if one.step == "1 % of the bound":
+    for limit in limits_of(optimum):
+        if limit.multiplier > LEAST_MULTIPLIER and not (longest and limit.step == "1 h"):
+            name = limit.name
+            if limit.step == "1 % of the bound":
                 name = f"{name.partition(' ')[0]} at its bound"
-            gains[name, one.step] += to_units * one.gain
+            gains[name, limit.step] += to_units * limit.gain
     multipliers = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
-    return sorted(multipliers, key=lambda one: -one.gain)
+    return sorted(multipliers, key=lambda multiplier: -multiplier.gain)
 
 
-def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
+def _optimum(result: SizingResult, purpose: str) -> tuple[Solution, float]:
     """Solution around the simulated optimum itself, and its objective."""
-    found = result.optimum
-    if found is None or result.simulated is None or result.objective_value is None:
-        raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
-    task, point = found.task, found.linearisation
+    solution = result.optimum
+    if solution is None or result.simulated is None or result.objective_value is None:
+        raise ValueError(f"the sizing is {result.status.name}: only an optimum has {purpose}")
+    task, point = solution.task, solution.linearisation
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
-    known = {number: replace(one, nodes=None) for number, one in point.known.items()}
+    known = {number: replace(it, nodes=None) for number, it in point.known.items()}
     if task.mission.climb is not None:
-        for block, one in enumerate(known.values()):
-            assert one.clock_h is not None
-            one.profile = Profile(one.clock_h, found.heights(block))
+        for block, scenario in enumerate(known.values()):
+            assert scenario.clock_h is not None
+            scenario.profile = Profile(scenario.clock_h, solution.heights(block))
     point = _linearised(task, neighbours(task, values), known)
-    return solve(task, point, excess_h=found.excess_time_h), result.objective_value
+    return solve(task, point, excess_h=solution.excess_time_h), result.objective_value
 
 
 def _linearised(
     task: SizingTask, designs: list[Values], known: Mapping[int, Scenario]
 ) -> Linearisation:
     """Light and load of a design and its neighbours, at heights that are known."""
-    profiles = {number: one.profile for number, one in known.items() if one.profile is not None}
+    profiles = {n: it.profile for n, it in known.items() if it.profile is not None}
     return linearised(task, dict(designs[0]), simulate(task, designs, profiles), known)
 
 
@@ -173,35 +173,35 @@ def _lagrangian(
     optimum: Solution, aircraft: Aircraft, mission: Mission, solar: SolarModel
 ) -> float:
     """Lagrangian with other data, the point and the multipliers held."""
-    point, own = optimum.linearisation, optimum.task
-    day = solar_day(aircraft, mission, solar, scenarios=own.day.scenarios)
-    task: SizingTask = replace(own, aircraft=aircraft, mission=mission, day=day)
+    point, task_then = optimum.linearisation, optimum.task
+    day = solar_day(aircraft, mission, solar, scenarios=task_then.day.scenarios)
+    task: SizingTask = replace(task_then, aircraft=aircraft, mission=mission, day=day)
     # A payload that is not chosen is the mission's.
     held = {
         v.name: task.held[v.name]
         for v in task.variables
         if v.role is Role.payload and v.name not in task.free_names
     }
-    known = {number: replace(one) for number, one in point.known.items()}
-    flown = _linearised(task, [point.values | held], known)
+    known = {number: replace(scenario) for number, scenario in point.known.items()}
+    moved_point = _linearised(task, [point.values | held], known)
     blocks = tuple(
         now._replace(
             light_slope=then.light_slope,
             load_slope=then.load_slope,
             shift_slope_h=then.shift_slope_h,
         )
-        for now, then in zip(flown.blocks, point.blocks, strict=True)
+        for now, then in zip(moved_point.blocks, point.blocks, strict=True)
     )
-    scales = scales_of(own.variables, point.values)
+    scales = scales_of(task_then.variables, point.values)
     design = optimum.program.parts["design"]
     x, centre = optimum.x.copy(), optimum.centre.copy()
-    for i, v in enumerate(own.variables):
+    for i, v in enumerate(task_then.variables):
         if v.name in held:
             x[design][i] = centre[i] = v.to_program(held[v.name], scales[i])
     program = build_program(aircraft, optimum.program.form)
     parts = point.parts
-    if parts is not None and flown.parts is not None:
-        parts = flown.parts._replace(slope=parts.slope, bend=parts.bend)
+    if parts is not None and moved_point.parts is not None:
+        parts = moved_point.parts._replace(slope=parts.slope, bend=parts.bend)
     moved = replace(point, blocks=blocks, parts=parts)
     cost, rows = program.evaluated(x, parameters_of(task, program, moved, scales, centre))
     return cost + float(rows @ optimum.row_multipliers)

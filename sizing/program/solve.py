@@ -301,8 +301,8 @@ def solve(
             iterations += stats["iter_count"]
     x = np.asarray(answer["x"]).ravel()
     values = {
-        v.name: float(v.from_program(one, scale))
-        for v, one, scale in zip(task.variables, x[parts["design"]], scales, strict=True)
+        v.name: float(v.from_program(value, scale))
+        for v, value, scale in zip(task.variables, x[parts["design"]], scales, strict=True)
     }
     return Solution(
         task=task,
@@ -327,7 +327,7 @@ def parameters_of(
     scales: FloatArray,
     centre: FloatArray,
 ) -> FloatArray:
-    """Parameter vector of the program, in the order of its symbols."""
+    """Return the parameter vector of the program, in the order of its symbols."""
     technology = [parameter_value(task.aircraft, None, key) for key in program.technology]
     battery = task.aircraft.battery
     efficiencies = [battery.mean_charge_efficiency, battery.mean_discharge_efficiency]
@@ -346,7 +346,7 @@ def parameters_of(
 
 
 def _weights(task: SizingTask, point: Linearisation, scales: FloatArray) -> FloatArray:
-    """Cost per unit of the design's variables and of the excess time.
+    """Return the cost per unit of the design's variables and of the excess time.
 
     A payload counts in parts of itself, or where it is small of the mass or the load it is in.
     """
@@ -365,7 +365,7 @@ def _weights(task: SizingTask, point: Linearisation, scales: FloatArray) -> Floa
 def _bounds(
     task: SizingTask, program: Program, scales: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Bounds of the decision vector."""
+    """Return the bounds of the decision vector."""
     parts = program.parts
     low, high = np.zeros(parts["speed"].stop), np.full(parts["speed"].stop, np.inf)
     for ends, name in ((low, "minimum"), (high, "maximum")):

@@ -15,12 +15,12 @@ from solar.types import FloatArray
 # Points of span, battery and modules each, by the number of other free variables.
 _GRID_POINTS = (9, 7, 6)
 _FEW_POINTS = 3
-_EACH_HOUR = 12  # steps of the day that are one here
+_EACH_HOUR = 12  # steps of the day that count as an hour
 _ROUGHLY = 1e-3  # of masses, of which the grid is far coarser
 
 
 def most_promising(task: SizingTask) -> DesignVariables:
-    """Design of the grid that misses least; of those that miss nothing the best one."""
+    """Return the design of the grid that misses least; of those that miss nothing the best."""
     grid = grid_of(task.aircraft)
     aircraft = task.aircraft
     if (parts := aircraft.propulsion_by_parts) is not None:
@@ -43,7 +43,7 @@ def most_promising(task: SizingTask) -> DesignVariables:
 
 
 def grid_of(aircraft: Aircraft) -> DesignVariables:
-    """Designs on a grid, evenly spaced in their logarithm; a few values of what else is free."""
+    """Return designs on a grid, even in their logarithm; a few values of what else is free."""
     space = aircraft.design_space
     others = [n for n in ("aspect_ratio", "lift_coefficient") if getattr(space, n) is not None]
     sizes = ("wingspan_m", "battery_mass_kg", "module_area_m2")
@@ -56,7 +56,7 @@ def grid_of(aircraft: Aircraft) -> DesignVariables:
 
 
 def missed_by(task: SizingTask, design: Design) -> FloatArray:
-    """What closed designs miss of a day's energy and their requirements, relative.
+    """Return what closed designs miss of a day's energy and their requirements, relative.
 
     The battery must hold the night and the required excess time, the day return the night: on a
     flight from launch to landing nothing need be returned.

@@ -30,7 +30,7 @@ from sizing.program.result import SizingResult
 from solar.types import BoolArray
 
 # What has a smallest or largest design on the edge of closing enough days.
-OBJECTIVES = tuple(one for one in Objective if one.of_design)
+OBJECTIVES = tuple(objective for objective in Objective if objective.of_design)
 DAYS_THAT_CLOSE = "days_that_close"
 # Of the logarithm of what is taken off the sun: from twice a clear sky to a twentieth of it.
 _ENDS, _STEP = (-0.7, 3.0), 0.7
@@ -76,43 +76,43 @@ class SurvivalSizing(MarginSearch):
     _done: int = 0
 
     def run(self) -> tuple[SizingResult, SizingResult, SizingResult | None]:
-        """Outcome, sizing under a clear sky, and whose days are told: none without any design."""
+        """Return outcome, sizing under a clear sky, and the sizing whose days are reported."""
         season, clear = int(np.count_nonzero(self.season)), self.plain
-        tried = [one for power in _POWERS if (one := self._searched(power)) is not None]
-        work = sum((one.result.solver for one in tried), clear.solver)
-        found = best_of(tried)
+        tried = [trial for power in _POWERS if (trial := self._searched(power)) is not None]
+        work = sum((trial.result.solver for trial in tried), clear.solver)
+        best = best_of(tried)
         self._done = max(self._done, _STEPS)
-        self._tell(self._done)
-        if found is None:
+        self._report(self._done)
+        if best is None:
             return clear, clear, None
-        found = found._replace(result=replace(found.result, solver=work))
+        best = best._replace(result=replace(best.result, solver=work))
         text = (
             f"{self.needed} of the season's {season} days are out of reach: the best design that "
-            f"was found closes {found.reached:.0f}, a share of {found.reached / season:.3g}"
+            f"was found closes {best.reached:.0f}, a share of {best.reached / season:.3g}"
         )
-        missed = self.required - found.reached / season
-        return found.outcome(DAYS_THAT_CLOSE, missed, text), clear, found.result
+        missed = self.required - best.reached / season
+        return best.outcome(DAYS_THAT_CLOSE, missed, text), clear, best.result
 
     def _searched(self, power: float) -> Trial | None:
-        """Best design, with some power of the sun's factor on the battery."""
+        """Return the best design with a power of the sun's factor on the battery."""
 
         def factors(margin: float) -> tuple[float, float]:
-            self._tell(self._done + 1)
+            self._report(self._done + 1)
             self._done += 1
             return math.exp(-margin), math.exp(-margin * power)
 
         return self.least(factors, _ENDS, _STEP, _TOLERANCE)
 
-    def _tell(self, steps: int) -> None:
+    def _report(self, steps: int) -> None:
         if self.progress is not None:
             self.progress(self._done, max(steps, _STEPS))
 
     def judge(self, result: SizingResult) -> Trial:
         """Count the days of the season that a design closes."""
         active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
-        told = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
+        sizing = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
         days = int(np.count_nonzero(self.closes(result)[self.season]))
-        return Trial(told, days, math.inf if days >= self.needed else -math.inf)
+        return Trial(sizing, days, math.inf if days >= self.needed else -math.inf)
 
     @property
     def needed(self) -> int:
@@ -132,12 +132,12 @@ class SurvivalSizing(MarginSearch):
         days, dates = self.days.axis.day_of_year, self.mission.dates.range()
         season = np.isin(days, dates)
         if not season.any():
-            asked = dict.fromkeys(date_label(dates[i]) for i in (0, -1))
+            season_ends = dict.fromkeys(date_label(dates[i]) for i in (0, -1))
             first, last = (date_label(int(days[i])) for i in (0, -1))
             raise file_error(
                 self.weather.source,
                 f"has no day of the season of the mission {self.mission.name}, "
-                f"{' to '.join(asked)}: the record covers {first} to {last} "
+                f"{' to '.join(season_ends)}: the record covers {first} to {last} "
                 "(set the mission's dates)",
             )
         return season

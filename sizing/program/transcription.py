@@ -68,7 +68,7 @@ _PROGRAMS_KEPT = 32
 LEVELS = 5  # heights, from the floor to the ceiling, through which light and power are polynomials
 RATIOS = 4  # airspeeds likewise, from the design's own to the fastest
 FASTEST = math.log(3.0)  # airspeed over the design's own: rated powers end long before
-_OFF = 1e3  # beyond any row of order one: a row that is not asked for
+_OFF = 1e3  # beyond any row of order one: a row that is not required
 # Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
 # multiplier of a cost of order one, so that none is missed for a gain.
 PRICE = 100.0
@@ -216,8 +216,8 @@ class Program:
         x, p, cost, rows = (self.symbols[k] for k in "xpfg")
         multipliers = ca.SX.sym("multipliers", rows.shape[0])
         bent = ca.hessian(cost + ca.dot(multipliers, rows), x)[0]
-        found = rows, ca.gradient(cost, x), ca.jacobian(rows, x), bent
-        return ca.Function("derivatives", [x, p, multipliers], found)
+        derivatives = rows, ca.gradient(cost, x), ca.jacobian(rows, x), bent
+        return ca.Function("derivatives", [x, p, multipliers], derivatives)
 
     def evaluated(self, x: FloatArray, parameters: FloatArray) -> tuple[float, FloatArray]:
         """Cost and rows."""
@@ -251,7 +251,7 @@ class Program:
 
 
 def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
-    """Keys of the numbers that are parameters of the program."""
+    """Return the keys of the numbers that are parameters of the program."""
     from sizing.aerodynamics.parabolic import AtLiftCoefficient
 
     tabulated = not isinstance(getattr(aircraft.airframe, "aerodynamics", None), AtLiftCoefficient)
@@ -266,7 +266,7 @@ def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 
 
 def kind_of(aircraft: Aircraft) -> Aircraft:
-    """Aircraft without its name and without the numbers that are parameters of its program."""
+    """Return the aircraft without its name and the numbers that are parameters."""
     values: dict[str, Any] = {
         key: 1.0 if parameter_value(aircraft, None, key) else 0.0
         for key in numbers_taken_out(aircraft)
@@ -275,23 +275,23 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
 
 
 def limits_of_parts(aircraft: Aircraft) -> tuple[str, ...]:
-    """Names of the limits that the parts of a propulsion at its operating point have."""
+    """Return the names of the limits that the parts of a propulsion have."""
     if (parts := aircraft.propulsion_by_parts) is None:
         return ()
     motor = parts.motor_constants
-    own = {"motor_current": motor.maximum_current_a, "motor_power": motor.maximum_power_w}
-    return ("bus_voltage", "tip_mach", *(name for name, most in own.items() if most is not None))
+    limits = {"motor_current": motor.maximum_current_a, "motor_power": motor.maximum_power_w}
+    return ("bus_voltage", "tip_mach", *(name for name, most in limits.items() if most is not None))
 
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def build_program(aircraft: Aircraft, form: Form) -> Program:
-    """Program of an aircraft in some form, unless one of its kind was built before."""
+    """Return the program of an aircraft in a form, built once for aircraft of its kind."""
     return _program(kind_of(aircraft), tuple(aircraft.design_space.limit_rows()), form)
 
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
-    """Program of a kind of aircraft; ``limits`` is the order of its limits."""
+    """Build the program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen, technology = chosen_variables(kind, eased=form.eased), numbers_taken_out(kind)
     sizes = {
         "weights": len(chosen) + 1,
@@ -305,8 +305,8 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
         "ceiling_m": 1,
     }
     if kind.propulsion_by_parts is not None:
-        found = 2 + len(limits_of_parts(kind))
-        every = found, found * len(chosen), len(chosen) ** 2, form.levels * form.ratios
+        count = 2 + len(limits_of_parts(kind))
+        every = count, count * len(chosen), len(chosen) ** 2, form.levels * form.ratios
         sizes |= dict(zip(PartsData._fields, every, strict=True))
     data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
     blocks = [block_symbols(len(chosen), form) for _ in range(form.blocks)]
@@ -369,15 +369,15 @@ class DesignSymbols(NamedTuple):
 def _design_symbols(
     kind: Aircraft, form: Form, x: Any, data: dict[str, Any]
 ) -> tuple[DesignSymbols, Rows]:
-    """Design of symbols, and the requirements on it."""
+    """Return the design as symbols, and the requirements on it."""
     chosen, technology = chosen_variables(kind, eased=form.eased), numbers_taken_out(kind)
     values = {v.name: v.from_program(x[i], data["scales"][i]) for i, v in enumerate(chosen)}
     relative = {v.name: values[v.name] for v in chosen if v.role is Role.technology}
     numbers = enumerate(technology)
-    flown = all_replaced(
+    aircraft = all_replaced(
         kind, {key: data["technology"][i] * relative.get(key, 1.0) for i, key in numbers}
     )
-    named = {"aspect_ratio": flown.airframe.aspect_ratio} | values
+    named = {"aspect_ratio": aircraft.airframe.aspect_ratio} | values
     fields = DesignVariables._fields
     variables = DesignVariables(**{name: v for name, v in named.items() if name in fields})
     airs = []
@@ -385,19 +385,19 @@ def _design_symbols(
         air = FlightConditions(*ca.vertsplit(level)).with_payload_of(variables)
         airs.append(air._replace(wind_m_per_s=values.get(WIND, air.wind_m_per_s)))
     chain, rows = _parts_symbols(kind, x, relative, data)
-    design = parametric_design(flown, airs[0], variables, values[TOTAL_MASS], chain)
+    design = parametric_design(aircraft, airs[0], variables, values[TOTAL_MASS], chain)
     bounds = kind.design_space.limit_rows()
-    for one in design_requirements(flown, design):
-        value = one.value
-        if one.name in bounds and one.name in values:
-            value = eased_row(value, bounds[one.name].end, values[one.name])
-        rows.append((Constraint(one.name, equation=one.name == MASS_BUDGET), value))
+    for row in design_requirements(aircraft, design):
+        value = row.value
+        if row.name in bounds and row.name in values:
+            value = eased_row(value, bounds[row.name].end, values[row.name])
+        rows.append((Constraint(row.name, equation=row.name == MASS_BUDGET), value))
     if USER_OBJECTIVE in values:
         space: Any = kind.design_space
-        it = DesignInFlight(flown, design)
-        own = space.own_objective.row(it, values[USER_OBJECTIVE])
-        rows.append((Constraint(USER_OBJECTIVE, equation=True), own.value))
-    powers, speeds = power_surface(flown, form, airs, variables, design)
+        it = DesignInFlight(aircraft, design)
+        row = space.own_objective.row(it, values[USER_OBJECTIVE])
+        rows.append((Constraint(USER_OBJECTIVE, equation=True), row.value))
+    powers, speeds = power_surface(aircraft, form, airs, variables, design)
     surface = ca.reshape(data["surface"], form.levels, -1) if chain is not None else 0.0
     assert design.chain is not None
     symbols = DesignSymbols(
@@ -418,16 +418,16 @@ def _design_symbols(
 def _parts_symbols(
     kind: Aircraft, x: Any, relative: dict[str, Any], data: dict[str, Any]
 ) -> tuple[Propulsion | None, Rows]:
-    """Chain of a propulsion at its operating point, and rows of the limits of its parts."""
+    """Return a propulsion at its operating point, and rows of the limits of its parts."""
     if (parts := kind.propulsion_by_parts) is None:
         return None, []
     moved = x - data["centre"]
-    found = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
+    parts_now = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
     bent = ca.bilin(ca.reshape(data["bend"], x.shape[0], -1), moved, moved) / 2.0
-    efficiency = found[0] * ca.exp(bent) * relative.get(EFFICIENCY_FACTOR, 1.0)
-    used = zip(limits_of_parts(kind), ca.vertsplit(found[2:]), strict=True)
+    efficiency = parts_now[0] * ca.exp(bent) * relative.get(EFFICIENCY_FACTOR, 1.0)
+    used = zip(limits_of_parts(kind), ca.vertsplit(parts_now[2:]), strict=True)
     rows = [(Constraint(name), 1.0 - share) for name, share in used]
-    return chain_of_numbers(parts, efficiency, found[1]), rows
+    return chain_of_numbers(parts, efficiency, parts_now[1]), rows
 
 
 def power_surface(
@@ -437,11 +437,11 @@ def power_surface(
     variables: DesignVariables,
     design: Design,
 ) -> tuple[Any, Any]:
-    """Power of level flight by heights (rows) and airspeeds, and the design's airspeed by heights.
+    """Return power of level flight by heights (rows) and airspeeds, and airspeed by heights.
 
     Faster flight has a lower lift coefficient, ``C_L / ratio**2``.
     """
-    own = DesignInFlight(aircraft, design).lift_coefficient
+    lift = DesignInFlight(aircraft, design).lift_coefficient
     ratios = [math.exp(place * FASTEST) for place in _places(form.ratios)]
     powers, speeds = [], []
     for air in airs:
@@ -449,7 +449,7 @@ def power_surface(
         for ratio in ratios:
             faster = variables
             if ratio != 1.0:
-                faster = variables._replace(lift_coefficient=own / ratio**2)
+                faster = variables._replace(lift_coefficient=lift / ratio**2)
             _, power_w, speed = level_flight(
                 aircraft, air, faster, design.total_mass_kg, design.chain
             )
@@ -487,7 +487,7 @@ def day_rows(
     x: Any,
     data: dict[str, Any],
 ) -> Rows:
-    """Rows of one scenario."""
+    """Return the rows of a scenario."""
     moved, reference_w = x - data["centre"], data["reference_w"]
     unit_wh = RESERVE_SCALE_H * reference_w
     light_slope = ca.reshape(block.light_slope, form.intervals + 1, x.shape[0])
@@ -512,11 +512,11 @@ def day_rows(
         rows.append((Constraint("charge_limit"), block.hours - (clock[1:] - clock[:-1])))
     rows.append((Constraint("battery_capacity"), full - charge))
     shift_h = block.shift_h + ca.dot(block.shift_slope_h, moved)
-    wanted_h = block.reserve * (unknown.excess_h + shift_h) + block.way_h
-    wanted = wanted_h * nominal_w / unit_wh
+    required_h = block.reserve * (unknown.excess_h + shift_h) + block.way_h
+    required = required_h * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
     sun = (sun_w + lack_w) / nominal_w - 1.0 - CONTINUOUS_MARGIN
-    rows.append((Constraint("excess_time"), charge * out_of - wanted + _OFF * block.continuous))
+    rows.append((Constraint("excess_time"), charge * out_of - required + _OFF * block.continuous))
     rows.append((Constraint("continuous"), sun + _OFF * (1.0 - block.continuous)))
     once = _OFF * (1.0 - block.repeated)
     rows.append((Constraint("energy_balance"), charge[-1] - charge[0] + once))
@@ -539,7 +539,7 @@ class Motion(NamedTuple):
 def _motion(
     form: Form, design: DesignSymbols, block: BlockData, unknown: Unknowns, ceiling_m: Any
 ) -> tuple[Motion, Rows]:
-    """Power of flight at the heights and airspeeds of a day, and the rows that hold them.
+    """Return power of flight at heights and airspeeds of a day, and the rows that hold them.
 
     The wind's is the airspeed at least; the propulsion gives no less than nothing and no more than
     its rated power; a climb takes ``m g dz/dt`` over the efficiency.
@@ -554,10 +554,10 @@ def _motion(
     floor = ca.exp((design.log_power_w[0, :] @ faster[:, 0])[0])
     power_w = ca.exp(ca.sum1(weights * (design.log_power_w @ faster)).T)
     if form.holds:
-        own = ca.exp(ca.sum1(weights * ca.log(design.airspeed_m_per_s)).T + fast)
+        airspeed = ca.exp(ca.sum1(weights * ca.log(design.airspeed_m_per_s)).T + fast)
         wind = ca.sum1(weights * block.wind_m_per_s).T
         rows.append(
-            (Constraint("airspeed_against_wind"), (own - wind) / design.airspeed_m_per_s[0])
+            (Constraint("airspeed_against_wind"), (airspeed - wind) / design.airspeed_m_per_s[0])
         )
     beyond_w: Any = ca.DM.zeros(form.intervals)
     rated_w = design.rated_w
@@ -584,24 +584,24 @@ def _places(count: int) -> list[float]:
 
 
 def lagrange(place: Any, count: int) -> list[Any]:
-    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them.
+    """Return the weights of evenly spaced nodes from 0 to 1 in the polynomial through them.
 
     ``place``: number, array or symbol.
     """
     nodes = _places(count)
     return [
-        math.prod(((place - other) / (own - other) for other in nodes if other != own), start=1.0)
-        for own in nodes
+        math.prod(((place - other) / (node - other) for other in nodes if other != node), start=1.0)
+        for node in nodes
     ]
 
 
 def _weights(places: Any, count: int) -> Any:
-    """Such weights of a column of places, one column each."""
+    """Return such weights of a column of places, a column for each."""
     return ca.horzcat(*(ca.vertcat(*lagrange(z, count)) for z in ca.vertsplit(places)))
 
 
 def block_symbols(count: int, form: Form) -> BlockData:
-    """Data of a scenario as symbols, of a program with some design variables."""
+    """Return the data of a scenario as symbols, for so many design variables."""
     sizes = dict.fromkeys(BlockData._fields, 1)
     sizes |= dict.fromkeys(("hours", "load"), form.intervals)
     sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}
@@ -611,7 +611,7 @@ def block_symbols(count: int, form: Form) -> BlockData:
 
 
 def charge_clock(limit: ChargeLimit, state_of_charge: Any) -> Any:
-    """Hours in which the charge limit alone charges an empty battery, of symbols."""
+    """Return the hours in which the charge limit alone charges an empty battery."""
     soc = state_of_charge
     if isinstance(limit, RuleChargeLimit):
         rate, start = limit.c_rate_per_h, limit.taper_start

@@ -107,11 +107,13 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
             ("payload_power_w", _payload_scale_w(space)),
         )
     ]
-    own = getattr(space, "own_objective", None)
-    if own is not None:
+    user_objective = getattr(space, "own_objective", None)
+    if user_objective is not None:
         ends = -math.inf, math.inf
         always.append(
-            Variable(USER_OBJECTIVE, "1", *ends, Role.objective, linear=True, least=own.scale)
+            Variable(
+                USER_OBJECTIVE, "1", *ends, Role.objective, linear=True, least=user_objective.scale
+            )
         )
     if not eased:
         return tuple(always)

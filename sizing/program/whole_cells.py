@@ -39,7 +39,7 @@ _AROUND = 200
 _STRIDES = 20
 # What differs by less is equal: the solver meets its rows to about 1e-8. Of equal objectives the
 # lighter design is the better one.
-_SAME = 1e-6
+_EQUAL = 1e-6
 _TENTH_OF_A_MM, _LONGEST_M = 1e-4, 1e4  # of lengths that are tried
 
 
@@ -105,10 +105,10 @@ def without_whole_cells(aircraft: Aircraft) -> Aircraft:
         ("modules", "layout", ("area_m2", "mppt_mass_kg_per_w")),
         ("battery", "pack", ("mass_kg", "specific_energy_wh_per_kg", "charge_limit")),
     ):
-        own = getattr(aircraft, section)
-        if getattr(own, whole) is not None:
-            given = {key: getattr(own, key) for key in keys}
-            sections[section] = own.model_copy(update={whole: None, **given})
+        record = getattr(aircraft, section)
+        if getattr(record, whole) is not None:
+            values = {key: getattr(record, key) for key in keys}
+            sections[section] = record.model_copy(update={whole: None, **values})
     return aircraft.model_copy(update=sections)
 
 
@@ -137,8 +137,8 @@ class _Search:
 
     def __init__(self, aircraft: Aircraft, sizing: Callable[..., SizingResult]) -> None:
         layout, pack = aircraft.modules.layout, aircraft.battery.pack
-        for key, given in (("modules.layout", layout), ("battery.pack", pack)):
-            if given is None:
+        for key, record in (("modules.layout", layout), ("battery.pack", pack)):
+            if record is None:
                 raise ValueError(f"whole cells need {key} of the aircraft")
         assert layout is not None
         assert pack is not None
@@ -149,7 +149,7 @@ class _Search:
         self.known: dict[Numbers, tuple[Neighbour, SizingResult | None]] = {}
 
     def run(self) -> tuple[SizingResult, WholeCells]:
-        """Best of the designs around the relaxed optimum."""
+        """Return the best of the designs around the relaxed optimum."""
         # With continuous area, battery and MPPTs, each of these with all the cells that it takes.
         strings, plain = self.layout.strings, self.plain
         if strings is not None:
@@ -166,7 +166,7 @@ class _Search:
         at = bisect_left(self.halves, half)
         counts = [max(math.floor(parallel), 1), max(math.ceil(parallel), 1)]
         around = product(self.halves[max(at - 1, 0) : at + 1], counts)
-        best = self._best_of(Numbers(*one) for one in around)
+        best = self._best_of(Numbers(*pair) for pair in around)
         for radius in range(1, _RINGS + 1):
             if best is None:
                 best = self._best_of(self._ring(middle, radius))
@@ -182,7 +182,7 @@ class _Search:
         for more in (-1, 0, 1):
             self._best_of([Numbers(max(middle.per_half + more, 1), middle.parallel)])
         # The best first, then in the order in which they were tried.
-        tried = tuple(self.known[one][0] for one in sorted(self.known, key=self._rank))
+        tried = tuple(self.known[numbers][0] for numbers in sorted(self.known, key=self._rank))
         near, result = self.known[middle]
         if result is None:
             text = (
@@ -196,22 +196,22 @@ class _Search:
         return result, WholeCells(self._put_in(result, middle), relaxed, near, tried)
 
     def _rank(self, numbers: Numbers) -> tuple[float, float]:
-        """Objective and mass of a design, the smaller the better; infinite where there is none."""
+        """Return objective and mass of a design, the smaller the better; infinite without."""
         neighbour, result = self.known[numbers]
         mass_kg = neighbour.total_mass_kg
         return (
             (math.inf, math.inf) if result is None or mass_kg is None else (-result.merit, mass_kg)
         )
 
-    def _beats(self, one: Numbers, other: Numbers) -> bool:
-        """Whether a design is better than another, or as good and lighter."""
-        (own, own_kg), (its, its_kg) = self._rank(one), self._rank(other)
-        if math.isclose(own, its, rel_tol=_SAME):
-            return own_kg < its_kg * (1.0 - _SAME)
-        return own < its
+    def _beats(self, numbers: Numbers, others: Numbers) -> bool:
+        """Return whether a design is better than another, or as good and lighter."""
+        (cost, mass_kg), (other_cost, other_kg) = self._rank(numbers), self._rank(others)
+        if math.isclose(cost, other_cost, rel_tol=_EQUAL):
+            return mass_kg < other_kg * (1.0 - _EQUAL)
+        return cost < other_cost
 
     def _ring(self, middle: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
-        """Numbers at a distance of some steps; of the solar cells those that can be laid."""
+        """Yield the numbers at a distance of steps; of solar cells those that can be laid."""
         steps = range(-radius, radius + 1)
         at = bisect_left(self.halves, middle.per_half)
         for a, b in product(steps, steps):
@@ -219,18 +219,19 @@ class _Search:
             if max(abs(a), abs(b)) == radius and 0 <= place < len(self.halves) and parallel > 0:
                 yield Numbers(self.halves[place], parallel)
 
-    def _best_of(self, numbers: Iterable[Numbers]) -> Numbers | None:
-        """Best of some designs, each of which is sized once; None where none is feasible."""
+    def _best_of(self, candidates: Iterable[Numbers]) -> Numbers | None:
+        """Return the best of designs, each of which is sized once; None if none is feasible."""
         best: Numbers | None = None
-        for one in dict.fromkeys(numbers):
-            if one not in self.known:
-                self.known[one] = self._sized(one)
-            if self.known[one][1] is not None and (best is None or self._beats(one, best)):
-                best = one
+        for numbers in dict.fromkeys(candidates):
+            if numbers not in self.known:
+                self.known[numbers] = self._sized(numbers)
+            feasible = self.known[numbers][1] is not None
+            if feasible and (best is None or self._beats(numbers, best)):
+                best = numbers
         return best
 
     def _halves(self, middle: int) -> list[int]:
-        """Numbers of cells on half of the wing around the middle, that wing and strings allow."""
+        """Return the numbers of cells on half of the wing that wing and strings allow."""
         space, ratio = self.aircraft.design_space, self.aircraft.airframe.aspect_ratio
         span_m, tail = space.wingspan_m.maximum, self.layout.tail_count
         ratio = ratio if space.aspect_ratio is None else space.aspect_ratio.minimum
@@ -242,7 +243,7 @@ class _Search:
     # ---- One design
 
     def _sized(self, numbers: Numbers) -> tuple[Neighbour, SizingResult | None]:
-        """Design of some numbers of cells, with all else free, from the relaxed optimum on."""
+        """Size a design of these numbers of cells, with all else free, from the optimum on."""
         cells = 2 * numbers.per_half + self.layout.tail_count
         strings, reason = self._strings(cells)
         mppts = None if strings is None else strings.mppts(cells)
@@ -273,16 +274,18 @@ class _Search:
         return neighbour, best
 
     def _strings(self, cells: int) -> tuple[Strings | None, str]:
-        """Strings of so many cells; why there are none."""
+        """Return the strings of so many cells, or why there are none."""
         strings = self.layout.strings
-        if strings is None or (found := strings.for_cells(cells, *self.electric)) is not None:
-            return None if strings is None else found, ""
+        if strings is None:
+            return None, ""
+        if (divided := strings.for_cells(cells, *self.electric)) is not None:
+            return divided, ""
         window = strings.window(*self.electric)
         text = f"{cells} cells do not divide into strings of {window.least} to {window.most}"
         return None, text
 
     def _wings(self, per_half: int) -> Iterator[Wing]:
-        """Smallest wings that hold so many cells: one, or with a free aspect ratio one per row."""
+        """Yield the smallest wings that hold so many cells: one for each row of a free chord."""
 
         def span_m(wing_of: Callable[[float], Wing]) -> float:
             return _least_m(lambda b: self.layout.capacity(wing_of(b)) >= per_half)
@@ -302,10 +305,10 @@ class _Search:
         rows = max(self.layout.rows_that_fit(bay, wing), 1)
         for deep_m in (chord_m(rows), chord_m(rows + 1)):
             if math.isfinite(deep_m):
-                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _SAME))
+                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _EQUAL))
 
     def _bounds(self, numbers: Numbers, cells: int, wing: Wing) -> Bounds | str:
-        """Bounds that hold these cells and no others; why there are none."""
+        """Return the bounds that hold these cells and no others, or why there are none."""
         space, held = self.aircraft.design_space, Bounds()
         for name, value, text in (
             ("module_area_m2", cells * self.layout.area_of_a_cell_m2, "module area {:.4g} m²"),
@@ -341,23 +344,23 @@ class _Search:
         return self.plain.model_copy(update={"modules": modules})
 
     def _battery_kg(self, parallel: int) -> float:
-        """Mass of a battery with so many cells in parallel [kg]."""
+        """Return the mass of a battery with so many cells in parallel [kg]."""
         pack = self.pack.model_copy(update={"cells_in_parallel": parallel})
         return pack.mass_kg(self.aircraft.battery.cell_mass_fraction)
 
     def _limiting(self, result: SizingResult) -> tuple[str, ...]:
-        """What limits a design; the wing that its cells need by its own name."""
+        """Return what limits a design; the wing that its cells need as ``whole_cells``."""
         assert result.design is not None
         space, by_cells = self.aircraft.design_space, []
-        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _SAME):
+        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _EQUAL):
             by_cells.append("wingspan_m at its minimum")
         if space.aspect_ratio is not None:
             by_cells.append("chord_m_minimum")
         names = result.active_constraints
-        return tuple(dict.fromkeys("whole_cells" if one in by_cells else one for one in names))
+        return tuple(dict.fromkeys("whole_cells" if name in by_cells else name for name in names))
 
     def _put_in(self, result: SizingResult, numbers: Numbers) -> Aircraft:
-        """Aircraft of a design, its cells laid on its wing and checked as a file is."""
+        """Return the aircraft of a design, its cells laid on its wing, checked as a file is."""
         assert result.design is not None
         variables = result.design.variables
         strings, _ = self._strings(2 * numbers.per_half + self.layout.tail_count)
@@ -379,9 +382,9 @@ class _Search:
 
 
 def _why(result: SizingResult) -> str:
-    """Why a sizing has no design, in words."""
+    """Return why a sizing has no design, in words."""
     if result.violations:
-        return "; ".join(one.text for one in result.violations)
+        return "; ".join(violation.text for violation in result.violations)
     nearest = result.nearest
     if nearest is None:
         return "no design found"

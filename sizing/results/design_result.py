@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from functools import cached_property
 from operator import attrgetter
 from typing import Any
@@ -32,7 +33,7 @@ def _of_design(key: str, text: str) -> property:
     return property(value, doc=f"{text}; NaN without a design.")
 
 
-class DesignResult(Result):
+class DesignResult(Result, ABC):
     """Result on a mission with a design, of which nothing is known where there is none."""
 
     aircraft: Aircraft
@@ -47,9 +48,9 @@ class DesignResult(Result):
     airspeed_m_per_s = _of_design("airspeed_m_per_s", "Airspeed [m/s]")
 
     @property
+    @abstractmethod
     def design(self) -> Design | None:
         """Masses and power; None without a design."""
-        raise NotImplementedError
 
     @cached_property
     def power_budget(self) -> PowerBudget | None:

@@ -98,7 +98,11 @@ def test_payload_of_grams_is_the_largest_to_a_part_of_itself() -> None:
     assert 0.01 * best.objective_value < lost_kg < 1e-3 * more.design.total_mass_kg
 
 
-@pytest.mark.xfail(reason="neighbours find 0.2 of the 3 % by which the payload falls short")
+@pytest.mark.xfail(
+    reason="the payload is 3 % below the optimum; the best of 400 random neighbours has 0.2 % "
+    "more, less than the 0.5 % that a cross-check tolerates",
+    strict=True,
+)
 def test_payload_that_is_short_by_grams_is_not_cross_checked() -> None:
     more = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.017)
     claimed = replace(more, required_excess_time_h=2.0)

@@ -92,7 +92,11 @@ def test_payload_that_cannot_be_carried_at_all_is_infeasible() -> None:
     assert found.violations[0].requirement == "excess_time"
 
 
-@pytest.mark.xfail(reason="the program finds no design here", strict=True)
+@pytest.mark.xfail(
+    reason="within a thousandth of the edge the search ends at a local least violation, though a "
+    "feasible design exists",
+    strict=True,
+)
 def test_verdicts_do_not_depend_on_the_objective() -> None:
     # Next to the edge the least missed requirements have a local minimum in which much is missing.
     plane = aircraft(
@@ -159,7 +163,10 @@ def test_infeasible_verdict_is_held_against_a_grid_of_designs() -> None:
     assert found.objective_value == pytest.approx(74.65, rel=0.005)
 
 
-@pytest.mark.xfail(reason="the program ends in the smaller of two optima, 7 % less", strict=True)
+@pytest.mark.xfail(
+    reason="there are two local optima; the search ends at the one with 7 % less payload",
+    strict=True,
+)
 def test_margin_on_the_recharge_costs_no_payload_that_counts() -> None:
     # A payload of 12 W beside 40 W of level flight: a thousandth more charge is half a percent.
     plane = builders.aircraft(
