@@ -29,7 +29,6 @@ from sizing.mass_budget import (
     measured_design,
     operating_trouble,
 )
-from sizing.propulsion.part_load import load_range
 from solar.types import BoolArray, FloatArray, IntArray
 
 
@@ -240,7 +239,7 @@ def flight_levels(
         scenario=np.broadcast_to(scenarios, shape).ravel(),
         design=np.asarray(each(np.arange(max(math.prod(cases), 1)).reshape(cases)), int),
         module_area_m2=each(design.variables.module_area_m2),
-        nominal_ratio=each(load_range(mission.turbulence.all_day, 0.0)[0]),
+        nominal_ratio=each(1.0 + np.asarray(mission.turbulence.all_day, float)),
         constant_power_w=each(design.constant_power_w),
         efficiency=each(limits.efficiency),
         maximum_power_w=np.where(flies, most_w, 0.0),

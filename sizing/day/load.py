@@ -166,7 +166,7 @@ class Load(NamedTuple):
 
     def without_thermals(self, mission: Mission) -> FloatArray:
         """Return the load in the turbulence of all hours [W], ``(..., scenario)``."""
-        calm, _ = load_range(mission.turbulence.all_day, 0.0)
+        calm = 1.0 + np.asarray(mission.turbulence.all_day, float)
         return np.asarray(self.at(calm[..., np.newaxis])[..., 0])
 
     def along(

@@ -156,15 +156,12 @@ def _on_paths(aircraft: Aircraft, mission: Mission, winds: Sequence[Mission]) ->
     if path is None or getattr(path, "airspeed_m_per_s", 0.0) is not None:
         return list(winds)
     airspeed = airspeed_in_flight(aircraft, mission)
+    paths = (
+        at_airspeed(path, max(airspeed, _ABOVE_WIND * there.wind.speed_m_per_s)) for there in winds
+    )
     return [
-        there.model_copy(
-            update={
-                "flight_path": at_airspeed(
-                    path, max(airspeed, _ABOVE_WIND * there.wind.speed_m_per_s)
-                )
-            }
-        )
-        for there in winds
+        there.model_copy(update={"flight_path": new_path})
+        for there, new_path in zip(winds, paths, strict=True)
     ]
 
 
@@ -222,10 +219,8 @@ def modelled_power(
         # In memory the time comes first: the simulator marches over it, all scenarios at once.
         light = clear_daylight(mission, latitude_deg, day, time_h[:, np.newaxis])
         return specific_power(aircraft, mission, model, light, around).T
-    windy = [mission] * len(scenarios)
-    if mission.wind_statistics is not None:
-        windy = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
-    windy = _on_paths(aircraft, mission, windy)
+    winds = mission.scenario_winds_m_per_s(scenarios).tolist()
+    windy = _on_paths(aircraft, mission, [mission.in_wind(wind) for wind in winds])
     return np.stack(
         [
             specific_power(
