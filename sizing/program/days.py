@@ -12,9 +12,10 @@ from sizing.day.march import ChargingDay
 from sizing.program.transcription import Form, lagrange
 from solar.types import BoolArray, FloatArray, IntArray
 
-_NEAR = 13  # steps of an hour around those in which the charge limit holds back
-_FAR = 0.2  # weight of a step of light away from those
-_DARK = 1e-3  # weight of a step of night
+# Weights in the length of an interval, where steps within half an hour of those in which the charge
+# limit holds back count as 1: little bends the charge by light, and nothing by night.
+_FAR = 0.2
+_DARK = 1e-3
 
 
 class Day(NamedTuple):
@@ -114,7 +115,8 @@ def nodes_of(
             nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
     least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
-    near = np.convolve(held | least, np.ones(_NEAR), "same") > 0.0
+    an_hour = round(1.0 / float(np.diff(day.time_h).max())) + 1
+    near = np.convolve(held | least, np.ones(an_hour), "same") > 0.0
     near |= close
     elsewhere = np.where(light | form.climbs, _FAR, _DARK)
     weight = np.where(near, 1.0, elsewhere) if light.any() else np.ones(steps)

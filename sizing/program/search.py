@@ -117,8 +117,9 @@ class Search:
     def rounds(self) -> Generator[Values, Performance, None]:
         """Search, yielding every design whose flight, with its neighbours', is needed."""
         solution, judged, reach = self.warm, None, math.inf
-        values = self.task.first_values(most_promising(self.task))
-        if self.first is not None:
+        if self.first is None:
+            values = self.task.first_values(most_promising(self.task))
+        else:
             values = self.task.within_bounds(self.task.held | dict(self.first))
         for number in range(_MOST_ROUNDS):
             judged = yield from self._flying(values, solution if number else None, judged)

@@ -15,7 +15,6 @@ from solar.types import FloatArray
 # Points of span, battery and modules each, by the number of other free variables.
 _GRID_POINTS = (9, 7, 6)
 _FEW_POINTS = 3
-_EACH_HOUR = 12  # steps of the day that count as an hour
 _ROUGHLY = 1e-3  # of masses, of which the grid is far coarser
 
 
@@ -63,7 +62,8 @@ def missed_by(task: SizingTask, design: Design) -> FloatArray:
     """
     aircraft, day, battery = task.aircraft, task.day, task.aircraft.battery
     load_w = np.asarray(design.nominal_load_w(task.mission))[:, np.newaxis, np.newaxis]
-    light = day.specific_power_w_per_m2[:, :: min(_EACH_HOUR, len(day.time_h) - 1)]
+    hourly = round(1.0 / float(day.time_h[1] - day.time_h[0]))
+    light = day.specific_power_w_per_m2[:, :: min(max(hourly, 1), len(day.time_h) - 1)]
     step_h = day.time_h[-1] / (light.shape[-1] - 1)
     area = np.asarray(design.variables.module_area_m2)[:, np.newaxis, np.newaxis]
     net = area * light[..., :-1] - load_w
