@@ -296,7 +296,10 @@ class Search:
     def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
         """Correct the goal of one scenario by what the simulator finds for the last solution."""
         task, scenario = self.task, self.scenarios[number]
-        simulated_h = float(judged.excess_h[number])
+        # A day along the program's heights that does not close tells how much it lacks.
+        simulated_h = float(np.asarray(judged.perf.cycle.excess_time_h)[0, number])
+        if simulated_h > 0.0:
+            simulated_h = float(judged.excess_h[number])
         scenario.shift_h = solution.shift_h(block)
         far = solution.largest_change > _NEAR
         if far and scenario.profile is None:
