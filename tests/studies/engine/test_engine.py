@@ -672,11 +672,19 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
     log.mkdir()
     job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
     pool, (_, *workers) = cluster(2)
-    threading.Timer(1.0, workers[0].kill).start()
+
+    def pids() -> set[str]:
+        return {path.name.split("-")[2] for path in log.iterdir()}
+
+    def kill_once_it_computes() -> None:
+        while str(workers[0].pid) not in pids():
+            time.sleep(0.02)
+        workers[0].kill()
+
+    threading.Thread(target=kill_once_it_computes, daemon=True).start()
     outcome = run(job, pool)
     assert workers[0].wait(timeout=10) == -signal.SIGKILL
-    pids = {path.name.split("-")[2] for path in log.iterdir()}
-    assert pids == {str(worker.pid) for worker in workers}
+    assert pids() == {str(worker.pid) for worker in workers}
     assert_identical(outcome, run(functions.job(functions.Settings(), cells=60, each=2)))
 
 
