@@ -7,6 +7,6 @@
 
 * ``cycle``: a day that repeats itself, a flight to a landing; ``flight``, ``launch``: from a launch
   until the battery is empty, and the best launch
-* ``record``, ``record_days``, ``carried``: days of a weather record, the charge carried over;
-  ``replay``: a flight by the clock
+* ``record``: days of a weather record, the charge carried over; ``record_conditions``: their light,
+  load and batteries; ``replay``: a flight by the clock
 """

@@ -33,11 +33,8 @@ from sizing.day.balance import (
     sum_over_time,
 )
 from sizing.day.battery import Store
-from sizing.roots import FallingRoots
 from solar.types import BoolArray, FloatArray, IntArray
 
-# Of the battery's energy: change of the stored energy over a day that counts as none.
-_SETTLED = 1e-11
 # State of charge below zero that counts as an empty battery.
 SHORT = 1e-12
 
@@ -322,60 +319,3 @@ class DayRun:
 
     def _after_deficit(self, held_wh: FloatArray, deficit_wh: FloatArray) -> FloatArray:
         return np.maximum(held_wh - deficit_wh / self.store.discharge_efficiency, 0.0)
-
-
-class Repetition(NamedTuple):
-    """Run of a day, and the elements that do not end it with the energy they started with."""
-
-    run: DayRun
-    unsettled: IntArray
-
-    @property
-    def highest_wh(self) -> FloatArray:
-        """Return the energy above which no unsettled element repeats its day [Wh]."""
-        return np.maximum(self.run.start_wh, self.run.end_wh)[self.unsettled]
-
-
-def first_repetition(day: ChargingDay, store: Store) -> Repetition:
-    """Return the run of a day that, in nearly all cases, ends with the energy it started with.
-
-    The energy after a cycle never falls, and rises by at most as much, when that before it rises
-    (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
-    from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
-    passes through an empty battery, and from there one day leads to the fixed point. Any other
-    cycle is marched from a full battery at nightfall; most fill it again within the day. The few
-    that are left are searched for by :func:`repeated_wh`.
-
-    Start and end agree to 1e-11 of the battery's energy.
-    """
-    full, eta = store.battery_energy_wh, store.discharge_efficiency
-    before_surplus = day.deficit_before_surplus_wh
-    storable = store.charge_efficiency * day.total_surplus_wh * eta
-    at_nightfall = np.maximum(day.nightfall_deficit_wh, 0.0)
-    full_at_nightfall = np.maximum(day.midnight_wh(store, full, at_nightfall), 0.0)
-    loses = storable < day.cumulative_deficit_wh[-1]
-    run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
-    end = run.end_wh
-    moved = np.flatnonzero(np.abs(end - run.start_wh) > _SETTLED * full)
-    of_moved = before_surplus[:, moved]
-    at_first_surplus = np.minimum.reduce(
-        np.where(of_moved < 0.0, np.inf, of_moved), axis=0, initial=np.inf
-    )
-    # Empty before the first surplus from here and from there, and from then on the same.
-    alike = at_first_surplus >= (eta * np.maximum(run.start_wh, end))[moved]
-    run.restart(moved[alike], end[moved[alike]])
-    return Repetition(run, moved[~alike])
-
-
-def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
-    """Return the energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
-
-    def gain(rows: IntArray, energy_wh: FloatArray) -> FloatArray:
-        return day.select(rows).end_wh(store.select(rows), energy_wh) - energy_wh
-
-    empty_wh, every = np.zeros_like(highest_wh), np.arange(len(highest_wh))
-    gains = gain(every, empty_wh), gain(every, highest_wh)
-    search = FallingRoots(empty_wh, highest_wh, *gains, _SETTLED * store.battery_energy_wh)
-    while search.open.size:
-        search.take(gain(search.open, search.trial))
-    return search.root

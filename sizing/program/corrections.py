@@ -21,7 +21,7 @@ from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance
 from sizing.program.climbing import Profile, power_beyond_floor
-from sizing.program.days import (
+from sizing.program.intervals import (
     Day,
     day_means,
     light_at_heights,

@@ -19,7 +19,7 @@ from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.heights import FlightLevels
 from sizing.day.metrics import Cycle
-from sizing.program.days import (
+from sizing.program.intervals import (
     Day,
     DayMeans,
     day_means,

@@ -21,7 +21,7 @@ from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.day.record import weather_run
-from sizing.day.record_days import WeatherDays
+from sizing.day.record_conditions import WeatherDays
 from sizing.mass_budget import design_of
 from sizing.program.margin import MarginSearch, Trial, best_of
 from sizing.program.objectives import Objective

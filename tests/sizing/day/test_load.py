@@ -22,7 +22,7 @@ from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day
 from sizing.day.load import interpolation_error, part_load_of
 from sizing.day.record import weather_performance
-from sizing.day.record_days import temperatures_c
+from sizing.day.record_conditions import temperatures_c
 from sizing.day.replay import calendar_run
 from sizing.design import DesignVariables, FlightConditions
 from sizing.mass_budget import ImpossibleDesignError, design_of

@@ -14,7 +14,7 @@ from missions.weather.site import mission_at_site
 from missions.winds.table import COLUMNS
 from sizing.day.light import SolarModel
 from sizing.day.record import weather_performance
-from sizing.day.record_days import WeatherDays, load_of_days
+from sizing.day.record_conditions import WeatherDays, load_of_days
 from sizing.day.replay import calendar_run
 from sizing.design import FlightConditions
 from sizing.held_station import held_flight

@@ -1,4 +1,4 @@
-"""The day of a program: its intervals, and mean light and load over them."""
+"""Intervals of a day in the sizing program, with mean light and load over them."""
 
 from __future__ import annotations
 

@@ -6,10 +6,10 @@ from step_by_step import balance_of, march
 
 from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
-from sizing.day.carried import Dawns, carried_over, dawns_of, days_that_close, runs_empty
 from sizing.day.cycle import simulate_cycle
 from sizing.day.flight import Flights
 from sizing.day.march import ChargingDay
+from sizing.day.record import Dawns, carried_over, dawns_of, days_that_close, runs_empty
 
 TIME_H = np.linspace(0.0, 24.0, 49)
 
