@@ -1,7 +1,5 @@
 """Loiter paths in wind: closure, the wind triangle, coordinated turns, symmetries and limits."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from typing import Any, TypeAlias

@@ -1,7 +1,5 @@
 """Highest altitude of perpetual flight: limits, invariants and independent arithmetic."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Climbs of given aircraft: against the rule marched plainly, arithmetic by hand, invariants."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

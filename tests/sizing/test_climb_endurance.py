@@ -1,7 +1,5 @@
 """The longest flight with climbs: against plain marching, level flight, and bounds by hand."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import builders

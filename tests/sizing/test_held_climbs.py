@@ -1,7 +1,5 @@
 """Climbs by day where the aircraft holds its place: as fast as the wind of every height."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Performance of aircraft on missions: axes, scenarios, batches of designs, time step."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

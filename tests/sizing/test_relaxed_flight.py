@@ -1,7 +1,5 @@
 """What alone makes a limited flight perpetual, against analyses of files with those values."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Station keeping: how fast an aircraft flies perpetually, and the share of the time it stays."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

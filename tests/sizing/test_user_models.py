@@ -1,7 +1,5 @@
 """Structure, drag and propulsion of the user's own: like shipped ones, they give the same."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Winds by latitude and month reach whatever used the one wind: limits, paths, cells."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

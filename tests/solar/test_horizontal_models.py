@@ -1,7 +1,5 @@
 """Conceptual design and analysis models against the flight of AtlantikSolar and invariants."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Tests of the catalogue of quantities: what is declared once agrees with what is computed."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

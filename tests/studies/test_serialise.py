@@ -1,7 +1,5 @@
 """Any result as data for JSON, and the keys of the table of records."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from enum import IntEnum

@@ -6,8 +6,6 @@ faults are put on it on purpose. The log is what instruments would write: its at
 measurement error that the truth does not know.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import TypeAlias
 

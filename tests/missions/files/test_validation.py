@@ -1,7 +1,5 @@
 """Tests of the check of aircraft and mission files against their models."""
 
-from __future__ import annotations
-
 import pickle
 import subprocess
 import sys

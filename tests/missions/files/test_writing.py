@@ -1,7 +1,5 @@
 """Tests of writing files, and data as YAML."""
 
-from __future__ import annotations
-
 import enum
 import json
 import math

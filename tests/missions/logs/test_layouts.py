@@ -1,7 +1,5 @@
 """Logs as different loggers write them: each is the same flight, and what is guessed is told."""
 
-from __future__ import annotations
-
 import zipfile
 
 import numpy as np

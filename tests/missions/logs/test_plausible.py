@@ -1,7 +1,5 @@
 """Values that cannot be are found where they are, and nothing is found in logs of clean sensors."""
 
-from __future__ import annotations
-
 import datetime
 from collections.abc import Callable
 from functools import cache

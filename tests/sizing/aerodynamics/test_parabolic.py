@@ -1,7 +1,5 @@
 """Level flight and its power with a parabolic polar: definitions, limits and directions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arithmetics import assert_alike

@@ -1,7 +1,5 @@
 """Charge limits and the clock that follows them, against numerical integration of the rate."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import exp, log
 

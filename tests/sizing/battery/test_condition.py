@@ -1,7 +1,5 @@
 """Temperature, internal resistance and age of the battery, against hand values and invariants."""
 
-from __future__ import annotations
-
 from math import exp
 from typing import Any
 

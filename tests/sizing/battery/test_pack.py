@@ -1,7 +1,5 @@
 """Batteries of whole cells: mass, energy, voltage and charge current, and what is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Entries of the catalogues: a source for every number, and physics that no product escapes."""
 
-from __future__ import annotations
-
 from importlib import resources
 from math import sqrt
 from typing import get_args

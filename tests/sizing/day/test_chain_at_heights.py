@@ -1,7 +1,5 @@
 """Tests of climbs with the efficiency of the moment, against the exact chain point by point."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

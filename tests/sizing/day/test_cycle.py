@@ -1,7 +1,5 @@
 """Metrics of the repeated day against a slow simulation, and their limits and directions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from math import exp, inf, log, nan

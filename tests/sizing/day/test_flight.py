@@ -1,7 +1,5 @@
 """The longest flight against brute force over launch times with a plain simulation."""
 
-from __future__ import annotations
-
 from math import inf
 
 import numpy as np

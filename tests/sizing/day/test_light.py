@@ -1,7 +1,5 @@
 """Sunlight on an aircraft: time axis, models evaluated once, correction on a loiter, margins."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

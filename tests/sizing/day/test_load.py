@@ -1,7 +1,5 @@
 """Tests of the propulsion over load and voltage, against the exact chain point by point."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

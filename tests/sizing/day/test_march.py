@@ -1,7 +1,5 @@
 """Time marching of the battery: conservation, exact integrals, and brute-force repetition."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

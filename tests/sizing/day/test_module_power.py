@@ -1,7 +1,5 @@
 """Temperature of modules in flight, batteries high up, and designs that differ in their flow."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

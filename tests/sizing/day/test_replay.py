@@ -1,7 +1,5 @@
 """Flights on the calendar: an independent march, and how they relate to the repeated day."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import builders

@@ -1,7 +1,5 @@
 """Whole solar cells on wings: published counts, places, and what is refused."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any
 

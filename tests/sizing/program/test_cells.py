@@ -1,7 +1,5 @@
 """Many sizings at once: the same designs and verdicts as one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

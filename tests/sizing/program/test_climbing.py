@@ -1,7 +1,5 @@
 """Sizings with climbs, beside level flight and other simulated designs."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

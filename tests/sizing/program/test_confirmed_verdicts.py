@@ -1,7 +1,5 @@
 """Optima that a finer time step confirms, payloads of grams, and verdicts that are plain."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import builders

@@ -1,7 +1,5 @@
 """Sizings next to the edge of what is feasible, and far from the bounds of the shipped designs."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import builders

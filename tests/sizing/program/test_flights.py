@@ -1,7 +1,5 @@
 """Flights from a launch to a landing: the march, the sizing, the longest one, wrong files."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

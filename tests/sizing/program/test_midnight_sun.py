@@ -1,7 +1,5 @@
 """Where the sun never sets: designs that live on it at all times, and those that need a battery."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import builders

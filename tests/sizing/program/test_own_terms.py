@@ -1,7 +1,5 @@
 """Objectives and constraints of the user's own, against shipped ones and a grid of simulations."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

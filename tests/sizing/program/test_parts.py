@@ -1,7 +1,5 @@
 """Tests of sizing with a propulsion at its operating point: the exact chain judges every design."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

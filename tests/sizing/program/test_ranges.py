@@ -1,7 +1,5 @@
 """The longest season and the widest band: what one design keeps up, and that no other does more."""
 
-from __future__ import annotations
-
 from functools import cache, partial
 
 import builders

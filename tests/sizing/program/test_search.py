@@ -1,7 +1,5 @@
 """The optimiser against dense grid searches through the simulator, and its verdicts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """What else a sizing may be for: payload, ranges, limits, margins, lift, and what would help."""
 
-from __future__ import annotations
-
 import dataclasses
 from functools import partial
 from itertools import product

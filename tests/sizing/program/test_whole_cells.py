@@ -1,7 +1,5 @@
 """Designs of whole cells against a scan of wingspans through the simulator."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The propulsion functions of AeroSandbox (MIT licence) as independent numbers."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests of the masses of parts that no file gives."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests of motors wound anew, and of the speed constant as a design variable."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests of the margins on every requirement, and of the contingency on masses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The same requirement by every class of building."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The rib wing: loads by another form of the rule, parts by an independent sum, no kinks."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import casadi as ca

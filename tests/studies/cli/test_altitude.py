@@ -1,10 +1,7 @@
 """Ceiling and climbs on the command line: results, files, messages and exit codes."""
 
-from pathlib import Path
-
 import pandas as pd
 import pytest
-from command_line import Run
 
 pytestmark = pytest.mark.slow
 
@@ -21,7 +18,7 @@ CLIMBS = "climbs from 536 to 3536 m once the battery is full"
 
 
 @pytest.fixture
-def climb(tmp_path: Path) -> str:
+def climb(tmp_path):
     (tmp_path / "climb.yaml").write_text(CLIMB)
     return "climb.yaml"
 
@@ -29,7 +26,7 @@ def climb(tmp_path: Path) -> str:
 # ---- ceiling
 
 
-def test_ceiling_writes_table_and_figure(run: Run, tmp_path: Path) -> None:
+def test_ceiling_writes_table_and_figure(run, tmp_path):
     outcome = run("ceiling", AS2, "--step", "4000", "--csv", "a.csv", "--plot", "a.png")
     assert outcome.code == 0
     assert "perpetual flight up to" in outcome.out
@@ -43,7 +40,7 @@ def test_ceiling_writes_table_and_figure(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_no_ceiling_is_exit_code_one(run: Run, tmp_path: Path) -> None:
+def test_no_ceiling_is_exit_code_one(run, tmp_path):
     arguments = ["--set", "power.avionics_w=60", "--step", "5000", "--plot", "none.svg"]
     outcome = run("ceiling", "sky-sailor", *arguments)
     assert outcome.code == 1
@@ -51,7 +48,7 @@ def test_no_ceiling_is_exit_code_one(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "none.svg").exists()
 
 
-def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run: Run) -> None:
+def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run):
     standard = ("ceiling", AS2, "--set", "mission.air={}")
     from_above = run(*standard, "--set", "mission.altitude_m=12000")
     printed = " ".join(from_above.out.split())
@@ -65,7 +62,7 @@ def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run: Run) -> Non
     assert " ".join(hopeless.out.split()).count("-24.00") == 2
 
 
-def test_endless_day_is_no_number_in_json(run: Run) -> None:
+def test_endless_day_is_no_number_in_json(run):
     outcome = run("ceiling", AS2, "--step", "8000", "--json", "--set", "mission.latitude_deg=85.0")
     assert outcome.json()["best_excess_time_h"] is None
 
@@ -83,7 +80,7 @@ def test_endless_day_is_no_number_in_json(run: Run) -> None:
         (["--set", "mission.latitude_deg=85", "--set", "mission.dates={on: 12-21}"], "polar night"),
     ],
 )
-def test_wrong_ceilings_are_refused(run: Run, arguments: list[str], message: str) -> None:
+def test_wrong_ceilings_are_refused(run, arguments, message):
     outcome = run("ceiling", AS2, *arguments)
     assert outcome.code == 2
     assert message in outcome.err
@@ -93,7 +90,7 @@ def test_wrong_ceilings_are_refused(run: Run, arguments: list[str], message: str
 # ---- climbs
 
 
-def test_analyse_uses_the_climb(run: Run, climb: str, tmp_path: Path) -> None:
+def test_analyse_uses_the_climb(run, climb, tmp_path):
     printed = run("analyse", AS2, "-m", climb, "-v", "--plot", "c.png", "--csv", "c.csv").out
     for text in ("highest altitude", "3536 m", "gliding in the evening", "gained by climbing"):
         assert text in printed
@@ -129,16 +126,14 @@ def test_analyse_uses_the_climb(run: Run, climb: str, tmp_path: Path) -> None:
         (["uncertainty", "--samples", "64"], CLIMBS),
     ],
 )
-def test_commands_tell_that_the_flight_climbs(
-    run: Run, climb: str, tmp_path: Path, words: list[str], said: str
-) -> None:
+def test_commands_tell_that_the_flight_climbs(run, climb, tmp_path, words, said):
     outcome = run(*words[:1], AS2, "-m", climb, *words[1:], "--plot", "climbs.svg")
     assert outcome.code == 0
     assert said in " ".join(outcome.out.split())
     assert "climbs" in (tmp_path / "climbs.svg").read_text()
 
 
-def test_size_tells_the_climb_and_the_optimum_of_level_flight(run: Run, climb: str) -> None:
+def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
     given = ("size", "atlantiksolar-design", "-m", climb, "--objective", "min_wingspan")
     outcome = run(*given, "--out", "sized")
     assert outcome.code == 0
@@ -164,7 +159,7 @@ def test_size_tells_the_climb_and_the_optimum_of_level_flight(run: Run, climb: s
     )
 
 
-def test_resized_maps_and_sweeps_climb(run: Run, climb: str, tmp_path: Path) -> None:
+def test_resized_maps_and_sweeps_climb(run, climb, tmp_path):
     where = ("--latitudes", "40:50:10", "--days", "172:173:1")
     sized = ("atlantiksolar-design", "-m", climb)
     outcome = run("map", *sized, *where, "--resize", "min_mass", "--json")
@@ -201,9 +196,7 @@ DESIGN, CLIMB_POWER = "atlantiksolar-design", "airframe.propulsion.climb_power_r
         (f"station {DESIGN}", [], "winds at several heights have none in common; remove climb"),
     ],
 )
-def test_wrong_climbs_are_refused(
-    run: Run, climb: str, call: str, overrides: list[str], message: str
-) -> None:
+def test_wrong_climbs_are_refused(run, climb, call, overrides, message):
     sets = [part for one in overrides for part in ("--set", one)]
     words = call.split() if " " in call else [call, AS2]
     outcome = run(*words, "-m", climb, *sets)

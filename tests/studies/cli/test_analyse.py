@@ -1,10 +1,8 @@
 """Tests of ``solar-uav analyse``: results, tables and files."""
 
-from pathlib import Path
-
 import pandas as pd
 import pytest
-from command_line import FIELD, Run, files
+from command_line import FIELD, files
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 ANALYSE_KEYS = {
@@ -14,7 +12,7 @@ ANALYSE_KEYS = {
 }
 
 
-def test_analysis_as_json(run: Run) -> None:
+def test_analysis_as_json(run):
     outcome = run("analyse", AS2, "--json")
     assert (outcome.code, outcome.err) == (0, "")
     record = outcome.json()
@@ -36,7 +34,7 @@ def test_analysis_as_json(run: Run) -> None:
     assert {key: record[key] for key in scenario} == scenario
 
 
-def test_undefined_numbers_are_null(run: Run) -> None:
+def test_undefined_numbers_are_null(run):
     record = run("analyse", AS2, "--date", "12-21", "--json").json()
     assert (record["status"], record["full_charge_h"]) == ("limited", None)
     assert (record["excess_time_h"] < 0.0, record["endurance_h"] > 10.0) == (True, True)
@@ -47,7 +45,7 @@ def test_undefined_numbers_are_null(run: Run) -> None:
     assert [record[key] for key in undefined] == [None] * 4
 
 
-def test_top_level_is_the_worst_of_many_scenarios(run: Run) -> None:
+def test_top_level_is_the_worst_of_many_scenarios(run):
     record = run("analyse", AS2, "-m", "central-europe-summer", "--json").json()
     assert len(record["scenarios"]) == 9
     assert record["excess_time_h"] == min(s["excess_time_h"] for s in record["scenarios"])
@@ -67,9 +65,7 @@ def test_top_level_is_the_worst_of_many_scenarios(run: Run) -> None:
     ],
 )
 @pytest.mark.parametrize("mission", ["rafz-july", "central-europe-summer"])
-def test_a_mission_is_moved_in_one_way(
-    run: Run, mission: str, options: tuple[str, ...], overrides: tuple[str, ...]
-) -> None:
+def test_a_mission_is_moved_in_one_way(run, mission, options, overrides):
     by_option = run("analyse", AS2, "-m", mission, *options, "--json").json()
     set_options = [part for override in overrides for part in ("--set", override)]
     assert by_option == run("analyse", AS2, "-m", mission, *set_options, "--json").json()
@@ -87,7 +83,7 @@ def test_a_mission_is_moved_in_one_way(
     ],
     ids=lambda command: command[0],
 )
-def test_every_result_says_whose_it_is(run: Run, command: tuple[str, ...]) -> None:
+def test_every_result_says_whose_it_is(run, command):
     outcome = run(*command)
     assert outcome.code == 0
     first, *others = outcome.out.splitlines()
@@ -108,9 +104,7 @@ def test_every_result_says_whose_it_is(run: Run, command: tuple[str, ...]) -> No
 @pytest.mark.long
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
 @pytest.mark.parametrize("correction", ["none", "loiter"])
-def test_polar_night_leaves_the_endurance_of_the_battery(
-    run: Run, tmp_path: Path, model: str, correction: str
-) -> None:
+def test_polar_night_leaves_the_endurance_of_the_battery(run, tmp_path, model, correction):
     place = ("--latitude", "70", "--date", "12-21", "--model", model, "--correction", correction)
     outcome = run("analyse", AS2, *place, "--plot", "a.png", "--csv", "a.csv", "--json")
     assert (outcome.code, outcome.err) == (0, "")
@@ -127,7 +121,7 @@ def test_polar_night_leaves_the_endurance_of_the_battery(
     assert run("analyse", AS2, *place).code == 0
 
 
-def test_a_polar_night_among_other_days(run: Run) -> None:
+def test_a_polar_night_among_other_days(run):
     band = "mission.latitude_deg={from_deg: 50, to_deg: 80}"
     days = "mission.dates={from: 12-01, to: 12-31}"
     outcome = run("analyse", AS2, "--set", band, "--set", days, "--json")
@@ -137,7 +131,7 @@ def test_a_polar_night_among_other_days(run: Run) -> None:
     }
 
 
-def test_climbing_in_polar_night_gains_nothing(run: Run) -> None:
+def test_climbing_in_polar_night_gains_nothing(run):
     place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
     climb = ("--set", "mission.climb={ceiling_m: 2000}")
     outcome = run("analyse", DESIGN, *place, *climb, "--json")
@@ -148,7 +142,7 @@ def test_climbing_in_polar_night_gains_nothing(run: Run) -> None:
     assert record["climb"]["gain_in_excess_time_h"] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_model_and_correction_can_be_chosen(run: Run) -> None:
+def test_model_and_correction_can_be_chosen(run):
     cdm = run("analyse", AS2, "--model", "CDM", "--json").json()
     corrected = run("analyse", AS2, "--correction", "report", "--json").json()
     plain = run("analyse", AS2, "--json").json()
@@ -170,14 +164,14 @@ def test_model_and_correction_can_be_chosen(run: Run) -> None:
         ("mission.dates={on: 06-21}", "solar_energy_wh", True),
     ],
 )
-def test_overrides_change_the_result(run: Run, override: str, key: str, larger: bool) -> None:
+def test_overrides_change_the_result(run, override, key, larger):
     before = run("analyse", AS2, "--json").json()
     outcome = run("analyse", AS2, "--set", override, "--json")
     assert (outcome.code, outcome.err) == (0, "")
     assert (outcome.json()[key] > before[key]) is larger
 
 
-def test_launch_is_replayed_unless_place_or_day_are_moved(run: Run, tmp_path: Path) -> None:
+def test_launch_is_replayed_unless_place_or_day_are_moved(run, tmp_path):
     (tmp_path / "field.yaml").write_text(FIELD)
     drawn = run("analyse", AS2, "-m", "field.yaml", "--plot", "flight.png", "--json")
     assert (tmp_path / "flight.png").read_bytes().startswith(b"\x89PNG")
@@ -188,7 +182,7 @@ def test_launch_is_replayed_unless_place_or_day_are_moved(run: Run, tmp_path: Pa
     assert "flight" not in moved
 
 
-def test_trajectory_as_csv(run: Run, tmp_path: Path) -> None:
+def test_trajectory_as_csv(run, tmp_path):
     assert run("analyse", AS2, "--csv", "cycle.csv").code == 0
     table = pd.read_csv(tmp_path / "cycle.csv")
     columns = "latitude_deg day_of_year time_solar_h solar_power_w load_w energy_wh state_of_charge"
@@ -204,7 +198,7 @@ def test_trajectory_as_csv(run: Run, tmp_path: Path) -> None:
     ("name", "signature"),
     [("a.png", b"\x89PNG\r\n\x1a\n"), ("a.PDF", b"%PDF-"), ("a.svg", b"<?xml")],
 )
-def test_figures(run: Run, tmp_path: Path, name: str, signature: bytes) -> None:
+def test_figures(run, tmp_path, name, signature):
     outcome = run("analyse", AS2, "--plot", name)
     assert (outcome.code, outcome.err) == (0, "")
     assert (tmp_path / name).read_bytes().startswith(signature)
@@ -230,7 +224,7 @@ def test_figures(run: Run, tmp_path: Path, name: str, signature: bytes) -> None:
         ],
     ],
 )
-def test_extreme_values_end_in_valid_json(run: Run, aircraft: str, overrides: list[str]) -> None:
+def test_extreme_values_end_in_valid_json(run, aircraft, overrides):
     options = [part for override in overrides for part in ("--set", override)]
     outcome = run("analyse", aircraft, *options, "--json")
     assert outcome.code in (0, 1)
@@ -240,7 +234,7 @@ def test_extreme_values_end_in_valid_json(run: Run, aircraft: str, overrides: li
 
 
 @pytest.mark.long
-def test_every_shipped_aircraft_flies_every_shipped_mission(run: Run) -> None:
+def test_every_shipped_aircraft_flies_every_shipped_mission(run):
     shipped = run("list", "--json").json()
     for aircraft in shipped["aircraft"]:
         for mission in shipped["mission"]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 import pytest
-from command_line import BIRD, FIELD, Run, edited, files
+from command_line import BIRD, FIELD, edited, files
 
 from missions.files.shipped import shipped_text
 from sizing.library import load_aircraft
@@ -22,7 +22,7 @@ from studies.cli import __main__ as cli
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
 
-def test_starters_validate_analyse_and_size(run: Run, tmp_path: Path) -> None:
+def test_starters_validate_analyse_and_size(run, tmp_path):
     outcome = run("init", "heron")
     assert (outcome.code, outcome.err) == (0, "")
     assert files(tmp_path) == {"heron.yaml", "heron-mission.yaml"}
@@ -36,7 +36,7 @@ def test_starters_validate_analyse_and_size(run: Run, tmp_path: Path) -> None:
     assert record["simulated"]["excess_time_h"] >= 3.0
 
 
-def test_starters_give_names_and_the_same_numbers_in_comments(run: Run, tmp_path: Path) -> None:
+def test_starters_give_names_and_the_same_numbers_in_comments(run, tmp_path):
     run("init", "heron")
     path, mission = tmp_path / "heron.yaml", ("-m", "heron-mission.yaml", "--json")
     record = run("analyse", "heron.yaml", *mission).json()
@@ -56,7 +56,7 @@ def test_starters_give_names_and_the_same_numbers_in_comments(run: Run, tmp_path
     assert by_numbers["battery_energy_wh"] == pytest.approx(energy, rel=1e-3)
 
 
-def test_starters_have_parts_of_the_propulsion_in_comments(run: Run, tmp_path: Path) -> None:
+def test_starters_have_parts_of_the_propulsion_in_comments(run, tmp_path):
     run("init", "heron")
     path = tmp_path / "heron.yaml"
     text = re.sub(r"(?s)^  propulsion:.*?(?=^  #)", "", path.read_text(), flags=re.M)
@@ -68,7 +68,7 @@ def test_starters_have_parts_of_the_propulsion_in_comments(run: Run, tmp_path: P
     )  # as the constants
 
 
-def test_starters_keep_off_the_stall_and_look_where_their_models_were_checked(run: Run) -> None:
+def test_starters_keep_off_the_stall_and_look_where_their_models_were_checked(run):
     run("init", "heron")
     space, known = load_aircraft("heron.yaml").design_space, ranges()["wingspan_m", "rib_wing"]
     assert (space.wingspan_m.minimum, space.wingspan_m.maximum) == (known.minimum, known.maximum)
@@ -77,7 +77,7 @@ def test_starters_keep_off_the_stall_and_look_where_their_models_were_checked(ru
     assert ratio**0.5 >= RECOMMENDED_STALL_MARGIN
 
 
-def test_starters_overwrite_nothing(run: Run, tmp_path: Path) -> None:
+def test_starters_overwrite_nothing(run, tmp_path):
     (tmp_path / "heron-mission.yaml").write_text("mine")
     outcome = run("init", "heron")
     assert (outcome.code, outcome.out) == (2, "")
@@ -96,7 +96,7 @@ DEVICE = "names a device of Windows"
         *[(name, DEVICE) for name in ("CON", "nul.yaml", "Aux", "com1", "LPT9.v2.yml", "prn.2")],
     ],
 )
-def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str, said: str) -> None:
+def test_names_that_are_no_file_names(run, tmp_path, name, said):
     outcome = run("init", name)
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err
@@ -104,7 +104,7 @@ def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str, said:
 
 
 @pytest.mark.parametrize("name", ["heron.yaml", "heron.YML"])
-def test_starters_of_a_file_name(run: Run, tmp_path: Path, name: str) -> None:
+def test_starters_of_a_file_name(run, tmp_path, name):
     outcome = run("init", name)
     assert outcome.code == 0
     assert outcome.out.splitlines()[-2:] == [
@@ -116,12 +116,12 @@ def test_starters_of_a_file_name(run: Run, tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["12", "1e5", "null", "true"])
-def test_starters_of_any_name_are_valid(run: Run, name: str) -> None:
+def test_starters_of_any_name_are_valid(run, name):
     assert run("init", name).code == 0
     assert run("validate", f"{name}.yaml", f"{name}-mission.yaml").code == 0
 
 
-def test_validation_reports_every_file(run: Run, tmp_path: Path) -> None:
+def test_validation_reports_every_file(run, tmp_path):
     (tmp_path / "bird.yaml").write_text(BIRD)
     (tmp_path / "field.yaml").write_text(edited(FIELD, "on: 07-15", "on: 02-30"))
     (tmp_path / "broken.yaml").write_text("a: [")
@@ -137,7 +137,7 @@ def test_validation_reports_every_file(run: Run, tmp_path: Path) -> None:
     assert "heavy.yaml:24:3: power.avionics: unknown key; did you mean 'avionics_w'?" in outcome.err
 
 
-def test_list(run: Run) -> None:
+def test_list(run):
     outcome = run("list")
     assert (outcome.code, outcome.err) == (0, "")
     shipped = run("list", "--json").json()
@@ -152,7 +152,7 @@ def test_list(run: Run) -> None:
 
 
 @pytest.mark.parametrize("kind", ["cells", "batteries", "motors"])
-def test_list_of_a_catalogue(run: Run, kind: str) -> None:
+def test_list_of_a_catalogue(run, kind):
     outcome = run("list", f"--{kind}")
     assert (outcome.code, outcome.err) == (0, "")
     record = run("list", f"--{kind}", "--json").json()
@@ -162,7 +162,7 @@ def test_list_of_a_catalogue(run: Run, kind: str) -> None:
         assert one["source"]
 
 
-def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
+def test_show_prints_files_to_start_from(run, tmp_path):
     shipped = run("list", "--json").json()
     for name in (*shipped["aircraft"], *shipped["mission"]):
         outcome = run("show", name)
@@ -190,7 +190,7 @@ def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
     ],
     ids=lambda command: command[0],
 )
-def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple[str, ...]) -> None:
+def test_every_command_that_reads_files_takes_overrides(run, command):
     outcome = run(*command, "--set", "power.avionic_w=8", "--set", "mission.clearnes=0.8")
     assert outcome.code == 2
     assert outcome.err.splitlines() == [
@@ -208,7 +208,7 @@ def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple
         (("list", "--cells", "--motors"), "--cells and --motors: one at a time"),
     ],
 )
-def test_incomplete_calls_are_answered(run: Run, arguments: tuple[str, ...], said: str) -> None:
+def test_incomplete_calls_are_answered(run, arguments, said):
     outcome = run(*arguments)
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err
@@ -238,18 +238,18 @@ def test_incomplete_calls_are_answered(run: Run, arguments: tuple[str, ...], sai
         ("mission.climb.maximum_altitude_m=3", "the highest altitude is climb.ceiling_m"),
     ],
 )
-def test_overrides_that_people_try_are_answered(run: Run, overrides: str, said: str) -> None:
+def test_overrides_that_people_try_are_answered(run, overrides, said):
     outcome = run("analyse", DESIGN, *(w for v in overrides.split() for w in ("--set", v)))
     assert outcome.code == 2
     assert said in outcome.err
 
 
-def test_a_single_latitude_is_a_grid_of_one(run: Run) -> None:
+def test_a_single_latitude_is_a_grid_of_one(run):
     record = run("map", AS2, "--latitudes", "45N", "--days", "172", "--json").json()
     assert (record["latitude_deg"], record["days"]) == ([45.0], [172])
 
 
-def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run: Run) -> None:
+def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run):
     assert run("init", "heron").code == 0
     known = run("size", "heron.yaml", "-m", "heron-mission.yaml", "--json")
     found = run("size", "heron.yaml", "--json")
@@ -261,12 +261,12 @@ def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run: Run) -> None
 
 
 @pytest.mark.slow
-def test_the_answer_to_a_range_is_the_second_line(run: Run) -> None:
+def test_the_answer_to_a_range_is_the_second_line(run):
     season = run("size", DESIGN, "-m", "rafz-july", "--objective", "longest_season").out
     assert season.splitlines()[1].startswith("season: ")
 
 
-def test_where_nothing_helps_alone_the_map_is_named(run: Run) -> None:
+def test_where_nothing_helps_alone_the_map_is_named(run):
     impossible = ("--latitude", "60", "--date", "12-21")
     heavy = ("--set", "battery.specific_energy_wh_per_kg=50")
     outcome = run("size", DESIGN, "-m", "rafz-july", *impossible, *heavy)
@@ -276,7 +276,7 @@ def test_where_nothing_helps_alone_the_map_is_named(run: Run) -> None:
     assert "solar-uav map --resize min_mass" in said
 
 
-def test_a_negative_excess_time_is_explained_where_it_stands(run: Run) -> None:
+def test_a_negative_excess_time_is_explained_where_it_stands(run):
     winter = ("--latitude", "50", "--date", "12-21")
     said = "time of the day without enough power"
     assert said in " ".join(run("analyse", AS2, *winter).out.split())
@@ -288,7 +288,7 @@ def test_a_negative_excess_time_is_explained_where_it_stands(run: Run) -> None:
     assert said in " ".join(grid.split())
 
 
-def test_places_and_dates_as_they_are_printed(run: Run) -> None:
+def test_places_and_dates_as_they_are_printed(run):
     usual = run("analyse", AS2, "--latitude", "-33.9", "--date", "12-21", "--json").json()
     assert run("analyze", AS2, "--latitude", "33.9 S", "--date", "21 Dec", "--json").json() == usual
     grid = ("--days", "100:200:100", "--json")
@@ -296,7 +296,7 @@ def test_places_and_dates_as_they_are_printed(run: Run) -> None:
     assert run("map", AS2, "--latitudes", "40S:50N:45", *grid).out == south
 
 
-def test_a_known_total_mass_is_met(run: Run) -> None:
+def test_a_known_total_mass_is_met(run):
     outcome = run("analyse", DESIGN, "--mass", "8", "--json")
     masses = outcome.json()["masses_kg"]
     assert sum(masses.values()) == pytest.approx(8.0, abs=1e-6)
@@ -309,7 +309,7 @@ def test_a_known_total_mass_is_met(run: Run) -> None:
 
 
 @pytest.mark.parametrize("aircraft", [AS2, DESIGN])
-def test_a_known_total_mass_holds_in_every_study(run: Run, aircraft: str) -> None:
+def test_a_known_total_mass_holds_in_every_study(run, aircraft):
     place = ("--mass", "7", "--latitude", "45", "--date", "06-21", "--json")
     short = run("analyse", aircraft, *place, "--set", "battery.mass_kg=1.5").json()
     remedy = next(r for r in short["relaxations"] if r["parameter"] == "battery.mass_kg")
@@ -327,7 +327,7 @@ def test_a_known_total_mass_holds_in_every_study(run: Run, aircraft: str) -> Non
 
 
 @pytest.mark.parametrize("chordwise", ["aspect_ratio=12.5", "chord_m=0.4", "wing_area_m2=2.0"])
-def test_chord_or_area_stand_for_the_aspect_ratio(run: Run, chordwise: str) -> None:
+def test_chord_or_area_stand_for_the_aspect_ratio(run, chordwise):
     wing = ("--set", "airframe.wingspan_m=5", "--set", f"airframe.{chordwise}")
     record = run("analyse", DESIGN, *wing, "--json").json()
     assert record["total_mass_kg"] == pytest.approx(
@@ -338,7 +338,7 @@ def test_chord_or_area_stand_for_the_aspect_ratio(run: Run, chordwise: str) -> N
     )
 
 
-def test_size_takes_place_and_day_as_analyse_does(run: Run) -> None:
+def test_size_takes_place_and_day_as_analyse_does(run):
     by_option = run(
         "size", DESIGN, "-m", "rafz-july", "--latitude", "40N", "--date", "1 Jun", "--json"
     )
@@ -351,12 +351,12 @@ def test_size_takes_place_and_day_as_analyse_does(run: Run) -> None:
     assert "has its own place" in run("size", DESIGN, "-m", "rafz-july", *weather).err
 
 
-def test_a_file_of_nearly_that_name_is_proposed(run: Run, tmp_path: Path) -> None:
+def test_a_file_of_nearly_that_name_is_proposed(run, tmp_path):
     (tmp_path / "mp.yaml").write_text("name: mp\n")
     assert "did you mean 'mp.yaml'?" in run("analyse", AS2, "-m", "mp.yml").err
 
 
-def test_version_and_helps(run: Run) -> None:
+def test_version_and_helps(run):
     assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
     for command in cli.cli.list_commands(click.Context(cli.cli)):
         page = run(command, "-h")
@@ -368,7 +368,7 @@ def test_version_and_helps(run: Run) -> None:
 
 
 @pytest.mark.parametrize("command", [("analyse", AS2), ("size", DESIGN, "-m", "rafz-july")])
-def test_brackets_and_dollars_in_a_name(run: Run, command: tuple[str, ...]) -> None:
+def test_brackets_and_dollars_in_a_name(run, command):
     outcome = run(*command, "--set", "name='[/]a[red]'")
     assert (outcome.code, outcome.err) == (0, "")
     assert "[/]a[red]" in outcome.out
@@ -378,7 +378,7 @@ def test_brackets_and_dollars_in_a_name(run: Run, command: tuple[str, ...]) -> N
 
 
 @pytest.mark.parametrize("name", ["", "a\nb", 5000 * "a"])
-def test_odd_names_of_aircraft(run: Run, name: str) -> None:
+def test_odd_names_of_aircraft(run, name):
     outcome = run("analyse", name)
     assert outcome.code == 2
     assert outcome.err.count("\n") == 1
@@ -433,7 +433,7 @@ def heavy(modules: set[str]) -> set[str]:
     return HEAVY & {name.partition(".")[0] for name in modules}
 
 
-def test_help_imports_nothing_heavy() -> None:
+def test_help_imports_nothing_heavy():
     commands = cli.cli.list_commands(click.Context(cli.cli))
     for out, modules in imported(("--help",), *((name, "--help") for name in commands)):
         assert "Usage: solar-uav" in out
@@ -457,9 +457,7 @@ SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
     ],
     ids=lambda value: " ".join(value[:1]) if isinstance(value, tuple) else "",
 )
-def test_command_imports_what_its_result_needs(
-    arguments: tuple[str, ...], needed: str, most: int, tmp_path: Path
-) -> None:
+def test_command_imports_what_its_result_needs(arguments, needed, most, tmp_path):
     """Matplotlib, pandas, SciPy and xarray take longer than these commands themselves.
 
     The number of modules stands for the time that a machine under load would not tell; Python and
@@ -472,7 +470,7 @@ def test_command_imports_what_its_result_needs(
 
 
 @pytest.mark.long
-def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
+def test_no_home_and_a_poor_terminal(tmp_path):
     poor = {"LC_ALL": "C", "PYTHONIOENCODING": "ascii", "COLUMNS": "30", "HOME": "/nonexistent"}
     words = ("analyse", AS2, "-m", "central-europe-summer")
     done = python("-m", "studies.cli", *words, cwd=tmp_path, **poor)
@@ -482,7 +480,7 @@ def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
     assert "excess time" in done.stdout
 
 
-def test_mistake_ends_without_a_traceback(tmp_path: Path) -> None:
+def test_mistake_ends_without_a_traceback(tmp_path):
     (tmp_path / "bird.yaml").write_text(edited(BIRD, "avionics_w: 6.0", "avionics_w: -6"))
     done = python("-m", "studies.cli", "analyse", "bird.yaml", cwd=tmp_path)
     said = "bird.yaml:24:15: power.avionics_w: must be at least 0 (got -6)\n"
@@ -490,7 +488,7 @@ def test_mistake_ends_without_a_traceback(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes and signals of POSIX")
-def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
+def test_closed_pipe_ends_quietly(tmp_path):
     with subprocess.Popen(
         [sys.executable, "-m", "studies.cli", "list"],
         stdout=subprocess.PIPE,
@@ -524,14 +522,8 @@ STOPPED = {
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_ends_a_command_with_one_line(
-    run: Run,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: tuple[str, ...],
-    module: str,
-    function: str,
-    name: str,
-) -> None:
+    run, tmp_path, monkeypatch, arguments, module, function, name
+):
     number = getattr(signal, name)
     ours = signal.getsignal(number)
 
@@ -554,7 +546,7 @@ def test_a_signal_ends_a_command_with_one_line(
     ids=["swallowed at the end", "swallowed amid work", "a second one"],
 )
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_signal_that_is_swallowed_ends_the_command(tmp_path: Path, act: str, code: int) -> None:
+def test_a_signal_that_is_swallowed_ends_the_command(tmp_path, act, code):
     target = "studies.models.report_reproduction:reproduce"
     done = stopped(tmp_path, ("reproduce-report",), target, act)
     assert done.returncode == code
@@ -590,9 +582,7 @@ def stopped(folder: Path, arguments: tuple[str, ...], target: str, act: str) -> 
     return python("-c", code, cwd=folder)
 
 
-def test_a_deprecated_key_is_told_in_one_line(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_deprecated_key_is_told_in_one_line(run, tmp_path, monkeypatch):
     text = shipped_text("rafz-july").replace("altitude_m:", "height_m:")
     (tmp_path / "old.yaml").write_text(text, encoding="utf-8")
     names = {"height_m": "altitude_m"}

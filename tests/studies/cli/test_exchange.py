@@ -3,12 +3,10 @@
 import importlib.util
 import json
 import zipfile
-from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
-from command_line import Run, files
+from command_line import files
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
@@ -23,7 +21,7 @@ def leave_out(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
         )
 
 
-def test_export_of_numbers(run: Run, tmp_path: Path) -> None:
+def test_export_of_numbers(run, tmp_path):
     names = ("d.tex", "d.csv", "d.py")
     done = run("export", DESIGN, *(word for name in names for word in ("--out", name)))
     assert (done.code, done.err) == (0, "")
@@ -36,7 +34,7 @@ def test_export_of_numbers(run: Run, tmp_path: Path) -> None:
     compile((tmp_path / "d.py").read_text(), "d.py", "exec")
 
 
-def test_export_of_a_workbook(run: Run, tmp_path: Path) -> None:
+def test_export_of_a_workbook(run, tmp_path):
     pytest.importorskip("xlsxwriter")
     assert run("export", AS2, "--out", "d.xlsx").code == 0
     with zipfile.ZipFile(tmp_path / "d.xlsx") as book:
@@ -45,9 +43,7 @@ def test_export_of_a_workbook(run: Run, tmp_path: Path) -> None:
         assert f'name="{name}"' in sheets
 
 
-def test_export_of_several_files_writes_those_that_it_can(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_export_of_several_files_writes_those_that_it_can(run, tmp_path, monkeypatch):
     leave_out("aerosandbox", monkeypatch)
     names = ("w.avl", "d.csv", "nowhere/d.tex", "d.py")
     done = run("export", DESIGN, *(word for name in names for word in ("--out", name)))
@@ -63,7 +59,7 @@ def test_export_of_several_files_writes_those_that_it_can(
 
 
 @pytest.mark.extra
-def test_export_for_avl_and_openvsp(run: Run, tmp_path: Path) -> None:
+def test_export_for_avl_and_openvsp(run, tmp_path):
     pytest.importorskip("aerosandbox")
     names = ("w.avl", "w.vspscript", "w.py")
     made = run("export", "sky-sailor", *(word for name in names for word in ("--out", name)))
@@ -86,7 +82,7 @@ def test_export_for_avl_and_openvsp(run: Run, tmp_path: Path) -> None:
         (("schema", "weather"), "'weather' is not one of 'aircraft', 'mission'"),
     ],
 )
-def test_wrong_calls(run: Run, tmp_path: Path, arguments: tuple[str, ...], said: str) -> None:
+def test_wrong_calls(run, tmp_path, arguments, said):
     done = run(*arguments)
     assert done.code == 2
     assert said in done.err
@@ -102,9 +98,7 @@ def test_wrong_calls(run: Run, tmp_path: Path, arguments: tuple[str, ...], said:
         ("pyarrow", ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")),
     ],
 )
-def test_libraries_that_are_missing_are_named(
-    run: Run, tmp_path: Path, library: str, arguments: tuple[str, ...], monkeypatch: Any
-) -> None:
+def test_libraries_that_are_missing_are_named(run, tmp_path, library, arguments, monkeypatch):
     leave_out(library, monkeypatch)
     done = run(*arguments)
     assert done.code == 2
@@ -112,13 +106,13 @@ def test_libraries_that_are_missing_are_named(
     assert files(tmp_path) == set()
 
 
-def test_schema_is_printed_and_written(run: Run, tmp_path: Path) -> None:
+def test_schema_is_printed_and_written(run, tmp_path):
     printed = json.loads(run("schema", "mission").out)
     assert run("schema", "mission", "--out", "m.json").code == 0
     assert json.loads((tmp_path / "m.json").read_text()) == printed
 
 
-def test_tables_by_the_ending_of_their_name(run: Run, tmp_path: Path) -> None:
+def test_tables_by_the_ending_of_their_name(run, tmp_path):
     assert run("analyse", AS2, "--table", "a.csv").code == 0
     expected = pd.read_csv(tmp_path / "a.csv")
     if importlib.util.find_spec("pyarrow") is not None:

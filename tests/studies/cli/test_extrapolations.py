@@ -1,10 +1,7 @@
 """Every command tells once what lies outside the range of a model, and nothing where all is in."""
 
-from pathlib import Path
-
 import pytest
 from builders import AS2, SKY_SAILOR, aircraft, mission
-from command_line import Run
 from figure_checks import heading
 
 import studies
@@ -39,7 +36,7 @@ CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
-def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], count: str) -> None:
+def test_commands_tell_of_the_wind_once(run, command, count):
     told = run(*command, "-v")
     assert told.code == 0
     text = " ".join(told.out.split())
@@ -57,7 +54,7 @@ def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], coun
 
 
 @pytest.mark.long
-def test_sizings_tell_of_their_designs(run: Run) -> None:
+def test_sizings_tell_of_their_designs(run):
     asked = ("atlantiksolar-design", "--set", "design_space.wingspan_m={minimum: 9, maximum: 12}")
     one = run("size", *asked, "--mission", "rafz-july", "--out", "sized", "-v").out
     assert one.count(HEAD) == one.count("outside the range of rib wing, 3 to 8 m") == 1
@@ -73,7 +70,7 @@ def test_sizings_tell_of_their_designs(run: Run) -> None:
 
 
 @pytest.mark.slow
-def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
+def test_the_nearest_design_is_told_where_it_flies(run):
     asked = ("size", "atlantiksolar-design", "--mission", "rafz-july")
     lacking = run(*asked, "--required-excess-time", "60", "-v")
     assert lacking.code == 1
@@ -83,7 +80,7 @@ def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
     assert HEAD not in heavy.out
 
 
-def test_files_keep_what_the_cells_tell(tmp_path: Path) -> None:
+def test_files_keep_what_the_cells_tell(tmp_path):
     import xarray as xr
 
     where = mission(wind_m_per_s=50.0)
@@ -95,7 +92,7 @@ def test_files_keep_what_the_cells_tell(tmp_path: Path) -> None:
     assert [one.quantity for one in extrapolations_of(data)] == ["airspeed_m_per_s"]
 
 
-def test_a_map_tells_of_the_cells_with_too_fast_a_charge() -> None:
+def test_a_map_tells_of_the_cells_with_too_fast_a_charge():
     small = aircraft("sky-sailor", "battery.mass_kg=0.3")
     data = studies.feasibility_map(small, mission(), latitudes=[-60.0, 45.0], days=[172])
     found = {one.quantity: one for one in extrapolations_of(data)}
@@ -106,7 +103,7 @@ def test_a_map_tells_of_the_cells_with_too_fast_a_charge() -> None:
     assert "extrapolations" not in inside.attrs
 
 
-def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
+def test_figures_name_what_is_outside_in_a_line_of_their_title():
     where, line = mission(wind_m_per_s=50.0), "extrapolated: airspeed"
     ceiling = perpetual_ceiling(AS2, where, highest_m=2000.0, step_m=1000.0)
     figures = [
@@ -120,7 +117,7 @@ def test_figures_name_what_is_outside_in_a_line_of_their_title() -> None:
     assert line not in heading(plot_cycle(analyse(AS2, mission())))
 
 
-def test_a_replayed_flight_tells_of_its_own_days() -> None:
+def test_a_replayed_flight_tells_of_its_own_days():
     launch = {"date": "07-15", "time_local": "10:00", "utc_offset_h": 2.0, "duration_h": 24.0}
     where = mission(longitude_deg=8.5, latitude_deg=20.0, launch=launch)
     run, corrected = calendar_run(AS2, where), SolarModel("CAM", "report")
@@ -129,7 +126,7 @@ def test_a_replayed_flight_tells_of_its_own_days() -> None:
     assert outside.quantity == "noon_elevation_deg"
 
 
-def test_altitudes_of_the_search_know_where_they_are() -> None:
+def test_altitudes_of_the_search_know_where_they_are():
     found = highest_perpetual_altitude(AS2, mission(), highest_m=10000.0, step_m=5000.0)
     outside = [any(one.model == "ashrae" for one in f.extrapolations) for f in found.flights]
     assert outside == [f.altitude_m > 7000.0 for f in found.flights]

@@ -27,7 +27,7 @@ def help_text(*names: str, columns: int = 80) -> str:
     return done.output
 
 
-def test_every_command_stands_under_what_it_is_for() -> None:
+def test_every_command_stands_under_what_it_is_for():
     text = help_text()
     for name, made in COMMANDS.items():
         assert made.task in main._TASKS
@@ -37,7 +37,7 @@ def test_every_command_stands_under_what_it_is_for() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_example_of_a_command_is_one_that_it_takes(name: str) -> None:
+def test_the_example_of_a_command_is_one_that_it_takes(name):
     it = command(name)
     assert isinstance(it, Command)
     assert it.examples
@@ -49,19 +49,19 @@ def test_the_example_of_a_command_is_one_that_it_takes(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_body_of_a_command_takes_what_the_command_declares(name: str) -> None:
+def test_the_body_of_a_command_takes_what_the_command_declares(name):
     it = command(name)
     assert isinstance(it, Command)
     assert get_type_hints(it.loaded_body()) == {"options": it.options, "return": type(None)}
 
 
 @pytest.mark.parametrize("columns", [60, 80])
-def test_lines_of_helps_fit(columns: int) -> None:
+def test_lines_of_helps_fit(columns):
     for names in ((), *((name,) for name in NAMES)):
         assert max(map(len, help_text(*names, columns=columns).splitlines())) <= columns
 
 
-def test_names_to_choose_from_are_told_as_they_are_written() -> None:
+def test_names_to_choose_from_are_told_as_they_are_written():
     text = help_text("size")
     assert "--model [CDM|CAM|VM|FM]" in text
     assert "--objective NAME" in text
@@ -69,7 +69,7 @@ def test_names_to_choose_from_are_told_as_they_are_written() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_page_explains_at_most_18_options_and_names_the_others(name: str) -> None:
+def test_a_page_explains_at_most_18_options_and_names_the_others(name):
     page, shared = help_text(name), help_text()
     explained, _, named = page.partition("More, which solar-uav --help explains")
     assert explained.count("\n  -") <= 18 + 1  # with --help

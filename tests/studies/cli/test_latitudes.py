@@ -18,7 +18,7 @@ from studies.cli.values import latitude_deg
         ("90S", -90.0),
     ],
 )
-def test_hemispheres(text: str, degrees: float) -> None:
+def test_hemispheres(text, degrees):
     assert latitude_deg(text) == degrees
 
 
@@ -33,6 +33,6 @@ def test_hemispheres(text: str, degrees: float) -> None:
         ("", "is not a number of degrees"),
     ],
 )
-def test_other_texts_are_refused(text: str, message: str) -> None:
+def test_other_texts_are_refused(text, message):
     with pytest.raises(ValueError, match=message):
         latitude_deg(text)

@@ -21,7 +21,7 @@ AS2 = "atlantiksolar-as2"
 
 
 @pytest.fixture(scope="module")
-def locales(tmp_path_factory: pytest.TempPathFactory) -> Path | None:
+def locales(tmp_path_factory):
     """Languages with a decimal comma and with a dotless i; None where they cannot be made."""
     folder = tmp_path_factory.mktemp("locales")
     if shutil.which("localedef") is None:
@@ -51,12 +51,12 @@ def analysed(folder: Path, *before: str, **variables: str) -> tuple[Any, str, st
 
 
 @pytest.fixture(scope="module")
-def usual(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, str, str]:
+def usual(tmp_path_factory):
     """What comes out where nothing is odd."""
     return analysed(tmp_path_factory.mktemp("usual"))
 
 
-def test_a_poor_environment_changes_nothing(tmp_path: Path, usual: tuple[Any, str, str]) -> None:
+def test_a_poor_environment_changes_nothing(tmp_path, usual):
     """No UTF-8, no home, nowhere to keep settings, a day ahead of Greenwich."""
     found = analysed(
         tmp_path,
@@ -73,9 +73,7 @@ def test_a_poor_environment_changes_nothing(tmp_path: Path, usual: tuple[Any, st
 
 
 @pytest.mark.parametrize("language", ["de_DE", "tr_TR"])
-def test_another_language_changes_nothing(
-    language: str, locales: Path | None, tmp_path: Path, usual: tuple[Any, str, str]
-) -> None:
+def test_another_language_changes_nothing(language, locales, tmp_path, usual):
     if locales is None:
         pytest.skip("localedef is missing, or has no source of these languages")
     # Set as a program does that embeds Python: C libraries then read and write decimal commas.
@@ -85,7 +83,7 @@ def test_another_language_changes_nothing(
     assert analysed(tmp_path, setting, point, **variables) == usual
 
 
-def test_files_with_line_ends_of_windows_are_the_same(tmp_path: Path) -> None:
+def test_files_with_line_ends_of_windows_are_the_same(tmp_path):
     for name, load in ((AS2, load_aircraft), ("rafz-july", load_mission)):
         path = tmp_path / f"{name}.yaml"
         path.write_bytes(shipped_text(name).replace("\n", "\r\n").encode("utf-8-sig"))
@@ -93,13 +91,13 @@ def test_files_with_line_ends_of_windows_are_the_same(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["console", "com", "com10", "nullarbor", "my.con", "aux-1"])
-def test_what_only_resembles_a_device_is_a_name(name: str) -> None:
+def test_what_only_resembles_a_device_is_a_name(name):
     assert not names_a_device(name)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="closed by a shell")
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&- <&-"])
-def test_closed_streams_are_no_reason_to_fail(closed: str, tmp_path: Path) -> None:
+def test_closed_streams_are_no_reason_to_fail(closed, tmp_path):
     code = "from studies.cli.__main__ import main; main()"
     words = [sys.executable, "-c", code, "analyse", AS2, "--csv", "day.csv"]
     done = subprocess.run(

@@ -4,7 +4,6 @@ import sys
 
 import click
 import pytest
-from command_line import Run
 
 from studies.cli import __main__ as main
 
@@ -29,9 +28,7 @@ FORMS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS, ids=" ".join)
-def test_lines_fit_and_words_are_whole_at_any_width(
-    run: Run, monkeypatch: pytest.MonkeyPatch, form: tuple[str, ...]
-) -> None:
+def test_lines_fit_and_words_are_whole_at_any_width(run, monkeypatch, form):
     """Words of a broad print stand in the narrow ones as well, none cut and none broken."""
     printed = {}
     for width in (400, 80, 60):
@@ -49,9 +46,7 @@ def _varies(word: str) -> bool:
     return set(word) <= {"\u2500"} or word.strip("(),").isdigit()
 
 
-def test_a_pipe_has_80_columns_whatever_the_terminal(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_pipe_has_80_columns_whatever_the_terminal(run, monkeypatch):
     monkeypatch.delenv("COLUMNS")
     outcome = run("size", DESIGN, "-m", "rafz-july")
     assert 60 < max(map(len, outcome.out.splitlines())) <= 80
@@ -59,7 +54,7 @@ def test_a_pipe_has_80_columns_whatever_the_terminal(
 
 
 @pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+def terminal(monkeypatch):
     """Somebody who reads along, as far as the commands can tell."""
     from studies.cli import outputs
 
@@ -92,7 +87,7 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
-def test_a_terminal_is_told_what_to_do_next(run: Run, form: tuple[str, ...], step: str) -> None:
+def test_a_terminal_is_told_what_to_do_next(run, form, step):
     (line,) = [line for line in run(*form).err.splitlines() if "next: " in line]
     assert f"next: {step}" in line
     for verb in [words.split()[0] for words in line.split("solar-uav ")[1:]]:
@@ -100,10 +95,10 @@ def test_a_terminal_is_told_what_to_do_next(run: Run, form: tuple[str, ...], ste
 
 
 @pytest.mark.usefixtures("terminal")
-def test_json_is_followed_by_nothing(run: Run) -> None:
+def test_json_is_followed_by_nothing(run):
     assert run("analyse", AS2, "--json").err == ""
 
 
-def test_a_pipe_is_told_nothing(run: Run) -> None:
+def test_a_pipe_is_told_nothing(run):
     assert not sys.stdout.isatty()
     assert run("analyse", AS2).err == ""

@@ -1,14 +1,11 @@
 import io
 
-import pytest
 from rich.console import Console
 
 from studies.cli import telling as progress
 
 
-def test_lines_are_rare_and_leave_standard_output_alone(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_lines_are_rare_and_leave_standard_output_alone(monkeypatch, capsys):
     clock = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     with progress.progress_of("cells") as update:
@@ -25,14 +22,14 @@ def test_lines_are_rare_and_leave_standard_output_alone(
     assert lines[2:] == ["80 of 100 cells, 2/s, 10 s left", "100 of 100 cells"]
 
 
-def test_what_is_quick_is_silent(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_quick_is_silent(capsys):
     with progress.progress_of("cells") as update:
         for done in range(3):
             update(done, 2)
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_terminal_gets_a_bar_with_the_rate(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_gets_a_bar_with_the_rate(monkeypatch):
     screen = io.StringIO()
     terminal = Console(file=screen, force_terminal=True, width=100)
     monkeypatch.setattr("rich.console.Console", lambda **options: terminal)

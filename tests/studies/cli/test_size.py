@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from command_line import Run, files
+from command_line import files
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ SIZED_FILES = {
 }
 
 
-def test_sizing_as_json(run: Run) -> None:
+def test_sizing_as_json(run):
     outcome = run("size", DESIGN, "-m", "rafz-july", *LONGEST, "--json")
     assert (outcome.code, outcome.err) == (0, "")
     record = outcome.json()
@@ -35,7 +35,7 @@ def test_sizing_as_json(run: Run) -> None:
     assert record["objective"]["value"] == record["simulated"]["excess_time_h"]
 
 
-def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run: Run) -> None:
+def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run):
     asked = ("size", DESIGN, "-m", "rafz-july", "--json")
     record = run(*asked, "--set", "mission.required_excess_time_h=2").json()
     assert record["objective"]["name"] == "min_mass"
@@ -46,7 +46,7 @@ def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run: 
     assert by_option["total_mass_kg"] == record["total_mass_kg"]
 
 
-def test_files_of_a_sizing(run: Run, tmp_path: Path) -> None:
+def test_files_of_a_sizing(run, tmp_path):
     folder = tmp_path / "new" / "design"
     outcome = run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder))
     assert (outcome.code, outcome.err) == (0, "")
@@ -67,7 +67,7 @@ def test_files_of_a_sizing(run: Run, tmp_path: Path) -> None:
     assert again["wingspan_m"] == pytest.approx(record["wingspan_m"], rel=1e-3)
 
 
-def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: Path) -> None:
+def test_excess_time_without_end_is_null_and_told_in_words(run, tmp_path):
     # At the pole in June the sun stays at 23 degrees: the battery is never needed.
     place = ("--set", "mission.latitude_deg=90", "--set", "mission.dates={on: 06-21}")
     asked = ("size", DESIGN, "-m", "rafz-july", *LONGEST, *place)
@@ -88,7 +88,7 @@ def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: P
 
 
 @pytest.mark.parametrize("name", ["file", "file/design", "/proc/design"])
-def test_folder_that_cannot_be_written(run: Run, tmp_path: Path, name: str) -> None:
+def test_folder_that_cannot_be_written(run, tmp_path, name):
     if name.startswith("/proc") and not Path("/proc").is_dir():
         pytest.skip("no folder that takes no files")
     (tmp_path / "file").write_text("old")
@@ -108,9 +108,7 @@ def test_folder_that_cannot_be_written(run: Run, tmp_path: Path, name: str) -> N
         ("design_space.maximum_wing_loading_kg_per_m2=0.001", "wing_loading_kg_per_m2_maximum"),
     ],
 )
-def test_infeasible_sizing_says_why_and_writes_nothing(
-    run: Run, tmp_path: Path, override: str, requirement: str
-) -> None:
+def test_infeasible_sizing_says_why_and_writes_nothing(run, tmp_path, override, requirement):
     options = ("--out", "design", "--set", override, "--json")
     outcome = run("size", DESIGN, "-m", "rafz-july", *options)
     assert (outcome.code, outcome.err) == (1, "")
@@ -122,7 +120,7 @@ def test_infeasible_sizing_says_why_and_writes_nothing(
     assert requirement in [v["requirement"] for v in record["violated_requirements"]]
 
 
-def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
+def test_wing_covered_whole_is_written_and_read_again(run):
     whole = ("--set", "airframe.maximum_module_coverage=1")
     asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan", *whole)
     outcome = run(*asked, "--out", "whole")
@@ -131,9 +129,7 @@ def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
     assert (again.code, again.err) == (0, "")
 
 
-def test_reliability_is_kept_in_the_folder(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_reliability_is_kept_in_the_folder(run, tmp_path, monkeypatch):
     monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
     asked = ("--objective", "min_wingspan", "--required-excess-time", "3", "--reliability", "0.8")
     folder = tmp_path / "reliable"
@@ -144,9 +140,7 @@ def test_reliability_is_kept_in_the_folder(
     assert again["probability_required"]["value"] == pytest.approx(reached, abs=0.02)
 
 
-def test_a_result_is_printed_and_written_where_figures_and_report_fail(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_result_is_printed_and_written_where_figures_and_report_fail(run, tmp_path, monkeypatch):
     def fail(*_: object, **__: object) -> None:
         raise OSError("cannot be drawn")
 
@@ -164,7 +158,7 @@ def test_a_result_is_printed_and_written_where_figures_and_report_fail(
     assert not (tmp_path / "r.html").exists()
 
 
-def test_the_report_of_a_sizing_is_written_in_a_wind_too_strong_for_the_path(run: Run) -> None:
+def test_the_report_of_a_sizing_is_written_in_a_wind_too_strong_for_the_path(run):
     outcome = run(
         *("size", DESIGN, "-m", "rafz-july", "--set", "mission.wind_m_per_s=9"),
         *("--report", "r.html"),

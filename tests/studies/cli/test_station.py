@@ -1,12 +1,9 @@
 """``solar-uav station``: time on station by month."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from command_line import Run
 
 from sizing.program.objectives import SizingStatus
 
@@ -18,7 +15,7 @@ GOOD = (
 )
 
 
-def test_terminal_json_and_files_say_the_same(run: Run, tmp_path: Path) -> None:
+def test_terminal_json_and_files_say_the_same(run, tmp_path):
     latitudes = ("--latitudes", "30:60:15")
     record = run("station", DESIGN, *GOOD, *latitudes, "--json").json()
     share = np.array(record["share_on_station"])
@@ -40,7 +37,7 @@ def test_terminal_json_and_files_say_the_same(run: Run, tmp_path: Path) -> None:
     assert table["share_on_station"].to_numpy() == pytest.approx(share.ravel(), abs=1e-9)
 
 
-def test_altitudes_go_in_place_of_latitudes(run: Run, tmp_path: Path) -> None:
+def test_altitudes_go_in_place_of_latitudes(run, tmp_path):
     altitudes = ("--altitudes", "10000:14000:2000")
     record = run("station", DESIGN, *GOOD, *altitudes, "--json").json()
     assert record["altitudes_m"] == [10000.0, 12000.0, 14000.0]
@@ -48,7 +45,7 @@ def test_altitudes_go_in_place_of_latitudes(run: Run, tmp_path: Path) -> None:
     assert run("station", DESIGN, *GOOD, *altitudes, "--plot", plot).code == 0
 
 
-def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run: Run, tmp_path: Path) -> None:
+def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run, tmp_path):
     here = ("--latitudes", "40:50:10")
     heights = (9500, 12000)
     each = [
@@ -91,18 +88,14 @@ POLAR = ("--latitudes", "80:90:5", "--days", "1:365:91")
         ),
     ],
 )
-def test_what_has_no_answer_is_refused_in_a_line(
-    run: Run, arguments: tuple[str, ...], message: str
-) -> None:
+def test_what_has_no_answer_is_refused_in_a_line(run, arguments, message):
     outcome = run(*arguments)
     assert (outcome.code, outcome.out) == (2, "")
     assert message in outcome.err
     assert len(outcome.err.splitlines()) == 1
 
 
-def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(
-    run: Run, tmp_path: Path
-) -> None:
+def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(run, tmp_path):
     aloft = ("altitude_m=20000", "flight_path.airspeed_m_per_s=25", "flight_path.radius_m=600")
     where = [word for one in aloft for word in ("--set", f"mission.{one}")]
     where += ["--set", "mission.wind={percentile: 95}", "--model", "VM"]
@@ -133,7 +126,7 @@ def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(
     assert from_there["too_windy_days"] == [1, 1]
 
 
-def test_cells_of_designs_too_windy_for_the_path_say_so(run: Run, tmp_path: Path) -> None:
+def test_cells_of_designs_too_windy_for_the_path_say_so(run, tmp_path):
     winds = tmp_path / "winds.csv"
     rows = [
         f"{x},{z},{m},95,{12 if m == 6 and x > 30 else 3}"
@@ -169,9 +162,7 @@ def test_cells_of_designs_too_windy_for_the_path_say_so(run: Run, tmp_path: Path
     assert every.json()["failed_days"] == [0, 0]
 
 
-def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(
-    run: Run, tmp_path: Path
-) -> None:
+def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(run, tmp_path):
     analysed = run("analyse", DESIGN, *HOLDING, "--json").json()
     drawn = run("uncertainty", DESIGN, *HOLDING, "--samples", "64", "--json").json()
     assert drawn["nominal_excess_time_h"] == pytest.approx(analysed["excess_time_h"], abs=1e-9)
@@ -183,7 +174,7 @@ def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(
 
 
 @pytest.mark.slow
-def test_an_aircraft_climbs_in_the_winds_that_it_holds(run: Run) -> None:
+def test_an_aircraft_climbs_in_the_winds_that_it_holds(run):
     unheld = run("analyse", DESIGN, *HOLDING, *CEILING)  # the jet stream at 12 km
     assert unheld.code == 0
     assert "nowhere" in unheld.out

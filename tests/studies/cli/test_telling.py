@@ -1,9 +1,6 @@
 """What is told: no message steers a terminal, and none goes on for pages."""
 
-from pathlib import Path
-
 import pytest
-from command_line import Run
 
 from studies.cli.telling import brief
 
@@ -30,16 +27,14 @@ ESCAPES = "\x1b]0;title\x07\x9b31m\u202e"
         (ESCAPES,),
     ],
 )
-def test_no_control_character_of_the_command_line_is_printed(
-    run: Run, words: tuple[str, ...]
-) -> None:
+def test_no_control_character_of_the_command_line_is_printed(run, words):
     outcome = run(*words)
     found = outcome.out + outcome.err
     assert found.replace("\n", "").isprintable()
     assert found.strip()
 
 
-def test_no_control_character_of_a_file_is_printed(run: Run, tmp_path: Path) -> None:
+def test_no_control_character_of_a_file_is_printed(run, tmp_path):
     (tmp_path / "w.csv").write_text(f"# name: {ESCAPES}\n# latitude_deg: {ESCAPES}\n{ESCAPES},1\n")
     (tmp_path / "a.yaml").write_text(f'name: "\\e[31m"\n"{ESCAPES[1:8]}": "\\e"\n', "utf-8")
     for words in (("analyse", "sky-sailor", "--weather", "w.csv"), ("validate", "a.yaml")):
@@ -47,5 +42,5 @@ def test_no_control_character_of_a_file_is_printed(run: Run, tmp_path: Path) -> 
         assert (outcome.out + outcome.err).replace("\n", "").isprintable()
 
 
-def test_words_of_any_language_stay_readable() -> None:
+def test_words_of_any_language_stay_readable():
     assert brief("Zürich\xa0日本\x1b[0m") == "Zürich\\xa0日本\\x1b[0m"

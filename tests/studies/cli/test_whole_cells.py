@@ -1,10 +1,9 @@
 """Tests of whole cells from the command line: output, files, reports and mistakes."""
 
 import json
-from pathlib import Path
 
 import pytest
-from command_line import Run, files
+from command_line import files
 
 LAYOUT = "modules.layout={cell_span_m: 0.125, cell_chord_m: 0.125, bays: [{cells: [22, 22]}]}"
 PACK = "battery.pack={cells_in_series: 6, cell_mass_kg: 0.0486}"
@@ -15,7 +14,7 @@ SIZE = (
 CELLS = ("--set", "modules.cell=sunpower-e60", "--set", LAYOUT, "--set", PACK)
 
 
-def test_record_has_cells_and_loss(run: Run) -> None:
+def test_record_has_cells_and_loss(run):
     record = run(*SIZE, *CELLS, "--json").json()
     cells = record["whole_cells"]
     value, relaxed = record["objective"]["value"], cells["relaxed"]["value"]
@@ -29,7 +28,7 @@ def test_record_has_cells_and_loss(run: Run) -> None:
 
 
 @pytest.mark.slow
-def test_folder_has_the_figure_and_a_file_that_flies_the_same(run: Run, tmp_path: Path) -> None:
+def test_folder_has_the_figure_and_a_file_that_flies_the_same(run, tmp_path):
     folder = tmp_path / "sized"
     outcome = run(*SIZE, *CELLS, "--out", str(folder), "--report", str(tmp_path / "page.html"))
     assert outcome.code == 0
@@ -45,7 +44,7 @@ def test_folder_has_the_figure_and_a_file_that_flies_the_same(run: Run, tmp_path
     assert page.count('class="module"') >= 2 * record["whole_cells"]["chosen"]["cells"]
 
 
-def test_analysis_of_a_file_with_cells_tells_them(run: Run) -> None:
+def test_analysis_of_a_file_with_cells_tells_them(run):
     voltage = (
         "battery.voltage={cells_in_series: 6, state_of_charge: [0, 1], cell_voltage_v: [3, 4.2]}"
     )
@@ -88,9 +87,7 @@ TWIN = ("analyse", "twin-boom-design")
         ((*SIZE, *CELLS, "--objective", "longest_season"), PACK, "--whole-cells does not go with"),
     ],
 )
-def test_mistakes_are_told_once_with_the_key(
-    run: Run, call: tuple[str, ...], change: str, words: str
-) -> None:
+def test_mistakes_are_told_once_with_the_key(run, call, change, words):
     outcome = run(*call, "--set", change)
     assert (outcome.code, outcome.out) == (2, "")
     assert words in outcome.err
@@ -99,7 +96,7 @@ def test_mistakes_are_told_once_with_the_key(
     assert words in last
 
 
-def test_mistakes_of_a_file_have_their_line(run: Run, tmp_path: Path) -> None:
+def test_mistakes_of_a_file_have_their_line(run, tmp_path):
     shown = run("show", "atlantiksolar-design").out
     text = shown.replace(
         "modules:  ",
@@ -117,7 +114,7 @@ def test_mistakes_of_a_file_have_their_line(run: Run, tmp_path: Path) -> None:
     assert "3 rows of cells of 0.125 m need 0.379 m of chord" in outcome.err
 
 
-def test_no_design_of_whole_cells_has_exit_code_1(run: Run) -> None:
+def test_no_design_of_whole_cells_has_exit_code_1(run):
     layout = (
         "modules.layout={cell_span_m: 2.5, cell_chord_m: 0.125, cell_area_m2: 0.3125, "
         "bays: [{cells: [1, 1]}]}"

@@ -2,10 +2,9 @@
 
 import os
 import re
-from pathlib import Path
 
 import pytest
-from command_line import BIRD, FIELD, Run, edited, files
+from command_line import BIRD, FIELD, edited, files
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
@@ -34,7 +33,7 @@ AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
         ("  avionics_w", "\tavionics_w", ":24:1: is not valid YAML"),
     ],
 )  # fmt: skip
-def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str) -> None:
+def test_wrong_aircraft(run, tmp_path, old, new, said):
     (tmp_path / "bird.yaml").write_text(edited(BIRD, old, new))
     outcome = run("analyse", "bird.yaml", "--json")
     assert (outcome.code, outcome.out) == (2, "")
@@ -69,7 +68,7 @@ def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str)
         ("duration_h: 30", "duration_h: 9000", "launch.duration_h: must be at most 8784 (got 9000)"),  # noqa: E501
     ],
 )  # fmt: skip
-def test_wrong_mission(run: Run, tmp_path: Path, old: str, new: str, said: str) -> None:
+def test_wrong_mission(run, tmp_path, old, new, said):
     (tmp_path / "field.yaml").write_text(edited(FIELD, old, new))
     outcome = run("size", DESIGN, "--mission", "field.yaml")
     assert (outcome.code, outcome.out) == (2, "")
@@ -84,7 +83,7 @@ def test_wrong_mission(run: Run, tmp_path: Path, old: str, new: str, said: str) 
         (b"name: caf\xe9\n", ":1:10: is not UTF-8 text (byte 0xe9)"),
     ],
 )
-def test_what_is_no_description(run: Run, tmp_path: Path, content: bytes, said: str) -> None:
+def test_what_is_no_description(run, tmp_path, content, said):
     (tmp_path / "odd.yaml").write_bytes(content)
     for arguments in (("analyse", "odd.yaml"), ("validate", "odd.yaml")):
         outcome = run(*arguments)
@@ -107,7 +106,7 @@ def test_what_is_no_description(run: Run, tmp_path: Path, content: bytes, said: 
         (("size", AS2, "-m", "rafz-july"), "airframe.kind: a measured aircraft cannot be sized"),
     ],
 )
-def test_what_cannot_be_found_or_used(run: Run, arguments: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_found_or_used(run, arguments, said):
     outcome = run(*arguments)
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err
@@ -127,9 +126,7 @@ def test_what_cannot_be_found_or_used(run: Run, arguments: tuple[str, ...], said
         ("verify flight.ULG bird.yaml", "Error: the aircraft comes first: verify bird.yaml flight"),
     ],
 )
-def test_files_in_each_others_place_are_named_in_one_line(
-    run: Run, tmp_path: Path, call: str, said: str
-) -> None:
+def test_files_in_each_others_place_are_named_in_one_line(run, tmp_path, call, said):
     (tmp_path / "bird.yaml").write_text(BIRD)
     (tmp_path / "field.yaml").write_text(FIELD)
     (tmp_path / "flight.csv").write_text("time_s\n")
@@ -140,14 +137,14 @@ def test_files_in_each_others_place_are_named_in_one_line(
     assert [line for line in lines[:-1] if line] == [] or lines[0].startswith("Usage: ")
 
 
-def test_a_short_file_is_told_what_it_lacks(run: Run, tmp_path: Path) -> None:
+def test_a_short_file_is_told_what_it_lacks(run, tmp_path):
     (tmp_path / "bird.yaml").write_text("name: bird\n")
     assert "bird.yaml:1:1: airframe: required key is missing" in run("analyse", "bird.yaml").err
     outcome = run("analyse", AS2, "-m", "bird.yaml")
     assert "bird.yaml:1:1: latitude_deg: required key is missing" in outcome.err
 
 
-def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Path) -> None:
+def test_all_problems_of_both_files_are_reported_together(run, tmp_path):
     bird = edited(edited(BIRD, "avionics_w: 6.0", "avionics_w: -6"), "area_m2: 1.35", "area_m2: x")
     (tmp_path / "bird.yaml").write_text(bird)
     (tmp_path / "field.yaml").write_text(edited(FIELD, "on: 07-15", "on: 02-30"))
@@ -183,7 +180,7 @@ def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Pa
         ),
     ],
 )
-def test_wrong_overrides(run: Run, override: str, said: str) -> None:
+def test_wrong_overrides(run, override, said):
     outcome = run("analyse", AS2, "--set", override)
     assert (outcome.code, outcome.out) == (2, "")
     assert outcome.err.startswith("--set ")
@@ -212,7 +209,7 @@ def test_wrong_overrides(run: Run, override: str, said: str) -> None:
         (["extra"], "unexpected extra argument (extra)"),
     ],
 )
-def test_wrong_options(run: Run, tmp_path: Path, options: list[str], said: str) -> None:
+def test_wrong_options(run, tmp_path, options, said):
     outcome = run("analyse", AS2, *options)
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err.splitlines()[-1]
@@ -233,7 +230,7 @@ def test_wrong_options(run: Run, tmp_path: Path, options: list[str], said: str) 
         (["--out", ""], "--out"),
     ],
 )
-def test_wrong_options_of_sizing(run: Run, options: list[str], said: str) -> None:
+def test_wrong_options_of_sizing(run, options, said):
     outcome = run("size", DESIGN, "-m", "rafz-july", *options)
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err.splitlines()[-1]
@@ -250,9 +247,7 @@ def test_wrong_options_of_sizing(run: Run, options: list[str], said: str) -> Non
         ("--table", "folder.csv", "cannot write folder.csv: it is a folder"),
     ],
 )
-def test_files_that_cannot_be_written(
-    run: Run, tmp_path: Path, option: str, name: str, said: str
-) -> None:
+def test_files_that_cannot_be_written(run, tmp_path, option, name, said):
     (tmp_path / "file").write_text("old")
     for folder in ("folder.png", "folder.csv"):
         (tmp_path / folder).mkdir()
@@ -282,13 +277,13 @@ LONG = 100_000 * "x"
         ["map", "atlantiksolar-design", "--latitudes", LONG],
     ],
 )
-def test_echoed_values_are_cut(run: Run, arguments: list[str]) -> None:
+def test_echoed_values_are_cut(run, arguments):
     outcome = run(*arguments)
     assert (outcome.code, outcome.out) == (2, "")
     assert len(outcome.err) < 2000
 
 
-def test_of_many_mistakes_the_first_are_told(run: Run, tmp_path: Path) -> None:
+def test_of_many_mistakes_the_first_are_told(run, tmp_path):
     file = tmp_path / "many.yaml"
     file.write_text("name: x\n" + "".join(f"key{i}: {i}\n" for i in range(3000)))
     outcome = run("analyse", str(file))
@@ -317,9 +312,7 @@ def test_of_many_mistakes_the_first_are_told(run: Run, tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_pipe_in_place_of_a_file_is_refused(
-    run: Run, name: str, arguments: str, tmp_path: Path
-) -> None:
+def test_a_pipe_in_place_of_a_file_is_refused(run, name, arguments, tmp_path):
     os.mkfifo(name)
     words = [word.replace("{}", str(tmp_path / name)) for word in arguments.split(" ")]
     outcome = run(*words)

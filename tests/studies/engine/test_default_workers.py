@@ -1,11 +1,9 @@
 """Commands without ``--workers``: the pool that starts by itself changes nothing."""
 
 from multiprocessing.process import BaseProcess
-from pathlib import Path
 
 import pytest
 import xarray as xr
-from command_line import Run
 
 from studies.output.gridded import SizingStatus
 
@@ -17,7 +15,7 @@ SWEEP = ["sweep", *DESIGN, "--vary", "battery.specific_energy_wh_per_kg=200:400:
 
 
 @pytest.fixture
-def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def started(monkeypatch):
     """Names of the processes that were started; any work is long enough for two of them."""
     names: list[str] = []
     start = BaseProcess.start
@@ -35,9 +33,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 @pytest.mark.parametrize("command", [MAP, SWEEP], ids=lambda command: command[0])
-def test_processes_are_started_unasked_and_agree(
-    command: list[str], run: Run, started: list[str], tmp_path: Path
-) -> None:
+def test_processes_are_started_unasked_and_agree(command, run, started, tmp_path):
     assert run(*command, "--out", "one.nc", "--workers", "1").code == 0
     assert not started
     assert run(*command, "--out", "default.nc").code == 0

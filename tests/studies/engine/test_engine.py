@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ SUPPORT = Path(__file__).parent / "engine_support"
 
 
 @pytest.fixture(scope="module")
-def functions() -> Iterator[Any]:
+def functions():
     """Chunk functions in a module that worker processes can import."""
     sys.path.insert(0, str(SUPPORT))
     import chunk_functions
@@ -64,9 +64,7 @@ def assert_identical(one: Outcome, other: Outcome) -> None:
 
 
 @pytest.mark.parametrize("method", sorted({workers._METHOD, "spawn"}))
-def test_processes_agree_with_this_process_to_the_last_bit(
-    functions: Any, monkeypatch: pytest.MonkeyPatch, method: str
-) -> None:
+def test_processes_agree_with_this_process_to_the_last_bit(functions, monkeypatch, method):
     monkeypatch.setattr(workers, "_METHOD", method)  # that of macOS and Windows, too
     job = functions.job(functions.Settings())
     alone = run(job)
@@ -75,21 +73,19 @@ def test_processes_agree_with_this_process_to_the_last_bit(
     assert_identical(alone, run(job, Pool(2)))
 
 
-def test_small_work_starts_no_process(functions: Any, tmp_path: Path) -> None:
+def test_small_work_starts_no_process(functions, tmp_path):
     run(functions.job(functions.Settings(log=str(tmp_path))), Pool())
     assert {path.name.split("-")[2] for path in tmp_path.iterdir()} == {str(os.getpid())}
 
 
-def test_long_work_starts_processes_and_agrees(
-    functions: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_long_work_starts_processes_and_agrees(functions, tmp_path, monkeypatch):
     monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 2)
     job = functions.job(functions.Settings(log=str(tmp_path)))
     assert_identical(run(job, Pool(None, work_s=1000.0)), run(functions.job(functions.Settings())))
     assert str(os.getpid()) not in {path.name.split("-")[2] for path in tmp_path.iterdir()}
 
 
-def test_workers_use_one_thread_and_the_environment_is_restored(functions: Any) -> None:
+def test_workers_use_one_thread_and_the_environment_is_restored(functions):
     before = dict(os.environ)
     job = one_cell(functions.threads, functions.Settings(), root=np.float64(0))
     assert run(job, Pool(2)).columns["root"] == [1.0]
@@ -100,7 +96,7 @@ def test_workers_use_one_thread_and_the_environment_is_restored(functions: Any) 
 
 
 @pytest.fixture
-def pool(request: pytest.FixtureRequest) -> Iterator[Pool]:
+def pool(request):
     """Processes of this machine, or two of dask."""
     if request.param != "dask":
         yield Pool(request.param)
@@ -119,7 +115,7 @@ DASK = pytest.param("dask", marks=[pytest.mark.slow, pytest.mark.extra])
 
 
 @pytest.mark.parametrize("pool", [1, 2, DASK], indirect=True)
-def test_a_raising_cell_fails_alone(functions: Any, pool: Pool) -> None:
+def test_a_raising_cell_fails_alone(functions, pool):
     outcome = run(functions.job(functions.Settings(raising=(5, 19))), pool)
     assert outcome.failures == {
         5: "ArithmeticError: cell 5 is bad",
@@ -134,7 +130,7 @@ def test_a_raising_cell_fails_alone(functions: Any, pool: Pool) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("pool", [2, DASK], indirect=True)
-def test_a_deadly_cell_fails_alone(functions: Any, pool: Pool) -> None:
+def test_a_deadly_cell_fails_alone(functions, pool):
     outcome = run(functions.job(functions.Settings(deadly=(6,)), cells=12), pool)
     assert outcome.failures == {6: "the worker process died"}
     good = np.delete(np.arange(12), 6)
@@ -142,14 +138,14 @@ def test_a_deadly_cell_fails_alone(functions: Any, pool: Pool) -> None:
 
 
 @pytest.mark.parametrize("pool", [2, DASK], indirect=True)
-def test_a_worker_killed_once_changes_nothing(functions: Any, tmp_path: Path, pool: Pool) -> None:
+def test_a_worker_killed_once_changes_nothing(functions, tmp_path, pool):
     killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
     outcome = run(killed, pool)
     assert (tmp_path / "died").exists()
     assert_identical(outcome, run(functions.job(functions.Settings())))
 
 
-def test_a_wrong_column_is_a_failure_with_its_name(functions: Any) -> None:
+def test_a_wrong_column_is_a_failure_with_its_name(functions):
     job = one_cell(functions.threads, functions.Settings(), other=np.float64(0))
     assert "columns ['root'] are not ['other']" in run(job, Pool(2)).failures[0]
 
@@ -162,7 +158,7 @@ def computed(log: Path) -> set[str]:
     return {path.name.split("-")[0] for path in log.iterdir()}
 
 
-def test_finished_chunks_are_not_computed_again(functions: Any, tmp_path: Path) -> None:
+def test_finished_chunks_are_not_computed_again(functions, tmp_path):
     log, folder = tmp_path / "log", tmp_path / "parts"
     log.mkdir()
     job = functions.job(functions.Settings(log=str(log)))
@@ -244,9 +240,7 @@ DAMAGES: list[Callable[[bytes, bytes], bytes]] = [
 
 # By number: the bytes themselves are no names, and not the same in every process.
 @pytest.mark.parametrize("damage", [*DAMAGES, *MADE_UP], ids=range(len(DAMAGES) + len(MADE_UP)))
-def test_a_part_that_is_damaged_or_made_up_is_computed_again(
-    functions: Any, tmp_path: Path, damage: Any
-) -> None:
+def test_a_part_that_is_damaged_or_made_up_is_computed_again(functions, tmp_path, damage):
     job = functions.job(functions.Settings())
     first = run(job, folder=tmp_path)
     other, key = job.keys()[:2]
@@ -260,7 +254,7 @@ def test_a_part_that_is_damaged_or_made_up_is_computed_again(
     assert_identical(first, again)
 
 
-def test_a_part_that_is_whole_is_believed(functions: Any, tmp_path: Path) -> None:
+def test_a_part_that_is_whole_is_believed(functions, tmp_path):
     key = functions.job(functions.Settings()).keys()[1]
     body = archive()
     ChunkStore(tmp_path).path(key).write_bytes(chunk_store._head(key, body) + b"\n" + body)
@@ -269,15 +263,13 @@ def test_a_part_that_is_whole_is_believed(functions: Any, tmp_path: Path) -> Non
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe")
-def test_a_pipe_in_place_of_a_part_is_not_waited_for(functions: Any, tmp_path: Path) -> None:
+def test_a_pipe_in_place_of_a_part_is_not_waited_for(functions, tmp_path):
     job = functions.job(functions.Settings())
     os.mkfifo(ChunkStore(tmp_path).path(job.keys()[1]))
     assert run(job, folder=tmp_path).computed_chunks == 5
 
 
-def test_another_configuration_or_version_is_another_chunk(
-    functions: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_another_configuration_or_version_is_another_chunk(functions, monkeypatch):
     keys = set(functions.job(functions.Settings()).keys())
     assert not keys & set(functions.job(functions.Settings(scale=1.0 + 1e-15)).keys())
     assert len(keys & set(functions.job(functions.Settings(), cells=18).keys())) == 4
@@ -285,7 +277,7 @@ def test_another_configuration_or_version_is_another_chunk(
     assert not keys & set(functions.job(functions.Settings()).keys())
 
 
-def test_failed_cells_are_tried_again_by_the_next_run(functions: Any, tmp_path: Path) -> None:
+def test_failed_cells_are_tried_again_by_the_next_run(functions, tmp_path):
     job = functions.job(functions.Settings(raising=(5,)))
     assert run(job, folder=tmp_path).failures
     again = run(job, folder=tmp_path)
@@ -293,7 +285,7 @@ def test_failed_cells_are_tried_again_by_the_next_run(functions: Any, tmp_path: 
     assert again.failures == {5: "ArithmeticError: cell 5 is bad"}
 
 
-def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
+def test_parts_keep_what_they_were_given(tmp_path):
     part = {
         "a": np.array([1.5, np.nan, np.inf]),
         "b": np.array(["x", "", "ü"]),
@@ -309,7 +301,7 @@ def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
     assert not (tmp_path / "p").exists()
 
 
-def test_only_the_own_parts_are_deleted(tmp_path: Path) -> None:
+def test_only_the_own_parts_are_deleted(tmp_path):
     other = KEY[::-1]
     part = {"a": np.zeros(1), FAILURE: np.array([""])}
     others = {"lock", "notes.txt", "film.part", "film.scratch"}
@@ -326,7 +318,7 @@ def test_only_the_own_parts_are_deleted(tmp_path: Path) -> None:
     assert (tmp_path / "lock").read_text() == "the owner's own"
 
 
-def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path: Path) -> None:
+def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path):
     target = tmp_path / "thesis.tex"
     target.write_text("years of work")
     folder = tmp_path / "parts"
@@ -337,7 +329,7 @@ def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path: Path) -> None:
     assert target.read_text() == "years of work"
 
 
-def test_workers_import_nothing_from_the_current_folder(functions: Any, tmp_path: Path) -> None:
+def test_workers_import_nothing_from_the_current_folder(functions, tmp_path):
     for module in ("socket", "pickle", "random"):
         (tmp_path / f"{module}.py").write_text("raise SystemExit('taken from the folder')\n")
     with contextlib.chdir(tmp_path):
@@ -345,7 +337,7 @@ def test_workers_import_nothing_from_the_current_folder(functions: Any, tmp_path
     assert not outcome.failures
 
 
-def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
+def test_two_runs_do_not_share_a_folder(tmp_path):
     folder = tmp_path / "parts"
     other = (
         "import sys, pathlib\n"
@@ -373,7 +365,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
         pass
 
 
-def test_a_full_disk_is_refused_before_the_work(tmp_path: Path) -> None:
+def test_a_full_disk_is_refused_before_the_work(tmp_path):
     with (
         pytest.raises(OutputError, match="not enough room"),
         ChunkStore(tmp_path / "parts").opened(needed_bytes=10**18),
@@ -382,9 +374,7 @@ def test_a_full_disk_is_refused_before_the_work(tmp_path: Path) -> None:
     assert not (tmp_path / "parts").exists()
 
 
-def test_a_disk_that_fills_up_keeps_what_was_finished(
-    functions: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_disk_that_fills_up_keeps_what_was_finished(functions, tmp_path, monkeypatch):
     job = functions.job(functions.Settings())
     whole, write = Path.write_bytes, chunk_store.Path.write_bytes
     written: list[Path] = []
@@ -410,7 +400,7 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="needs a device")
-def test_a_device_has_no_parts() -> None:
+def test_a_device_has_no_parts():
     check_writable_file("/dev/null")
     if Path("/proc/self").exists():  # a folder that takes no file
         with pytest.raises(OutputError, match=r"cannot write /proc/self/map\.nc"):
@@ -530,9 +520,7 @@ def expected_values(functions: Any) -> bytes:
         pytest.param(2, "local-cluster", [7, 22], marks=pytest.mark.extra),
     ],
 )
-def test_killed_runs_go_on_and_end_alike(
-    functions: Any, tmp_path: Path, workers: int, scheduler: str, kills: list[int]
-) -> None:
+def test_killed_runs_go_on_and_end_alike(functions, tmp_path, workers, scheduler, kills):
     if scheduler:
         pytest.importorskip("distributed")
     driver, expected = Driver(tmp_path, workers, scheduler), expected_values(functions)
@@ -559,8 +547,8 @@ def test_killed_runs_go_on_and_end_alike(
     ],
 )
 def test_signals_stop_cleanly_and_keep_what_is_finished(
-    functions: Any, tmp_path: Path, signum: signal.Signals, to_group: bool, workers: int
-) -> None:
+    functions, tmp_path, signum, to_group, workers
+):
     driver = Driver(tmp_path, workers)
     process = driver.started_until(4)
     (os.killpg if to_group else os.kill)(process.pid, signum)
@@ -576,7 +564,7 @@ def test_signals_stop_cleanly_and_keep_what_is_finished(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_workers_never_see_an_interrupt(tmp_path: Path) -> None:
+def test_workers_never_see_an_interrupt(tmp_path):
     script = tmp_path / "drive.py"  # a process that has not started any other yet
     script.write_text(
         "import chunk_functions as f, numpy as np\n"
@@ -591,7 +579,7 @@ def test_workers_never_see_an_interrupt(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_a_script_without_main_guard_gets_a_message(tmp_path: Path) -> None:
+def test_a_script_without_main_guard_gets_a_message(tmp_path):
     script = tmp_path / "plain.py"
     script.write_text(
         "import chunk_functions as f\n"
@@ -613,14 +601,14 @@ def test_a_script_without_main_guard_gets_a_message(tmp_path: Path) -> None:
     assert "if __name__ == '__main__':" in said[-1]
 
 
-def test_stopped_is_not_swallowed_by_handlers_of_errors() -> None:
+def test_stopped_is_not_swallowed_by_handlers_of_errors():
     assert not issubclass(Stopped, Exception)
 
 
 # ---- dask
 
 
-def test_without_dask_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(WorkersUnavailableError, match="pip install distributed"):
         DaskPool("local-cluster")
@@ -628,7 +616,7 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_is_not_there(monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("studies.engine.dask_pool._CONNECT_S", 1.0)
     with pytest.raises(WorkersUnavailableError, match="no answer of the scheduler tcp"):
@@ -636,7 +624,7 @@ def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any]]]]:
+def cluster(tmp_path):
     """Pool on a scheduler with so many workers that nobody starts again; scheduler, workers."""
     pytest.importorskip("distributed")
     started = []
@@ -665,9 +653,7 @@ def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
-    functions: Any, tmp_path: Path, cluster: Any
-) -> None:
+def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(functions, tmp_path, cluster):
     log = tmp_path / "log"
     log.mkdir()
     job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
@@ -690,9 +676,7 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_cluster_without_workers_ends_the_work_with_a_reason(
-    functions: Any, cluster: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cluster_without_workers_ends_the_work_with_a_reason(functions, cluster, monkeypatch):
     monkeypatch.setattr("studies.engine.dask_pool._WITHOUT_WORKERS_S", 2.0)
     monkeypatch.setattr("studies.engine.dask_pool._TOLD_AFTER_S", 1.0)
     monkeypatch.setattr("studies.engine.dask_pool._LOOK_S", 0.5)
@@ -708,9 +692,7 @@ def test_a_cluster_without_workers_ends_the_work_with_a_reason(
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_scheduler_that_is_killed_ends_the_work_in_words(
-    functions: Any, tmp_path: Path, cluster: Any, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scheduler_that_is_killed_ends_the_work_in_words(functions, tmp_path, cluster, capfd):
     pool, (scheduler, _) = cluster(1)
     job = functions.job(functions.Settings(pause_s=0.1), cells=60, each=2)
     killed = threading.Event()

@@ -22,7 +22,7 @@ WAIT_S = 30.0  # never reached where all is well
 
 
 @pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def quick(monkeypatch):
     """Signals are repeated soon; afterwards all handlers are those of before."""
     monkeypatch.setattr("studies.signals._REPEAT_S", 0.01)
     # Python leaves an interrupt ignored that a background job of a shell was started with.
@@ -49,20 +49,18 @@ def swallowed_before_a_wait() -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_is_raised_with_its_number(number: int) -> None:
+def test_a_signal_is_raised_with_its_number(number):
     with pytest.raises(Stopped) as stopped, interruptible():
         send(number)
     assert stopped.value.signum == number
 
 
-def test_a_swallowed_signal_comes_again() -> None:
+def test_a_swallowed_signal_comes_again():
     with pytest.raises(Stopped), interruptible():
         swallowed_before_a_wait()
 
 
-def test_a_signal_that_a_finaliser_has_swallowed_comes_again(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_signal_that_a_finaliser_has_swallowed_comes_again(capsys):
     class Finalised:
         def __del__(self) -> None:
             send()
@@ -77,7 +75,7 @@ def test_a_signal_that_a_finaliser_has_swallowed_comes_again(
 
 
 @pytest.mark.long
-def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end() -> None:
+def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end():
     """Half of the classes of ft2font, left to the end of the process, abort it."""
     pytest.importorskip("matplotlib")
     code = (
@@ -116,7 +114,7 @@ def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, b"300 True\n", b"")
 
 
-def test_other_errors_of_finalisers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_errors_of_finalisers_are_told(monkeypatch):
     told: list[str] = []
     monkeypatch.setattr(sys, "unraisablehook", lambda error: told.append(str(error.exc_value)))
 
@@ -131,7 +129,7 @@ def test_other_errors_of_finalisers_are_told(monkeypatch: pytest.MonkeyPatch) ->
     assert sys.unraisablehook is before
 
 
-def test_what_tidies_up_is_not_interrupted() -> None:
+def test_what_tidies_up_is_not_interrupted():
     done = []
 
     @contextlib.contextmanager
@@ -149,7 +147,7 @@ def test_what_tidies_up_is_not_interrupted() -> None:
     assert done == [True]
 
 
-def test_a_signal_that_is_held_is_raised_at_a_check() -> None:
+def test_a_signal_that_is_held_is_raised_at_a_check():
     with interruptible(held=True) as signals:
         send()
         threading.Event().wait(0.03)
@@ -157,7 +155,7 @@ def test_a_signal_that_is_held_is_raised_at_a_check() -> None:
             signals.check()
 
 
-def test_a_signal_that_is_ignored_stays_ignored() -> None:
+def test_a_signal_that_is_ignored_stays_ignored():
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         with interruptible() as signals:
@@ -167,7 +165,7 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def test_other_threads_catch_nothing() -> None:
+def test_other_threads_catch_nothing():
     found = []
 
     def enter() -> None:
@@ -184,7 +182,7 @@ def stubborn(settings: None, cells: object) -> None:
     swallowed_before_a_wait()
 
 
-def test_a_chunk_that_swallows_the_signal_is_interrupted_all_the_same() -> None:
+def test_a_chunk_that_swallows_the_signal_is_interrupted_all_the_same():
     job = Job(stubborn, None, np.ones((1, 1)), [np.arange(1)], {"a": np.float64(0)})
     with pytest.raises(Stopped):
         engine.run(job, Pool(1))

@@ -4,12 +4,11 @@ import socket
 import sys
 
 import pytest
-from command_line import Run
 
 from studies.explorer.serve import ADDRESS
 
 
-def test_missing_extra_is_named(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_extra_is_named(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "uvicorn", None)
     answer = run("explore", "atlantiksolar-as2", "--no-browser")
     assert answer.code == 2
@@ -17,7 +16,7 @@ def test_missing_extra_is_named(run: Run, monkeypatch: pytest.MonkeyPatch) -> No
     assert answer.out == ""
 
 
-def test_taken_port_is_told(run: Run) -> None:
+def test_taken_port_is_told(run):
     with socket.socket() as taken:
         taken.bind((ADDRESS, 0))
         taken.listen()
@@ -39,9 +38,7 @@ def test_taken_port_is_told(run: Run) -> None:
         (("--mission", "desert-center-48h", "--model", "FM"), "flight path"),
     ],
 )
-def test_wrong_input_is_refused_before_anything_is_served(
-    run: Run, words: tuple[str, ...], message: str
-) -> None:
+def test_wrong_input_is_refused_before_anything_is_served(run, words, message):
     answer = run("explore", "atlantiksolar-as2", "--no-browser", *words)
     assert answer.code == 2
     assert message in answer.err

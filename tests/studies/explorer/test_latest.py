@@ -44,15 +44,15 @@ def outcomes(clients: list[str]) -> list[str]:
     return found
 
 
-def test_latest_of_one_page_is_computed() -> None:
+def test_latest_of_one_page_is_computed():
     assert outcomes(["a", "a", "a"]) == ["first", "dropped", "dropped", "a2"]
 
 
-def test_pages_do_not_drop_those_of_others() -> None:
+def test_pages_do_not_drop_those_of_others():
     assert outcomes(["a", "b", "a", "b"]) == ["first", "dropped", "dropped", "a2", "b3"]
 
 
-def test_error_of_one_request_leaves_the_next_alone() -> None:
+def test_error_of_one_request_leaves_the_next_alone():
     async def ask() -> str:
         with ThreadPoolExecutor(1) as executor:
             latest = Latest(executor)

@@ -4,9 +4,7 @@ import http.server
 import json
 import shlex
 import threading
-from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -21,20 +19,20 @@ REFUSED = "status of 422"  # the console names every answer that is none
 
 
 @pytest.fixture(scope="module")
-def address() -> Iterator[str]:
+def address():
     with headless.explorer(DESIGN, "-m", MISSION) as address:
         yield address
 
 
 @pytest.fixture(scope="module")
-def measured_address() -> Iterator[str]:
+def measured_address():
     """Of an explorer that outlives the page, which looks for its server every few seconds."""
     with headless.explorer("atlantiksolar-as2", "-m", "rafz-july") as address:
         yield address
 
 
 @pytest.fixture
-def page(open_page: Any, address: str) -> Any:
+def page(open_page, address):
     return at_rest(open_page(address, waiting=True))
 
 
@@ -53,7 +51,7 @@ def excess_of_command(page: Any, run: Run) -> dict[str, Any]:
     return dict(run(*words[1:], "--json").json())
 
 
-def test_sliders_change_numbers_curve_and_map(page: Any) -> None:
+def test_sliders_change_numbers_curve_and_map(page):
     before = number(page, "total mass"), curve(page), season(page)
     mass = slider(page, "battery.mass_kg")
     mass.focus()
@@ -68,7 +66,7 @@ def test_sliders_change_numbers_curve_and_map(page: Any) -> None:
     assert was.locator(".was").inner_text() == f"start {before[0]:.2f} kg"
 
 
-def test_dragging_with_the_pointer(page: Any) -> None:
+def test_dragging_with_the_pointer(page):
     mass = slider(page, "battery.mass_kg")
     box = mass.bounding_box()
     middle = box["y"] + box["height"] / 2
@@ -89,9 +87,7 @@ CHANGES = [
 
 
 @pytest.mark.parametrize("changes", CHANGES, ids=lambda c: " ".join(c.values()))
-def test_numbers_are_those_of_the_command_below(
-    page: Any, run: Run, changes: dict[str, str]
-) -> None:
+def test_numbers_are_those_of_the_command_below(page, run, changes):
     for key, text in changes.items():
         typed(page, key, text)
     told = excess_of_command(page, run)
@@ -107,7 +103,7 @@ def test_numbers_are_those_of_the_command_below(
         assert number(page, "endurance") == pytest.approx(told["endurance_h"], abs=0.0051)
 
 
-def test_saved_files_give_the_same_numbers(page: Any, run: Run, tmp_path: Path) -> None:
+def test_saved_files_give_the_same_numbers(page, run, tmp_path):
     typed(page, "battery.mass_kg", "3.3")
     typed(page, LATITUDE, "51")
     page.get_by_role("button", name="Save as YAML").click()
@@ -125,7 +121,7 @@ def test_saved_files_give_the_same_numbers(page: Any, run: Run, tmp_path: Path) 
     assert not page.locator("#save-dialog").is_visible()
 
 
-def test_address_restores_the_view(open_page: Any, page: Any, address: str) -> None:
+def test_address_restores_the_view(open_page, page, address):
     typed(page, "modules.area_m2", "1.2")
     typed(page, DAY, "200")
     numbers = page.locator("#numbers").inner_text()
@@ -153,9 +149,7 @@ def test_address_restores_the_view(open_page: Any, page: Any, address: str) -> N
         ("modules.area_m2", "3", "must not exceed the wing area of"),
     ],
 )
-def test_what_is_not_allowed_is_said_beside_the_field(
-    open_page: Any, address: str, key: str, text: str, words: str
-) -> None:
+def test_what_is_not_allowed_is_said_beside_the_field(open_page, address, key, text, words):
     page = at_rest(open_page(address, waiting=True, expected=REFUSED))
     box = page.locator(f'[data-key="{key}"] input[type=number]')
     box.fill(text)
@@ -172,9 +166,7 @@ def test_what_is_not_allowed_is_said_beside_the_field(
     assert message.inner_text() == ""
 
 
-def test_a_page_of_another_address_learns_and_changes_nothing(
-    open_page: Any, address: str, tmp_path: Path
-) -> None:
+def test_a_page_of_another_address_learns_and_changes_nothing(open_page, address, tmp_path):
     """The same machine, another port: its requests carry the cookie, which must not suffice."""
     page = at_rest(open_page(address, waiting=True, expected="."))  # all of this is an error
     home = address.partition("/?")[0]
@@ -204,7 +196,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-def test_end_of_the_server_is_told_and_its_return_noticed(open_page: Any) -> None:
+def test_end_of_the_server_is_told_and_its_return_noticed(open_page):
     with headless.explorer(DESIGN, "-m", MISSION) as address:
         page = at_rest(open_page(address, waiting=True, expected="ERR_CONNECTION|Failed to load"))
         typed(page, "battery.mass_kg", "3.4")
@@ -216,7 +208,7 @@ def test_end_of_the_server_is_told_and_its_return_noticed(open_page: Any) -> Non
     assert number(page, "battery") > 0.0  # what was shown stays
 
 
-def test_all_of_it_works_by_keyboard(page: Any) -> None:
+def test_all_of_it_works_by_keyboard(page):
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.textContent") == "Skip to the controls"
     reached = set()
@@ -236,7 +228,7 @@ def test_all_of_it_works_by_keyboard(page: Any) -> None:
     assert DAY in page.url
 
 
-def test_sizing_moves_the_sliders_and_says_what_limits(page: Any) -> None:
+def test_sizing_moves_the_sliders_and_says_what_limits(page):
     page.locator("#objective").select_option("min_wingspan")
     page.get_by_role("button", name="Size it").click()
     page.locator("#sizing-result .good").wait_for()
@@ -267,7 +259,7 @@ def test_sizing_moves_the_sliders_and_says_what_limits(page: Any) -> None:
     assert page.locator("#verdict-title").inner_text() == "Perpetual flight"
 
 
-def test_limited_flight_shows_its_discharge_and_what_would_help(page: Any) -> None:
+def test_limited_flight_shows_its_discharge_and_what_would_help(page):
     assert not page.get_by_text("longest flight, launched full").is_visible()
     typed(page, "battery.mass_kg", "1.2")
     assert page.locator("#verdict-title").inner_text() == "Limited flight"
@@ -285,9 +277,7 @@ def test_limited_flight_shows_its_discharge_and_what_would_help(page: Any) -> No
     [(PHONE, True), (DESKTOP, False), ((768, 1024), True)],
     ids=["phone, dark", "desktop, light", "tablet, dark"],
 )
-def test_any_window_in_light_and_dark(
-    open_page: Any, address: str, size: tuple[int, int], dark: bool
-) -> None:
+def test_any_window_in_light_and_dark(open_page, address, size, dark):
     page = at_rest(open_page(address, size=size, dark=dark, waiting=True))
     assert too_wide(page) == []
     slider(page, "battery.mass_kg").press("PageUp")
@@ -296,7 +286,7 @@ def test_any_window_in_light_and_dark(
     assert accessibility_problems(page) == []
 
 
-def test_nothing_hangs_out_of_its_panel(page: Any) -> None:
+def test_nothing_hangs_out_of_its_panel(page):
     for width, height in ((1280, 760), (1366, 768), (1400, 860), (1920, 1080), (1024, 768), PHONE):
         page.set_viewport_size({"width": width, "height": height})
         page.evaluate("() => new Promise(done => setTimeout(done, 60))")
@@ -304,7 +294,7 @@ def test_nothing_hangs_out_of_its_panel(page: Any) -> None:
         assert too_wide(page) == [], (width, height)
 
 
-def test_each_field_says_what_it_is(page: Any) -> None:
+def test_each_field_says_what_it_is(page):
     words = page.locator("#field-airframe-wingspan_m-about")
     assert not words.is_visible()
     button = page.get_by_role("button", name="About wingspan")
@@ -315,7 +305,7 @@ def test_each_field_says_what_it_is(page: Any) -> None:
     assert page.get_by_role("button", name="About ").count() == len(page.locator(".field").all())
 
 
-def test_measured_aircraft_says_what_it_cannot(open_page: Any, measured_address: str) -> None:
+def test_measured_aircraft_says_what_it_cannot(open_page, measured_address):
     page = at_rest(open_page(measured_address, waiting=True))
     assert slider(page, "airframe.wingspan_m").is_disabled()
     assert page.get_by_role("button", name="Size it").is_disabled()

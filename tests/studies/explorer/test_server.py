@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -108,7 +108,7 @@ class Server:
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[Server]:
+def server():
     session = Session(
         find_document("aircraft", "atlantiksolar-design"), find_document("mission", "rafz-july")
     )
@@ -127,7 +127,7 @@ POSTS = ("/api/view", "/api/size", "/api/files", "/api/report")
 GETS = ("/", "/main.js", "/api/session", "/api/alive", "/vendor/uPlot.LICENSE", "/nothing")
 
 
-def test_page_and_everything_that_it_loads_is_there(server: Server) -> None:
+def test_page_and_everything_that_it_loads_is_there(server):
     page = server.get("/")
     assert page.status == 200
     assert page.headers["content-type"] == "text/html; charset=utf-8"
@@ -146,7 +146,7 @@ def test_page_and_everything_that_it_loads_is_there(server: Server) -> None:
     assert "MIT" in server.get("/vendor/uPlot.LICENSE").body.decode()
 
 
-def test_nothing_of_the_page_is_inline_or_from_elsewhere(server: Server) -> None:
+def test_nothing_of_the_page_is_inline_or_from_elsewhere(server):
     text = server.get("/").body.decode()
     assert "style=" not in text
     assert "<style" not in text
@@ -157,7 +157,7 @@ def test_nothing_of_the_page_is_inline_or_from_elsewhere(server: Server) -> None
 
 
 @pytest.mark.parametrize("path", [*GETS, *POSTS])
-def test_every_answer_has_the_strict_headers(server: Server, path: str) -> None:
+def test_every_answer_has_the_strict_headers(server, path):
     for answer in (server.get(path), server.get(path, token=None)):
         policy = answer.headers["content-security-policy"]
         assert "default-src 'none'" in policy
@@ -171,20 +171,20 @@ def test_every_answer_has_the_strict_headers(server: Server, path: str) -> None:
 
 @pytest.mark.parametrize("path", GETS)
 @pytest.mark.parametrize("token", [None, "x", "é"])
-def test_without_the_token_there_is_nothing(server: Server, path: str, token: str | None) -> None:
+def test_without_the_token_there_is_nothing(server, path, token):
     answer = server.get(path, token=token)
     assert answer.status == 403
     assert "token" in answer.error()["message"]
     assert "set-cookie" not in answer.headers
 
 
-def test_a_query_of_many_fields_is_no_token(server: Server) -> None:
+def test_a_query_of_many_fields_is_no_token(server):
     """A page that knows no token must not make the server fail either."""
     assert server.get(f"/?{'a=1&' * 20}token={server.token}", token=None).status == 403
     assert server.get("/?" + "a=1&" * 20).status == 200
 
 
-def test_somebody_who_opens_the_address_alone_reads_why(server: Server) -> None:
+def test_somebody_who_opens_the_address_alone_reads_why(server):
     answer = server.get("/", token=None, accept="text/html,*/*")
     assert answer.status == 403
     assert answer.headers["content-type"] == "text/html; charset=utf-8"
@@ -192,12 +192,12 @@ def test_somebody_who_opens_the_address_alone_reads_why(server: Server) -> None:
 
 
 @pytest.mark.parametrize("path", POSTS)
-def test_without_the_token_nothing_is_computed(server: Server, path: str) -> None:
+def test_without_the_token_nothing_is_computed(server, path):
     assert server.post(path, {}, token=None).status == 403
     assert server.post(f"{path}?token={server.token}", {}, token=None).status == 403
 
 
-def test_first_page_turns_the_token_into_a_cookie(server: Server) -> None:
+def test_first_page_turns_the_token_into_a_cookie(server):
     first = server.get(f"/?token={server.token}", token=None)
     assert first.status == 200
     cookie = first.headers["set-cookie"]
@@ -222,13 +222,13 @@ def test_first_page_turns_the_token_into_a_cookie(server: Server) -> None:
 @pytest.mark.parametrize(
     "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "127.0.0.1:1", "[::1]:{port}"]
 )
-def test_other_hosts_are_refused(server: Server, host: str) -> None:
+def test_other_hosts_are_refused(server, host):
     answer = server.get("/", host=host.format(port=server.port))
     assert answer.status == 403
     assert "127.0.0.1" in answer.error()["message"]
 
 
-def test_localhost_is_the_same_machine(server: Server) -> None:
+def test_localhost_is_the_same_machine(server):
     host = f"localhost:{server.port}"
     assert server.get("/api/alive", host=host).json() == {"alive": True}
     assert server.post("/api/view", {}, host=host, origin=f"http://{host}").status == 200
@@ -237,13 +237,13 @@ def test_localhost_is_the_same_machine(server: Server) -> None:
 @pytest.mark.parametrize(
     "origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1:1"]
 )
-def test_other_origins_are_refused(server: Server, origin: str) -> None:
+def test_other_origins_are_refused(server, origin):
     named = origin.format(port=server.port)
     assert server.get("/api/session", origin=named).status == 403
     assert server.post("/api/view", {}, origin=named).error()["kind"] == "origin"
 
 
-def test_post_needs_an_origin(server: Server) -> None:
+def test_post_needs_an_origin(server):
     assert server.post("/api/view", {}, origin="").error()["kind"] == "origin"
 
 
@@ -270,7 +270,7 @@ def test_post_needs_an_origin(server: Server) -> None:
     ],
 )
 @pytest.mark.parametrize("path", POSTS)
-def test_bad_body_is_refused_in_words(server: Server, path: str, body: bytes, status: int) -> None:
+def test_bad_body_is_refused_in_words(server, path, body, status):
     answer = server.post(path, body)
     assert answer.status == status
     problems = answer.error()["problems"]
@@ -279,7 +279,7 @@ def test_bad_body_is_refused_in_words(server: Server, path: str, body: bytes, st
     )
 
 
-def test_bad_field_names_value_and_range(server: Server) -> None:
+def test_bad_field_names_value_and_range(server):
     answer = server.post("/api/view", {"settings": {"mission.latitude_deg": 91}})
     (problem,) = answer.error()["problems"]
     assert problem == {
@@ -299,11 +299,11 @@ def test_bad_field_names_value_and_range(server: Server) -> None:
         ("size", {"scenarios": "all"}),
     ],
 )
-def test_bad_choice_is_refused(server: Server, path: str, body: dict[str, Any]) -> None:
+def test_bad_choice_is_refused(server, path, body):
     assert server.post(f"/api/{path}", body).status == 422
 
 
-def test_too_much_is_refused(server: Server) -> None:
+def test_too_much_is_refused(server):
     # Lengths are told and nothing is sent: a server that closes with bytes unread resets the
     # connection, and then it is chance whether its answer is read before that.
     told = str(MAXIMUM_BODY_BYTES + 1)
@@ -312,7 +312,7 @@ def test_too_much_is_refused(server: Server) -> None:
     assert server.post("/api/view", b"", content_length="-1").status in (400, 413)
 
 
-def test_a_length_of_thousands_of_digits_is_refused(server: Server) -> None:
+def test_a_length_of_thousands_of_digits_is_refused(server):
     # Of a server that passes it on; ours refuses the header itself.
     host = server.host.encode()
     headers = [(b"host", host), (b"authorization", b"Bearer " + server.token.encode())]
@@ -328,7 +328,7 @@ def test_a_length_of_thousands_of_digits_is_refused(server: Server) -> None:
     assert sent[0]["status"] == 413
 
 
-def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server: Server) -> None:
+def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server):
     with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
         chunk = b"1000\r\n" + b" " * 4096 + b"\r\n"
         head = server.head("/api/view", "Transfer-Encoding: chunked")
@@ -336,7 +336,7 @@ def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server: Ser
         assert raw.recv(4096).split()[1] == b"413"
 
 
-def test_half_sent_requests_keep_nobody_out(server: Server) -> None:
+def test_half_sent_requests_keep_nobody_out(server):
     with contextlib.ExitStack() as stack:
         for _ in range(3 * MOST_CONNECTIONS):
             raw = stack.enter_context(socket.create_connection((ADDRESS, server.port), timeout=10))
@@ -344,9 +344,7 @@ def test_half_sent_requests_keep_nobody_out(server: Server) -> None:
         assert server.get("/api/alive").status == 200
 
 
-def test_a_request_that_does_not_come_is_waited_for_no_longer(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_request_that_does_not_come_is_waited_for_no_longer(server, monkeypatch):
     monkeypatch.setattr("studies.explorer.serve.REQUEST_S", 0.02)
     for part in (b"", b"GET / HTTP/1.1\r\nHost: "):
         with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
@@ -361,14 +359,14 @@ def test_a_request_that_does_not_come_is_waited_for_no_longer(
             pass
 
 
-def test_a_body_that_does_not_come_is_told(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_body_that_does_not_come_is_told(server, monkeypatch):
     monkeypatch.setattr("studies.explorer.security.BODY_S", 0.02)
     with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
         raw.sendall(server.head("/api/view", "Content-Length: 100") + b"{")
         assert raw.recv(4096).split()[1] == b"408"
 
 
-def test_other_content_is_refused(server: Server) -> None:
+def test_other_content_is_refused(server):
     assert server.post("/api/view", b"{}", content_type="text/plain").status == 415
 
 
@@ -386,11 +384,11 @@ def test_other_content_is_refused(server: Server) -> None:
         ("GET", "/etc/passwd", 404),
     ],
 )
-def test_other_addresses_lead_nowhere(server: Server, method: str, path: str, status: int) -> None:
+def test_other_addresses_lead_nowhere(server, method, path, status):
     assert server.ask(method, path).status == status
 
 
-def test_view_is_the_session_s(server: Server) -> None:
+def test_view_is_the_session_s(server):
     changed = {"battery.mass_kg": 3.2, "model": "CDM"}
     view = server.post("/api/view", {"settings": changed, "season": "coarse", "sequence": 7}).json()
     session = server.explorer.session
@@ -404,7 +402,7 @@ def test_view_is_the_session_s(server: Server) -> None:
 
 
 @pytest.mark.slow
-def test_report_is_one_on_the_settings(server: Server) -> None:
+def test_report_is_one_on_the_settings(server):
     made = server.post("/api/report", {"settings": {"battery.mass_kg": 3.2}}).json()
     assert made["name"] == "atlantiksolar-design-explored.html"
     assert made["text"].lower().startswith("<!doctype html>")
@@ -412,7 +410,7 @@ def test_report_is_one_on_the_settings(server: Server) -> None:
 
 
 @pytest.mark.long
-def test_sizing_gives_values_that_fly(server: Server) -> None:
+def test_sizing_gives_values_that_fly(server):
     found = server.post("/api/size", {"objective": "min_mass"}).json()
     assert found["feasible"]
     assert found["limits"][0].startswith("required excess time at ")
@@ -427,7 +425,7 @@ def test_sizing_gives_values_that_fly(server: Server) -> None:
 
 
 @pytest.mark.long
-def test_sizing_with_margin_flies_with_an_rms_error_less(server: Server) -> None:
+def test_sizing_with_margin_flies_with_an_rms_error_less(server):
     guarded = server.post("/api/size", {"objective": "min_mass"}).json()["with_margin"]
     assert guarded["error"] == "one RMS error of CAM (7 %)"
     view = server.post("/api/view", {"settings": guarded["values"]}).json()
@@ -435,7 +433,7 @@ def test_sizing_with_margin_flies_with_an_rms_error_less(server: Server) -> None
 
 
 @pytest.mark.long
-def test_infeasible_sizing_says_why_and_what_would_help(server: Server) -> None:
+def test_infeasible_sizing_says_why_and_what_would_help(server):
     asked = {"mission.latitude_deg": 60.0, "mission.day_of_year": 288}
     found = server.post("/api/size", {"settings": asked | {"mission.payload.mass_kg": 2.0}}).json()
     assert not found["feasible"]
@@ -444,12 +442,12 @@ def test_infeasible_sizing_says_why_and_what_would_help(server: Server) -> None:
     assert any(one["parameter"] == "mission.payload.mass_kg" for one in found["relaxations"])
 
 
-def test_sizing_without_sun_is_refused_in_words(server: Server) -> None:
+def test_sizing_without_sun_is_refused_in_words(server):
     dark = {"mission.latitude_deg": 80.0, "mission.day_of_year": 355}
     assert "polar night" in server.post("/api/size", {"settings": dark}).error()["message"]
 
 
-def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> None:
+def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server):
     made = server.explorer.session.inputs(server.explorer.session.settings())
     from sizing.program.objectives import Objective
 
@@ -474,7 +472,7 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> No
 
 
 @pytest.mark.long
-def test_leaving_the_page_ends_what_it_waited_for(server: Server) -> None:
+def test_leaving_the_page_ends_what_it_waited_for(server):
     with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
         raw.sendall(server.head("/api/report", "Content-Length: 2") + b"{}")
         until(lambda: server.post("/api/size", {}).status == 409)
@@ -492,7 +490,7 @@ def until(true: Callable[[], bool]) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("busy", [False, True])
-def test_command_prints_its_address_first_and_ends_by_a_signal(busy: bool) -> None:
+def test_command_prints_its_address_first_and_ends_by_a_signal(busy):
     words = ["explore", "atlantiksolar-as2", "--no-browser", "--port", "0"]
     process = subprocess.Popen(
         [sys.executable, "-m", "studies.cli", *words],
@@ -529,7 +527,7 @@ def test_command_prints_its_address_first_and_ends_by_a_signal(busy: bool) -> No
         begun.close()
 
 
-def test_answers_are_not_held_back_by_nagle() -> None:
+def test_answers_are_not_held_back_by_nagle():
     """An event loop sends small packets at once on sockets that are named as TCP alone."""
     with bound_socket(0) as listening, socket.create_connection(listening.getsockname()):
         accepted, _ = listening.accept()

@@ -1,7 +1,6 @@
 """The explorer without its server: settings, day, season, files; equal to the command line's."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,7 +42,7 @@ def session(aircraft: str = "atlantiksolar-design", mission: str = "rafz-july") 
 DESIGN = session()
 
 
-def test_unchanged_settings_are_the_analysis_of_the_files() -> None:
+def test_unchanged_settings_are_the_analysis_of_the_files():
     shown = DESIGN.day(DESIGN.settings())
     told = analyse(load_aircraft("atlantiksolar-design"), load_mission("rafz-july")).to_dict()
     told.pop("scenarios")
@@ -60,9 +59,7 @@ def test_unchanged_settings_are_the_analysis_of_the_files() -> None:
         ("atlantiksolar-as2", "rafz-july", {LATITUDE: -33.0, DAY: 2, "model": "FM"}),
     ],
 )
-def test_saved_files_give_the_same_numbers(
-    tmp_path: Path, aircraft: str, mission: str, changed: dict[str, Any]
-) -> None:
+def test_saved_files_give_the_same_numbers(tmp_path, aircraft, mission, changed):
     one = session(aircraft, mission)
     settings = one.settings(changed)
     for kind, text in one.files(settings).items():
@@ -78,7 +75,7 @@ def test_saved_files_give_the_same_numbers(
     assert one.day(settings)["numbers"] == loaded
 
 
-def test_command_of_saved_files_names_them_and_the_model() -> None:
+def test_command_of_saved_files_names_them_and_the_model():
     saved = DESIGN.saved(DESIGN.settings({"model": "CDM"}))
     assert saved["command"] == (
         "solar-uav analyse atlantiksolar-design-explored.yaml "
@@ -87,7 +84,7 @@ def test_command_of_saved_files_names_them_and_the_model() -> None:
     assert [file["name"] for file in saved["files"]] == saved["command"].split()[2:5:2]
 
 
-def test_page_begins_at_the_worst_scenario() -> None:
+def test_page_begins_at_the_worst_scenario():
     several = session(mission="central-europe-summer")
     assert len(several.scenarios) == 9
     start = several.settings()
@@ -95,7 +92,7 @@ def test_page_begins_at_the_worst_scenario() -> None:
     assert (start.latitude_deg, start.day_of_year) == (worst["latitude_deg"], worst["day_of_year"])
 
 
-def test_curve_is_that_of_the_analysis() -> None:
+def test_curve_is_that_of_the_analysis():
     settings = DESIGN.settings(MOVED)
     curve = DESIGN.day(settings)["curve"]
     table = DESIGN.analysis(settings).trajectory()
@@ -105,7 +102,7 @@ def test_curve_is_that_of_the_analysis() -> None:
         assert_allclose(curve[key], table[key], rtol=5e-5)
 
 
-def test_limited_flight_is_shown_from_its_launch_until_it_is_empty() -> None:
+def test_limited_flight_is_shown_from_its_launch_until_it_is_empty():
     settings = DESIGN.settings({"mission.latitude_deg": 60.0, "mission.day_of_year": 300})
     view = DESIGN.day(settings)
     flight = view["numbers"]["limited_flight"]
@@ -118,7 +115,7 @@ def test_limited_flight_is_shown_from_its_launch_until_it_is_empty() -> None:
     assert set(DESIGN.day(DESIGN.settings())["curve"]["flight_charge"]) == {None}
 
 
-def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam() -> None:
+def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam():
     one = session()
     calm = one.season(one.settings(), coarse=True)
     settings = one.settings({"mission.wind_m_per_s": 20.0})
@@ -127,7 +124,7 @@ def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam() -> None:
     assert len(one._maps._kept) == 1
 
 
-def test_a_held_place_is_mapped_where_the_wind_is_known() -> None:
+def test_a_held_place_is_mapped_where_the_wind_is_known():
     """The shipped winds end at 88 degrees; below the design's airspeed they change nothing."""
     aloft = {"altitude_m": 20000.0, "wind": {"percentile": 95.0}, "air": {}}
     file = with_overrides(find_document("mission", "rafz-july"), aloft)
@@ -154,14 +151,14 @@ def test_a_held_place_is_mapped_where_the_wind_is_known() -> None:
     assert 0 < sum(a == b for a, b in pairs) < len(pairs)
 
 
-def test_masses_add_up_to_the_total() -> None:
+def test_masses_add_up_to_the_total():
     for one in (DESIGN, session("atlantiksolar-as2")):
         view = one.day(one.settings({"mission.payload.mass_kg": 0.3}))
         total = sum(view["masses_kg"].values())
         assert total == pytest.approx(view["numbers"]["total_mass_kg"], rel=1e-6)
 
 
-def test_season_is_the_map_of_the_command_line() -> None:
+def test_season_is_the_map_of_the_command_line():
     settings = DESIGN.settings({"battery.mass_kg": 3.1})
     made = DESIGN.inputs(settings)
     exact = DESIGN.season(settings)
@@ -189,7 +186,7 @@ def as_array(season: dict[str, Any]) -> Any:
     return np.array([[math.inf if value is None else value for value in row] for row in rows])
 
 
-def test_kept_light_is_that_of_the_technology_at_hand() -> None:
+def test_kept_light_is_that_of_the_technology_at_hand():
     one = session()
     first = one.season(one.settings(), coarse=True)
     better = one.season(one.settings({"modules.efficiency_stc": 0.26}), coarse=True)
@@ -199,7 +196,7 @@ def test_kept_light_is_that_of_the_technology_at_hand() -> None:
 
 
 @pytest.mark.long
-def test_slow_model_fills_its_map_turn_by_turn() -> None:
+def test_slow_model_fills_its_map_turn_by_turn():
     one = session("atlantiksolar-as2")
     settings = one.settings({"model": "VM"})
     known = []
@@ -254,13 +251,13 @@ def refusals(data: object, one: Session = DESIGN) -> dict[str, Any]:
         ("airframe.kind", "measured", "not a field"),
     ],
 )
-def test_bad_field_is_refused_in_words(key: str, value: Any, words: str) -> None:
+def test_bad_field_is_refused_in_words(key, value, words):
     refused = refusals({key: value})[key]
     assert words in refused.message
     assert refused.allowed
 
 
-def test_everything_that_is_wrong_is_told_together() -> None:
+def test_everything_that_is_wrong_is_told_together():
     wrong = {"battery.mass_kg": "x", "model": 1, "unknown": 2}
     assert set(refusals(wrong)) == set(wrong)
     assert "object" in refusals([1, 2])["settings"].message
@@ -270,7 +267,7 @@ def test_everything_that_is_wrong_is_told_together() -> None:
         assert "module surfaces" in refusals({key: value}, plain)[key].message
 
 
-def test_measured_airframe_keeps_its_wing() -> None:
+def test_measured_airframe_keeps_its_wing():
     built = session("atlantiksolar-as2")
     field = built.fields["airframe.wingspan_m"]
     assert isinstance(field, Field)
@@ -282,7 +279,7 @@ def test_measured_airframe_keeps_its_wing() -> None:
     assert "cannot be sized" in built.describe()["cannot_size"]
 
 
-def test_fields_are_those_of_the_catalogue() -> None:
+def test_fields_are_those_of_the_catalogue():
     for key, field in DESIGN.fields.items():
         if isinstance(field, Field) and key not in (LATITUDE, DAY):
             assert key in catalogue()
@@ -290,7 +287,7 @@ def test_fields_are_those_of_the_catalogue() -> None:
             assert field.slider[1] <= field.maximum
 
 
-def test_impossible_design_is_refused_in_words(tmp_path: Path) -> None:
+def test_impossible_design_is_refused_in_words(tmp_path):
     text = shipped_text("atlantiksolar-design").replace("calibration: 1.188", "calibration: 5")
     (tmp_path / "heavy.yaml").write_text(text, encoding="utf-8")
     heavy = session(str(tmp_path / "heavy.yaml"))
@@ -316,7 +313,7 @@ def climbing(**changes: Any) -> Session:
     )
 
 
-def test_day_with_climbs_has_its_altitude_and_its_limits_as_fields() -> None:
+def test_day_with_climbs_has_its_altitude_and_its_limits_as_fields():
     one = climbing()
     view = one.day(one.settings({"mission.climb.ceiling_m": 2000.0, "mission.altitude_m": 600.0}))
     altitude_m = view["curve"]["altitude_m"]
@@ -329,7 +326,7 @@ def test_day_with_climbs_has_its_altitude_and_its_limits_as_fields() -> None:
     assert "mission.climb.ceiling_m" not in DESIGN.fields
 
 
-def test_floor_that_a_file_names_moves_with_its_slider() -> None:
+def test_floor_that_a_file_names_moves_with_its_slider():
     one = climbing(climb={"minimum_altitude_m": 536.0})
     settings = one.settings({"mission.altitude_m": 1500.0})
     assert one.inputs(settings).mission.altitude_m == 1500.0
@@ -340,7 +337,7 @@ def test_floor_that_a_file_names_moves_with_its_slider() -> None:
 
 
 @pytest.mark.slow
-def test_season_with_climbs_is_the_map_of_the_command_line() -> None:
+def test_season_with_climbs_is_the_map_of_the_command_line():
     one = climbing()
     found = one.season(one.settings())
     made = one.inputs(one.settings())

@@ -1,14 +1,11 @@
 import io
 import json
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from command_line import Run
 from figure_checks import heading
 from map_blocks import map_block
 from matplotlib.contour import ContourSet
@@ -33,11 +30,11 @@ DAYS = np.array([1, 80, 172, 266, 355])
 
 
 @pytest.fixture(scope="module")
-def data() -> xr.Dataset:
+def data():
     return study.feasibility_map(AS2, JULY, latitudes=LATITUDES, days=DAYS, endurance=True)
 
 
-def test_parts_of_a_map_are_the_map_to_the_last_digit() -> None:
+def test_parts_of_a_map_are_the_map_to_the_last_digit():
     latitudes, days = np.linspace(-90.0, 90.0, 13), np.arange(1, 366, 26)
     whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     assert whole["status"].shape == (13, len(days))
@@ -55,7 +52,7 @@ def test_parts_of_a_map_are_the_map_to_the_last_digit() -> None:
             np.testing.assert_array_equal(cell[name], values[i : i + 1, j : j + 1], name)
 
 
-def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch):
     latitudes, days = np.linspace(-66.0, 66.0, 9), np.arange(1, 366, 30)
     whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     monkeypatch.setattr("studies.maps.cells._CELLS_AT_ONCE", 50)
@@ -75,7 +72,7 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.Monke
         ("atlantiksolar-design", 0.0, "CDM"),
     ],
 )
-def test_cells_are_those_of_single_analyses(plane: str, thermal: float, model: Any) -> None:
+def test_cells_are_those_of_single_analyses(plane, thermal, model):
     aircraft, solar = load_aircraft(plane), SolarModel(model)
     rough = with_values(JULY, {"turbulence.thermal": thermal})
     result = map_block(aircraft, rough, LATITUDES, DAYS, solar)
@@ -92,21 +89,21 @@ def test_cells_are_those_of_single_analyses(plane: str, thermal: float, model: A
         assert result["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
 
 
-def test_models_with_attitude_are_mapped_too() -> None:
+def test_models_with_attitude_are_mapped_too():
     result = map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
     day = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
     cycle = performance(AS2, JULY, SolarModel("FM"), day=day).cycle
     assert result["excess_time"][0, 1] == cycle.excess_time_h[0]
 
 
-def test_tropics_fly_all_year_and_polar_winter_never(data: xr.Dataset) -> None:
+def test_tropics_fly_all_year_and_polar_winter_never(data):
     assert int(study.season_length(data).sel(latitude=0.0)) == len(DAYS)
     assert int(data["status"].sel(latitude=89.0, day=355)) == Status.never_lit
     assert int(data["status"].sel(latitude=89.0, day=172)) == Status.always_lit
     assert np.isinf(data["excess_time"].sel(latitude=89.0, day=172))
 
 
-def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data: xr.Dataset) -> None:
+def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data):
     perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
     assert (np.isinf(data["endurance"]) == perpetual).all()
     # By polar night the battery alone flies: its energy over the load.
@@ -116,7 +113,7 @@ def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data: xr.Datase
     )
 
 
-def test_day_lasts_from_nothing_by_polar_night_to_all_hours(data: xr.Dataset) -> None:
+def test_day_lasts_from_nothing_by_polar_night_to_all_hours(data):
     assert float(data["day_length"].sel(latitude=89.0, day=355)) == 0.0
     assert float(data["day_length"].sel(latitude=89.0, day=172)) == 24.0
     # At the equator the sun's centre is up for half of every day.
@@ -127,7 +124,7 @@ def test_day_lasts_from_nothing_by_polar_night_to_all_hours(data: xr.Dataset) ->
     assert float(night["excess_time"]) == pytest.approx(-24.0, abs=1e-9)
 
 
-def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
+def test_file_carries_units_flags_and_configuration(data):
     again = xr.open_dataset(io.BytesIO(to_netcdf_bytes(data)), engine="h5netcdf")
     assert again["excess_time"].attrs["units"] == "h"
     assert again["status"].attrs["flag_meanings"] == "failed limited perpetual always_lit never_lit"
@@ -137,7 +134,7 @@ def test_file_carries_units_flags_and_configuration(data: xr.Dataset) -> None:
     np.testing.assert_array_equal(again["excess_time"], data["excess_time"])
 
 
-def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
+def test_figure_has_months_units_and_the_models_name(data):
     figure = plot_map(data)
     axes, bar = figure.axes
     assert axes.get_ylabel() == "latitude"
@@ -146,7 +143,7 @@ def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
     assert "[h]" in bar.get_ylabel()
 
 
-def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
+def test_maps_of_a_few_days_have_dates_and_round_numbers():
     polar_day = study.feasibility_map(AS2, JULY, latitudes=[89.0, 90.0], days=[170, 172, 174])
     axes, bar = plot_map(polar_day).axes
     assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
@@ -154,7 +151,7 @@ def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
     assert bar.get_yticks().tolist() == list(LEVELS_H)
 
 
-def test_edge_of_perpetual_flight_is_drawn_between_cells(data: xr.Dataset) -> None:
+def test_edge_of_perpetual_flight_is_drawn_between_cells(data):
     (line,) = [
         one
         for one in plot_map(data).axes[0].collections
@@ -176,7 +173,7 @@ def edge(axis: np.ndarray, value: float, side: int) -> float:
     return float(beyond[-1] if side < 0 else beyond[0])
 
 
-def test_a_map_as_a_table_has_a_row_for_each_cell(run: Run, tmp_path: Path) -> None:
+def test_a_map_as_a_table_has_a_row_for_each_cell(run, tmp_path):
     call = ["map", "atlantiksolar-as2", "--latitudes", "-80:80:40", "--days", "1:365:91"]
     for name in ("map.csv", "map.nc"):
         answer = run(*call, "--out", str(tmp_path / name))
@@ -193,7 +190,7 @@ def test_a_map_as_a_table_has_a_row_for_each_cell(run: Run, tmp_path: Path) -> N
         assert set(table["status"]) <= set(data["status"].attrs["flag_meanings"].split())
 
 
-def test_picture_shows_a_map_of_one_cell() -> None:
+def test_picture_shows_a_map_of_one_cell():
     one = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[196])
     axes = plot_map(one).axes[0]
     (mesh,) = axes.collections
@@ -204,7 +201,7 @@ def test_picture_shows_a_map_of_one_cell() -> None:
     assert west < 196 < east
 
 
-def test_resized_map_tells_an_excess_time_without_end(run: Run, tmp_path: Path) -> None:
+def test_resized_map_tells_an_excess_time_without_end(run, tmp_path):
     # At the pole in midsummer the sun stands at 23 degrees all day.
     picture = tmp_path / "map.png"
     where = ["--latitudes", "90:90:1", "--days", "172:177:5"]
@@ -231,14 +228,14 @@ BAD_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:in
         ("--out", "map.txt", "must end in .nc, .csv"),
     ],
 )
-def test_wrong_values_are_refused(run: Run, option: str, value: str, said: str) -> None:
+def test_wrong_values_are_refused(run, option, value, said):
     outcome = run("map", "atlantiksolar-as2", option, value)
     assert (outcome.code, outcome.out) == (2, "")
     assert said in " ".join(outcome.err.split())
     assert "Traceback" not in outcome.err
 
 
-def test_endurance_of_the_days_without_perpetual_flight_is_told() -> None:
+def test_endurance_of_the_days_without_perpetual_flight_is_told():
     result = study.feasibility_map(
         AS2, JULY, latitudes=[0.0, 47.6], days=[1, 100, 172], endurance=True
     )

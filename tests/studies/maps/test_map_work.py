@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from command_line import Run
 from figure_checks import heading
 
 from missions.library import load_mission
@@ -41,7 +40,7 @@ JULY = load_mission("rafz-july")
 SMALL = ["atlantiksolar-as2", "--latitudes", "40:50:2", "--days", "1:361:40"]
 
 
-def test_map_of_chunks_is_that_of_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_map_of_chunks_is_that_of_one(monkeypatch):
     where = {"latitudes": np.linspace(-80, 80, 9), "days": np.arange(1, 362, 4)}
     whole = prepare(AS2, JULY, *where.values(), SolarModel())
     assert len(whole.job.chunks) == 1
@@ -54,7 +53,7 @@ def test_map_of_chunks_is_that_of_one(monkeypatch: pytest.MonkeyPatch) -> None:
         xr.testing.assert_identical(feasibility_map(AS2, JULY, **where, workers=workers), one)
 
 
-def test_kept_parts_are_used_again(run: Run, tmp_path: Path, monkeypatch: Any) -> None:
+def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     assert run("map", *SMALL, "--out", "map.nc", "--keep-parts").code == 0
     assert list((tmp_path / "map.nc.parts").glob("*.part"))
 
@@ -79,9 +78,7 @@ def failing(configuration: Any, cells: Any) -> Any:
     return cells_of(configuration, cells)
 
 
-def test_cells_that_fail_have_a_flag_and_are_tried_again(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypatch):
     monkeypatch.setattr(map_cells, "_cells", failing)
     answer = run("map", *SMALL, "--out", "map.nc", "--workers", "1", "--json")
     assert answer.code == 1
@@ -117,9 +114,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map.nc"]
 
 
-def test_where_every_cell_fails_there_is_no_file(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_every_cell_fails_there_is_no_file(run, tmp_path, monkeypatch):
     monkeypatch.setattr(map_cells, "_cells", failing)
     cell = ("--latitudes", "44", "--days", "81", "--workers", "1")
     answer = run("map", "atlantiksolar-as2", *cell, "--out", "map.nc")
@@ -143,9 +138,7 @@ def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 
 
 @pytest.mark.parametrize(("signum", "workers"), [(signal.SIGINT, "2"), (signal.SIGTERM, "1")])
-def test_a_stopped_command_says_how_to_go_on(
-    tmp_path: Path, signum: signal.Signals, workers: str
-) -> None:
+def test_a_stopped_command_says_how_to_go_on(tmp_path, signum, workers):
     asked = ["atlantiksolar-design", "--resize", "min_mass", "--latitudes", "0:60:20"]
     asked = ["map", *asked, "--days", "1:365:10", "--out", "m.nc", "--workers", workers]
     process = command(*asked, cwd=tmp_path)
@@ -190,9 +183,7 @@ def test_a_stopped_command_says_how_to_go_on(
         (["--scheduler", "tcp://a:1", "--workers", "2"], 2, "--workers"),
     ],
 )
-def test_what_cannot_work_is_refused_at_once(
-    run: Run, tmp_path: Path, options: list[str], code: int, words: str
-) -> None:
+def test_what_cannot_work_is_refused_at_once(run, tmp_path, options, code, words):
     (tmp_path / "file").touch()
     (tmp_path / "folder.nc").mkdir()
     answer = run("map", *SMALL, *options)
@@ -204,11 +195,11 @@ def test_what_cannot_work_is_refused_at_once(
 
 
 @pytest.fixture(scope="module")
-def sized() -> xr.Dataset:
+def sized():
     return resized_map(DESIGN, JULY, "min_wingspan", latitudes=[0.0, 47.6, 75.0], days=[172, 355])
 
 
-def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft() -> None:
+def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft():
     """Each task brings its own copy of the aircraft; the worker keeps the programs of the last."""
     asked = MapConfiguration(DESIGN, JULY, SolarModel(), objective=Objective.min_wingspan)
     once = sized_cells(asked, np.array([[0.0, 172.0]]))
@@ -218,7 +209,7 @@ def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft() -> None:
     assert once["wingspan"].tolist() == again["wingspan"].tolist()
 
 
-def test_cells_are_sizings_of_their_own(sized: xr.Dataset) -> None:
+def test_cells_are_sizings_of_their_own(sized):
     mission = JULY.model_copy(update={"latitude_deg": 47.6, "dates": Dates(on="06-21")})
     result = size_aircraft(DESIGN, mission, Objective.min_wingspan)
     cell = sized.sel(latitude=47.6, day=172)
@@ -229,7 +220,7 @@ def test_cells_are_sizings_of_their_own(sized: xr.Dataset) -> None:
     assert float(cell["module_area"]) <= 0.85 * float(cell["wingspan"]) ** 2 / 18.5 * (1 + 1e-6)
 
 
-def test_infeasible_cells_say_what_is_missing(sized: xr.Dataset) -> None:
+def test_infeasible_cells_say_what_is_missing(sized):
     winter = sized.sel(latitude=47.6, day=355)
     assert int(winter["status"]) == SizingStatus.infeasible
     assert winter["violated_requirement"].item() == "energy_balance"
@@ -240,7 +231,7 @@ def test_infeasible_cells_say_what_is_missing(sized: xr.Dataset) -> None:
     assert "polar night" in night["message"].item()
 
 
-def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path: Path) -> None:
+def test_sized_map_follows_cf_and_survives_its_file(sized, tmp_path):
     path = tmp_path / "sized.nc"
     path.write_bytes(to_netcdf_bytes(sized))
     again = xr.load_dataset(path, engine="h5netcdf")
@@ -255,7 +246,7 @@ def test_sized_map_follows_cf_and_survives_its_file(sized: xr.Dataset, tmp_path:
     xr.testing.assert_equal(again, sized)
 
 
-def test_table_counts_the_cross_checked_designs(run: Run) -> None:
+def test_table_counts_the_cross_checked_designs(run):
     asked = ["atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"]
     answer = run("map", *asked, "--latitudes", "0:75:75", "--days", "172:355:183")
     assert answer.code == 0
@@ -267,7 +258,7 @@ def test_table_counts_the_cross_checked_designs(run: Run) -> None:
     assert rows["75"][2:5] == ["1", "1", "0"]
 
 
-def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None:
+def test_figure_of_best_designs_hatches_what_has_none(sized):
     figure = plot_resized_map(sized)
     assert "wingspan [m]" in figure.axes[1].get_ylabel()
     title = "Best designs of atlantiksolar-design on rafz-july\nsmallest wingspan · CAM"
@@ -283,7 +274,7 @@ def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None
 # ---- in Python
 
 
-def test_maps_in_python_are_those_of_the_command(run: Run, tmp_path: Path) -> None:
+def test_maps_in_python_are_those_of_the_command(run, tmp_path):
     where = {"latitudes": [40.0, 47.0], "days": [100, 172]}
     grid = ["--latitudes", "40:47:7", "--days", "100:172:72"]
     found = feasibility_map(AS2, JULY, model="CDM", correction="report", **where)
@@ -323,7 +314,7 @@ RESIZED = [
         *[(resized_map, *case) for case in (*BOTH, *RESIZED)],
     ],
 )
-def test_python_refuses_what_is_not_allowed(make: Any, options: dict[str, Any], words: str) -> None:
+def test_python_refuses_what_is_not_allowed(make, options, words):
     asked = {"aircraft": DESIGN, "mission": JULY, "latitudes": [40.0], "days": [172]}
     if make is resized_map:
         asked["objective"] = "min_mass"
@@ -331,16 +322,14 @@ def test_python_refuses_what_is_not_allowed(make: Any, options: dict[str, Any], 
         make(**(asked | options))
 
 
-def test_python_names_what_a_model_needs() -> None:
+def test_python_names_what_a_model_needs():
     bare = JULY.model_copy(update={"flight_path": None})
     for options in ({"model": "FM"}, {"correction": "loiter"}):
         with pytest.raises(ValueError, match="needs a flight_path on the mission rafz-july"):
             feasibility_map(AS2, bare, latitudes=[0.0], days=[1], **options)
 
 
-def test_python_warns_of_failed_cells_and_raises_where_all_failed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_python_warns_of_failed_cells_and_raises_where_all_failed(monkeypatch):
     monkeypatch.setattr(map_cells, "_cells", failing)
     with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
         data = feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[81])
@@ -357,7 +346,7 @@ def test_python_warns_of_failed_cells_and_raises_where_all_failed(
         (["--days", "1:300:90"], "--days 1:300:90 ends at 271"),
     ],
 )
-def test_a_grid_that_does_not_meet_its_end_says_so(run: Run, grid: list[str], note: str) -> None:
+def test_a_grid_that_does_not_meet_its_end_says_so(run, grid, note):
     small = ["--latitudes", "40:45:5", "--days", "100:200:100"]
     answer = run("map", "atlantiksolar-as2", *small, *grid, "--json")
     assert answer.code == 0

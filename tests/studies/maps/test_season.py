@@ -1,6 +1,5 @@
 """Seasons: windows around the solstice, and days found with few simulations."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -48,14 +47,12 @@ def flags(*spans: tuple[int, int]) -> np.ndarray:
         ([], 0.0, Season(0, 0, None, None)),
     ],
 )
-def test_window_around_the_summer_solstice(
-    spans: list[tuple[int, int]], latitude: float, season: Season
-) -> None:
+def test_window_around_the_summer_solstice(spans, latitude, season):
     assert season_of(flags(*spans), latitude) == season
 
 
 @pytest.mark.parametrize("latitude", [-47.6, 0.0, 35.0, 70.0])
-def test_sampled_days_are_those_of_the_whole_year(latitude: float) -> None:
+def test_sampled_days_are_those_of_the_whole_year(latitude):
     models = [SolarModel("CDM"), SolarModel("CAM", "report")]
     sampled = perpetual_flags(AS2, LOITER, latitude, models)
     for model in models:
@@ -66,9 +63,7 @@ def test_sampled_days_are_those_of_the_whole_year(latitude: float) -> None:
 @pytest.mark.parametrize(
     ("model", "avionics_w"), [(SolarModel("CDM"), 18.75), (SolarModel("FM"), 17.75)]
 )
-def test_two_windows_between_the_tropics_are_both_found(
-    model: SolarModel, avionics_w: float
-) -> None:
+def test_two_windows_between_the_tropics_are_both_found(model, avionics_w):
     """At the equator the sun is highest at the equinoxes: the solstices are the dark seasons."""
     hungry = load_aircraft("atlantiksolar-as2", {"power.avionics_w": avionics_w})
     result = perpetual_flags(hungry, LOITER, 0.0, [model])[model]
@@ -77,7 +72,7 @@ def test_two_windows_between_the_tropics_are_both_found(
     assert np.count_nonzero(result != np.roll(result, 1)) == 4
 
 
-def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_day_of_the_full_model_is_computed_once(monkeypatch):
     requests: list[tuple[str, int]] = []
 
     def counted(
@@ -94,7 +89,7 @@ def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyP
     assert 14 <= sum(model == "FM" for model, _ in requests) <= 14 + 2 * 2 * 5
 
 
-def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
+def test_sampled_days_of_the_full_model_around_the_seasons_ends():
     model = SolarModel("FM", "report")
     season = season_of(perpetual_flags(AS2, LOITER, 47.6, [model])[model], 47.6)
     around = [season.first - 1, season.first, season.last, season.last + 1]
@@ -103,7 +98,7 @@ def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
     assert season.first < day_of_year("06-21") < season.last
 
 
-def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis() -> None:
+def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis():
     wary = LOITER.model_copy(
         update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=2.0)}
     )
@@ -114,7 +109,7 @@ def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis
     assert result.sum() < perpetual_flags(AS2, LOITER, 47.6, [model])[model].sum()
 
 
-def test_full_model_on_the_loiter_is_one_case_with_the_report() -> None:
+def test_full_model_on_the_loiter_is_one_case_with_the_report():
     every = combinations()
     assert len(every) == 11
     assert combinations(("FM",), ("loiter",)) == [SolarModel("FM", "report")]
@@ -139,14 +134,12 @@ def test_full_model_on_the_loiter_is_one_case_with_the_report() -> None:
         (range(1, 366), lambda day: day % 100 == 50, "19 Feb, 30 May, ..."),
     ],
 )
-def test_a_season_is_told_by_its_ends(
-    days: range, perpetual: Callable[[int], bool], text: str
-) -> None:
+def test_a_season_is_told_by_its_ends(days, perpetual, text):
     marks = np.array([perpetual(day) for day in days])
     assert season_text(np.array(days), marks) == text
 
 
-def test_days_on_which_the_wind_is_too_strong_for_the_path_are_not_flown() -> None:
+def test_days_on_which_the_wind_is_too_strong_for_the_path_are_not_flown():
     """The stratosphere's winters blow harder than the path's airspeed, its summers do not."""
     path = {"flight_path": {"kind": "circle", "radius_m": 1000.0, "airspeed_m_per_s": 28.0}}
     aircraft, mission = (
@@ -164,7 +157,7 @@ def test_days_on_which_the_wind_is_too_strong_for_the_path_are_not_flown() -> No
         assert flags[model][171]
 
 
-def test_days_with_a_wind_aloft_too_strong_for_the_path_are_not_flown() -> None:
+def test_days_with_a_wind_aloft_too_strong_for_the_path_are_not_flown():
     path = Circle(kind="circle", radius_m=1000.0, airspeed_m_per_s=18.0)
     plain = load_mission("stratosphere-mission").model_dump(by_alias=True, exclude_none=True)
     windy = plain | {"climb": {"ceiling_m": 26000.0}, "flight_path": path}

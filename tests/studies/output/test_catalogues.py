@@ -2,14 +2,14 @@
 
 import pytest
 
-from sizing.catalogues.choice import Kind, entries
+from sizing.catalogues.choice import entries
 from studies.output.catalogues import catalogue_record, catalogue_table
 
 BASES = {"min/max", "typical", "stated", "pack"}
 
 
 @pytest.mark.parametrize("kind", ["batteries", "cells"])
-def test_a_list_has_all_entries_in_one_table_of_a_terminal(kind: Kind) -> None:
+def test_a_list_has_all_entries_in_one_table_of_a_terminal(kind):
     lines = catalogue_table(kind).to_text(80).splitlines()
     assert max(map(len, lines)) <= 80
     rules = [line for line in lines if set(line) == {"\N{BOX DRAWINGS LIGHT HORIZONTAL}"}]
@@ -17,7 +17,7 @@ def test_a_list_has_all_entries_in_one_table_of_a_terminal(kind: Kind) -> None:
     assert {line.split()[0] for line in lines if line and line[0] != " "} >= set(entries(kind))
 
 
-def test_every_battery_has_its_basis_in_the_list_and_in_json() -> None:
+def test_every_battery_has_its_basis_in_the_list_and_in_json():
     table = catalogue_table("batteries")
     at = [column.name for column in table.columns].index("basis")
     record = catalogue_record("batteries")
@@ -29,7 +29,7 @@ def test_every_battery_has_its_basis_in_the_list_and_in_json() -> None:
         assert basis in table.notes[0]  # says what each of them is
 
 
-def test_what_is_not_known_of_a_cell_is_said_to_be_unknown() -> None:
+def test_what_is_not_known_of_a_cell_is_said_to_be_unknown():
     table = catalogue_table("cells")
     names = [column.name for column in table.columns]
     texts = dict(zip(entries("cells"), table.texts(), strict=True))

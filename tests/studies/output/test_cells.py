@@ -18,11 +18,11 @@ from studies.output.gridded import requirement_label
         ("", "no design"),
     ],
 )
-def test_requirements_are_told_in_words(name: str, words: str) -> None:
+def test_requirements_are_told_in_words(name, words):
     assert requirement_label(name) == words
 
 
-def test_all_cells_of_a_hatch_are_one_path() -> None:
+def test_all_cells_of_a_hatch_are_one_path():
     """Each of its own took 1.3 s for the nights of the whole earth."""
     x, y = np.array([1.0, 2.0, 4.0, 5.0]), np.array([-10.0, 0.0, 30.0])
     status = np.array([[1, 1, 0, 1], [0, 0, 0, 2], [1, 0, 1, 1]])

@@ -18,7 +18,7 @@ def flown(*overrides: str) -> sizing.Analysis:
     return sizing.analyse(sizing.load_aircraft("atlantiksolar-as2", overrides), JULY)
 
 
-def test_excess_time_is_an_interval_that_begins_at_equal_power() -> None:
+def test_excess_time_is_an_interval_that_begins_at_equal_power():
     analysis = flown()
     charge = studies.plot_cycle(analysis).axes[1]
     dawn_h = float(analysis.performance.cycle.equal_power_morning_h[0])
@@ -32,7 +32,7 @@ def test_excess_time_is_an_interval_that_begins_at_equal_power() -> None:
     assert f"excess time {analysis.excess_time_h:.1f} h" in texts
 
 
-def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty() -> None:
+def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty():
     analysis = flown("power.avionics_w=60")
     (longest,) = analysis.endurances
     hours = float(longest.endurance_h)
@@ -52,7 +52,7 @@ def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty() -> None:
     assert power.get_ylabel() == "power [W]"
 
 
-def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude() -> None:
+def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude():
     analysis = sizing.analyse(
         sizing.load_aircraft("atlantiksolar-as2"),
         missions.load_mission("rafz-july", ["dates={on: 12-21}", "climb.ceiling_m=3536"]),
@@ -70,7 +70,7 @@ def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude() -> None:
     assert "highest altitude, repeated day" in str(analysis)
 
 
-def test_notes_stand_below_the_title_and_go_with_it() -> None:
+def test_notes_stand_below_the_title_and_go_with_it():
     analysis = flown()
     figure = studies.plot_cycle(analysis)
     assert figure.notes.replace("\u00a0", " ") == "CAM, uncorrected"  # type: ignore[attr-defined]
@@ -84,7 +84,7 @@ def test_notes_stand_below_the_title_and_go_with_it() -> None:
     assert bare.get_suptitle() == ""
 
 
-def test_a_small_figure_keeps_its_axes_and_its_texts() -> None:
+def test_a_small_figure_keeps_its_axes_and_its_texts():
     analysis = flown("modules.area_m2=0.68")
     assert (
         0.0 < analysis.performance.cycle.charge_margin_h[0] < 2.0

@@ -11,7 +11,7 @@ from studies.output import formats
 from studies.output.formats import csv_bytes, table_bytes, table_format, workbook_bytes
 
 
-def test_text_that_a_spreadsheet_would_compute_is_quoted() -> None:
+def test_text_that_a_spreadsheet_would_compute_is_quoted():
     texts = ["=cmd|'/c calc'!A0", "+1", "-1", "@SUM(A1)", "\tx", "plain", ""]
     table = pd.DataFrame({"text": texts, "number": [-1.0, 2.0, -3.0, 4.0, 5.0, 6.0, 7.0]})
     read = pd.read_csv(io.BytesIO(csv_bytes(table)), keep_default_na=False)
@@ -20,7 +20,7 @@ def test_text_that_a_spreadsheet_would_compute_is_quoted() -> None:
     assert table["text"].tolist() == texts
 
 
-def test_text_of_a_workbook_is_never_a_formula() -> None:
+def test_text_of_a_workbook_is_never_a_formula():
     pytest.importorskip("xlsxwriter")
     texts = ["=1+1", "https://example.org", "plain"]
     table = pd.DataFrame({"text": texts, "number": [1.5, float("inf"), 3.0]})
@@ -45,11 +45,11 @@ def test_text_of_a_workbook_is_never_a_formula() -> None:
         ("a.b/c", "csv"),
     ],
 )
-def test_format_of_a_name(path: str, found: str | None) -> None:
+def test_format_of_a_name(path, found):
     assert table_format(path) == found
 
 
-def test_a_sheet_has_room_for_a_million_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sheet_has_room_for_a_million_rows(monkeypatch):
     pytest.importorskip("xlsxwriter")
     monkeypatch.setattr(formats, "_MOST_ROWS", 2)
     with pytest.raises(OutputError, match="3 rows; a sheet of Excel holds 2: write CSV"):

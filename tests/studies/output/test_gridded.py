@@ -2,7 +2,6 @@
 
 import errno
 import tempfile
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -28,7 +27,7 @@ def sized() -> Job:
 
 
 @pytest.mark.parametrize("make", [fixed, sized])
-def test_what_was_computed_is_believed(make: Any, tmp_path: Path) -> None:
+def test_what_was_computed_is_believed(make, tmp_path):
     job = make()
     for kept in (0, len(job.chunks)):
         with ChunkStore(tmp_path).opened() as store:
@@ -37,9 +36,7 @@ def test_what_was_computed_is_believed(make: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("light", [True, False])
-def test_netcdf_needs_no_room_in_the_temporary_folder(
-    light: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_netcdf_needs_no_room_in_the_temporary_folder(light, monkeypatch, tmp_path):
     # HDF5 ends the process where its disk is full: the file is made in memory.
     study = prepare(AS2, mission(), [0.0, 45.0], [1, 172], SolarModel())
     outcome = engine.run(study.job, Pool(1))

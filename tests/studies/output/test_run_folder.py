@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import BIRD, FIELD, Run, edited, files
+from command_line import BIRD, FIELD, edited, files
 
 pytestmark = pytest.mark.slow
 
@@ -34,9 +34,7 @@ def contents(folder: Path) -> tuple[Any, Any]:
     ],
     ids=" ".join,
 )
-def test_the_folder_of_a_sizing_gives_the_excess_time_of_the_sizing(
-    run: Run, tmp_path: Path, options: tuple[str, ...]
-) -> None:
+def test_the_folder_of_a_sizing_gives_the_excess_time_of_the_sizing(run, tmp_path, options):
     outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "a/design", "--json")
     assert (outcome.code, outcome.err) == (0, "")
     sized = outcome.json()
@@ -55,7 +53,7 @@ def test_the_folder_of_a_sizing_gives_the_excess_time_of_the_sizing(
 
 
 @pytest.mark.parametrize("objective", ["longest_season", "widest_latitude_band"])
-def test_the_folder_of_a_range_gives_its_worst_scenario(run: Run, objective: str) -> None:
+def test_the_folder_of_a_range_gives_its_worst_scenario(run, objective):
     asked = ("--objective", objective, "--required-excess-time", "2", "--out", "wide", "--json")
     sized = run("size", DESIGN, "-m", "rafz-28h", *asked).json()
     flown = run("analyse", "wide", "--json").json()
@@ -63,7 +61,7 @@ def test_the_folder_of_a_range_gives_its_worst_scenario(run: Run, objective: str
     assert flown["excess_time_h"] == pytest.approx(sized["simulated"]["excess_time_h"], abs=1e-3)
 
 
-def test_options_come_before_what_the_folder_says(run: Run) -> None:
+def test_options_come_before_what_the_folder_says(run):
     run("size", DESIGN, "-m", "rafz-july", "--model", "CDM", "--out", "design")
     other = run("analyse", "design", "--model", "CAM", "-m", "central-europe-summer", "--json")
     record = other.json()
@@ -73,7 +71,7 @@ def test_options_come_before_what_the_folder_says(run: Run) -> None:
     assert run("size", "design", "--json").json()["mission"] == "rafz-july"
 
 
-def test_the_record_of_a_run(run: Run, tmp_path: Path) -> None:
+def test_the_record_of_a_run(run, tmp_path):
     (tmp_path / "field.yaml").write_text(FIELD)
     run("size", DESIGN, "-m", "field.yaml", "--set", "mission.clearness=0.95", "--out", "design")
     record, _ = contents(tmp_path / "design")
@@ -97,9 +95,7 @@ def test_the_record_of_a_run(run: Run, tmp_path: Path) -> None:
     assert "clearness: 0.95" in (tmp_path / "design" / "mission.yaml").read_text()
 
 
-def test_files_of_ones_own_go_with_the_folder(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_of_ones_own_go_with_the_folder(run, tmp_path, monkeypatch):
     polar = resources.files("sizing").joinpath("data", "polars", "sd7037.csv").read_text()
     cell = "label: mine\nsource: measured by us\nefficiency_stc: 0.21\n"
     (tmp_path / "mine.csv").write_text(polar)
@@ -140,9 +136,7 @@ def test_files_of_ones_own_go_with_the_folder(
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
-def test_every_folder_is_complete(
-    run: Run, tmp_path: Path, arguments: tuple[str, ...], own: set[str]
-) -> None:
+def test_every_folder_is_complete(run, tmp_path, arguments, own):
     outcome = run(*arguments, "--out", "results", "--json")
     assert (outcome.code, outcome.err) == (0, "")
     assert files(tmp_path / "results") == COMMON | own
@@ -166,9 +160,7 @@ DAMAGED = ["", "[]", "{}", '{"model": "XYZ", "correction": "none"}', "[" * 200_0
     ],
     ids=range(len(DAMAGED) + 2),
 )
-def test_a_folder_without_the_record_of_a_run_is_refused(
-    run: Run, tmp_path: Path, record: str | None, said: str
-) -> None:
+def test_a_folder_without_the_record_of_a_run_is_refused(run, tmp_path, record, said):
     (tmp_path / "r").mkdir()
     if record is not None:
         (tmp_path / "r" / "run.json").write_text(record)
@@ -177,9 +169,7 @@ def test_a_folder_without_the_record_of_a_run_is_refused(
     assert said in outcome.err
 
 
-def test_a_table_beside_the_aircraft_is_found_from_anywhere(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_table_beside_the_aircraft_is_found_from_anywhere(run, tmp_path, monkeypatch):
     polar = resources.files("sizing").joinpath("data", "polars", "sd7037.csv").read_text()
     craft = run("show", DESIGN).out
     folder = tmp_path / "mine"
@@ -199,7 +189,7 @@ def test_a_table_beside_the_aircraft_is_found_from_anywhere(
     assert run("validate", "craft.yaml").code == 0
 
 
-def test_a_measured_aircraft_in_a_folder(run: Run, tmp_path: Path) -> None:
+def test_a_measured_aircraft_in_a_folder(run, tmp_path):
     (tmp_path / "bird.yaml").write_text(edited(BIRD, "avionics_w: 6.0", "avionics_w: 5.0"))
     (tmp_path / "field.yaml").write_text(FIELD)
     before = run("analyse", "bird.yaml", "-m", "field.yaml", "--json").json()
@@ -208,9 +198,7 @@ def test_a_measured_aircraft_in_a_folder(run: Run, tmp_path: Path) -> None:
     assert after == before
 
 
-def test_what_an_earlier_run_wrote_does_not_stay_beside_another_aircraft(
-    run: Run, tmp_path: Path
-) -> None:
+def test_what_an_earlier_run_wrote_does_not_stay_beside_another_aircraft(run, tmp_path):
     size = ("size", "-m", "rafz-july", "--required-excess-time", "2", "--out", "both")
     (tmp_path / "both").mkdir()
     for name in ("notes.txt", "masses.csv"):
@@ -225,7 +213,7 @@ def test_what_an_earlier_run_wrote_does_not_stay_beside_another_aircraft(
     assert "sensitivities.csv" not in names
 
 
-def test_a_folder_of_a_newer_version_is_refused_with_the_line(run: Run, tmp_path: Path) -> None:
+def test_a_folder_of_a_newer_version_is_refused_with_the_line(run, tmp_path):
     assert run("size", "sky-sailor", "-m", "rafz-july", "--out", "sized").code == 0
     record, results = contents(tmp_path / "sized")
     assert record["format_version"] == results["format_version"] == 1
@@ -240,7 +228,7 @@ def test_a_folder_of_a_newer_version_is_refused_with_the_line(run: Run, tmp_path
     assert re.match(r"\S*run\.json:\d+: format_version: must be at most 1 \(got 2\)", outcome.err)
 
 
-def test_a_folder_from_elsewhere_reaches_no_file_outside_of_it(run: Run, tmp_path: Path) -> None:
+def test_a_folder_from_elsewhere_reaches_no_file_outside_of_it(run, tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     folder = tmp_path / "r"
     assert run("size", DESIGN, "-m", "rafz-july", "--out", "r").code == 0

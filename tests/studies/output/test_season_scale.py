@@ -24,7 +24,7 @@ def lab_of_srgb(rgb: np.ndarray) -> np.ndarray:
     )
 
 
-def test_steps_of_the_colours_look_equal() -> None:
+def test_steps_of_the_colours_look_equal():
     lab = lab_of_srgb(colours()[:-1])
     each = (len(LEVELS_H) + 1) // 2
     steps = np.linalg.norm(np.diff(lab, axis=0), axis=1)
@@ -37,13 +37,13 @@ def test_steps_of_the_colours_look_equal() -> None:
     assert lab_of_srgb(colours())[-1, 0] < lab[:, 0].min() - 15.0
 
 
-def test_levels_are_symmetric_around_the_edge_of_perpetual_flight() -> None:
+def test_levels_are_symmetric_around_the_edge_of_perpetual_flight():
     assert tuple(-level for level in reversed(LEVELS_H)) == LEVELS_H
     assert 0.0 in LEVELS_H
     assert max(LEVELS_H) < UNLIMITED_H
 
 
-def test_figures_and_pages_have_the_same_scale() -> None:
+def test_figures_and_pages_have_the_same_scale():
     aircraft = sizing.load_aircraft("atlantiksolar-as2")
     mission = missions.load_mission("rafz-july")
     grid = {"latitudes": np.arange(-90.0, 91.0, 10.0), "days": np.arange(1, 366, 28)}

@@ -1,7 +1,5 @@
 """What ``analyse`` and ``size`` return: the same numbers as text, frame and dictionary."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

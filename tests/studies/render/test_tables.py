@@ -1,7 +1,5 @@
 """Tables and summaries: one description, the same content for every reader."""
 
-from __future__ import annotations
-
 import io
 import math
 

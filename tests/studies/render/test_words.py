@@ -1,7 +1,5 @@
 """Requirements and bounds in words, each with the key that changes it."""
 
-from __future__ import annotations
-
 import pytest
 
 import sizing

@@ -19,7 +19,7 @@ def shapes(figure: Figure, part: str, view: int = 0) -> list[Any]:
     return [one.get_xy() for one in figure.axes[view].patches if one.get_gid() == part]
 
 
-def test_wing_modules_and_tail_have_one_scale() -> None:
+def test_wing_modules_and_tail_have_one_scale():
     drawing = aircraft_drawing(AS2)
     figure = plot_three_view(drawing)
     FigureCanvasAgg(figure).draw()
@@ -39,7 +39,7 @@ def test_wing_modules_and_tail_have_one_scale() -> None:
     assert np.ptp(tail[:, 0]) == pytest.approx(AS2.modules.tail.horizontal_span_m)
 
 
-def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it() -> None:
+def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it():
     parts = {
         "kind": "operating_point",
         "propulsors": 2,
@@ -59,7 +59,7 @@ def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it() -> No
     assert "No propeller" in aircraft_drawing(AS2).notes[-1]
 
 
-def test_everything_lies_within_the_drawing() -> None:
+def test_everything_lies_within_the_drawing():
     slender, stout, tiny = (
         aircraft("sky-sailor", f"airframe.wingspan_m={span}", f"airframe.aspect_ratio={ratio}",
                  f"modules.area_m2={0.5 * span**2 / ratio}")
@@ -79,13 +79,13 @@ def test_everything_lies_within_the_drawing() -> None:
                 assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
 
 
-def test_what_no_model_has_a_number_for_is_schematic() -> None:
+def test_what_no_model_has_a_number_for_is_schematic():
     assert aircraft_drawing(AS2).schematic == {"pod", "section", "spar"}
     assert aircraft_drawing(SKY_SAILOR).schematic >= {"pod", "tail", "modules"}
     assert aircraft_drawing(DESIGN).schematic == {"pod"}
 
 
-def test_tail_of_another_wing_follows_the_rule_of_the_structure_model() -> None:
+def test_tail_of_another_wing_follows_the_rule_of_the_structure_model():
     # 4 m instead of 5.65 m: areas fall with the square of the span, the arm with the chord.
     craft = aircraft("atlantiksolar-design", "airframe.wingspan_m=4.0", "modules.area_m2=0.6")
     drawing, rule = aircraft_drawing(craft), RibWingStructure(model="rib_wing")
@@ -99,14 +99,14 @@ def test_tail_of_another_wing_follows_the_rule_of_the_structure_model() -> None:
     assert band_m2 == pytest.approx(0.6)
 
 
-def test_dihedral_raises_the_tips() -> None:
+def test_dihedral_raises_the_tips():
     drawing = aircraft_drawing(AS2)
     assert drawing.height_m(0.0) == 0.0
     # 6 degrees from 1.27 m to 2.825 m.
     assert drawing.height_m(2.825) == pytest.approx(0.1634, abs=2e-4)
 
 
-def test_whole_cells_are_drawn_on_wing_and_tail() -> None:
+def test_whole_cells_are_drawn_on_wing_and_tail():
     layout = {
         "cell_span_m": 0.125,
         "cell_chord_m": 0.125,

@@ -1,12 +1,9 @@
 """The report in a browser: it asks for nothing, fits any window, can be read by all, and prints."""
 
-from pathlib import Path
-
 import pytest
 from browser_pages import (
     DESKTOP,
     PHONE,
-    OpenPage,
     Sheet,
     accessibility_problems,
     sheets,
@@ -21,7 +18,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
 @pytest.fixture(scope="module")
-def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def reports(tmp_path_factory):
     """Reports of sizings with all kinds of tables, and of a built aircraft."""
     band = mission(latitude_deg={"from_deg": 45.0, "to_deg": 50.0}, required_excess_time_h=2)
     studies = {
@@ -52,26 +49,20 @@ def check_sheets(printed: list[Sheet]) -> None:
     ("size", "dark"), [(DESKTOP, False), (PHONE, True)], ids=["desktop, light", "phone, dark"]
 )
 @pytest.mark.parametrize("name", ["sized", "sized for a band", "built"])
-def test_page_fits_and_reads(
-    open_page: OpenPage, reports: dict[str, Path], name: str, size: tuple[int, int], dark: bool
-) -> None:
+def test_page_fits_and_reads(open_page, reports, name, size, dark):
     page = open_page(reports[name], size=size, dark=dark)
     assert too_wide(page) == []
     assert accessibility_problems(page) == []
     assert page.locator("svg.figure").first.is_visible()
 
 
-def test_colours_of_drawings_follow_the_theme(
-    open_page: OpenPage, reports: dict[str, Path]
-) -> None:
+def test_colours_of_drawings_follow_the_theme(open_page, reports):
     ink = "() => getComputedStyle(document.querySelector('svg.figure text')).fill"
     light, dark = (open_page(reports["sized"], dark=dark).evaluate(ink) for dark in (False, True))
     assert light != dark
 
 
-def test_printed_from_a_dark_screen_it_is_whole_light_and_numbered(
-    open_page: OpenPage, reports: dict[str, Path]
-) -> None:
+def test_printed_from_a_dark_screen_it_is_whole_light_and_numbered(open_page, reports):
     page = open_page(reports["sized"], dark=True)
     headings = page.locator("h2").all_inner_texts()
     check_sheets(printed := sheets(page.pdf(prefer_css_page_size=True)))
@@ -84,7 +75,7 @@ def test_printed_from_a_dark_screen_it_is_whole_light_and_numbered(
         assert not any(words in text for text in others)
 
 
-def test_pdf_of_the_command_is_full_too(reports: dict[str, Path]) -> None:
+def test_pdf_of_the_command_is_full_too(reports):
     """By WeasyPrint, which knows no script and other rules of breaking pages."""
     pytest.importorskip("weasyprint", exc_type=OSError, reason="WeasyPrint lacks Pango")
     from studies.report.pdf import to_pdf

@@ -8,16 +8,13 @@ import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from functools import cache
 from html.parser import HTMLParser
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission, shipped_mission
-from command_line import Run
 from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_logs import Settings, synthetic_log
@@ -82,7 +79,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _coarse() -> Iterator[None]:
+def _coarse():
     """Season maps of a few cells, few draws: nobody looks at those of tests."""
     with pytest.MonkeyPatch.context() as context:
         context.setattr("studies.report.flight.CELLS", (5, 6))
@@ -96,7 +93,7 @@ def page_of_as2() -> str:
 
 
 @pytest.fixture(scope="module")
-def as2() -> Page:
+def as2():
     return Page(page_of_as2())
 
 
@@ -104,7 +101,7 @@ def subject_of(craft: Aircraft, there: Mission) -> Subject:
     return Subject(craft, there, SolarModel(), RunInputs({}, {}, SolarModel(), {}))
 
 
-def test_sections_stand_in_the_order_of_a_review(as2: Page) -> None:
+def test_sections_stand_in_the_order_of_a_review(as2):
     keys = [section["id"] for section in as2.of("section")]
     assert keys == [
         "verdict", "aircraft", "budgets", "day", "season", "margins", "belief", "models",
@@ -114,7 +111,7 @@ def test_sections_stand_in_the_order_of_a_review(as2: Page) -> None:
     assert [f"#{key}" for key in keys] == links[1:]  # the first one skips the contents
 
 
-def test_page_needs_no_other_file_and_no_network(as2: Page) -> None:
+def test_page_needs_no_other_file_and_no_network(as2):
     for _, attributes in as2.elements:
         for name in ("src", "href", "srcset", "data", "action", "xlink:href"):
             value = attributes.get(name) or "#"
@@ -124,7 +121,7 @@ def test_page_needs_no_other_file_and_no_network(as2: Page) -> None:
     assert "url(" not in style
 
 
-def test_ids_are_unique_and_what_refers_to_them_finds_them(as2: Page) -> None:
+def test_ids_are_unique_and_what_refers_to_them_finds_them(as2):
     ids = [a["id"] for _, a in as2.elements if "id" in a]
     assert [one for one, count in Counter(ids).items() if count > 1] == []
     referred = re.findall(r"url\(#([^)]+)\)", page_of_as2())
@@ -135,7 +132,7 @@ def test_ids_are_unique_and_what_refers_to_them_finds_them(as2: Page) -> None:
     assert set(referred) <= set(ids)
 
 
-def test_screen_readers_are_told_of_drawings_and_tables(as2: Page) -> None:
+def test_screen_readers_are_told_of_drawings_and_tables(as2):
     drawings = as2.of("svg")
     assert len(drawings) == 4  # views, day, season, models
     for drawing in drawings:
@@ -150,19 +147,19 @@ def test_screen_readers_are_told_of_drawings_and_tables(as2: Page) -> None:
     assert all(b - a <= 1 for a, b in itertools.pairwise(levels))
 
 
-def test_results_are_those_of_the_analysis(as2: Page) -> None:
+def test_results_are_those_of_the_analysis(as2):
     record = analyse(AS2, shipped_mission()).to_dict() | {"mission_is_default": False}
     assert as2.results()["analysis"] == json.loads(json.dumps(record))
 
 
-def test_same_inputs_give_the_same_page() -> None:
+def test_same_inputs_give_the_same_page():
     def undated(page: str) -> str:
         return re.sub(r"\d{4}-\d\d-\d\d(.\d\d:\d\d:\d\d)?", "", page)
 
     assert undated(make_report(AS2, shipped_mission())) == undated(page_of_as2())
 
 
-def test_names_are_text() -> None:
+def test_names_are_text():
     evil = "<script>alert('a')</script>&amp;\"$x$"
     bird = AS2.model_copy(update={"name": evil, "description": evil})
     there = mission(name=evil, description=evil)
@@ -172,13 +169,13 @@ def test_names_are_text() -> None:
     assert evil in page.texts["h1"]
 
 
-def test_polar_night_is_reported() -> None:
+def test_polar_night_is_reported():
     page = make_report(AS2, mission(latitude_deg=80.0, dates={"on": "12-21"}))
     assert "does not fly perpetually" in page
     assert "not enough alone" in page
 
 
-def test_climbing_missions_are_reported_with_their_climbs() -> None:
+def test_climbing_missions_are_reported_with_their_climbs():
     text = make_report(AS2, mission(climb={"ceiling_m": 800.0}))
     page = Page(text)
     keys = {section["id"] for section in page.of("section")}
@@ -187,7 +184,7 @@ def test_climbing_missions_are_reported_with_their_climbs() -> None:
     assert page.results()["comparison"]["climb"]["ceiling_m"] == 800.0
 
 
-def test_models_are_left_out_in_words_where_the_wind_is_too_strong_for_the_path() -> None:
+def test_models_are_left_out_in_words_where_the_wind_is_too_strong_for_the_path():
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
     windy = shipped_mission("rafz-july", wind_m_per_s=9.0, flight_path=path)
     text = make_report(AS2, windy)
@@ -197,14 +194,14 @@ def test_models_are_left_out_in_words_where_the_wind_is_too_strong_for_the_path(
     assert "comparison" not in page.results()
 
 
-def test_uncertain_inputs_are_reported_where_a_file_has_them() -> None:
+def test_uncertain_inputs_are_reported_where_a_file_has_them():
     assert DESIGN.uncertainty is not None
     page = Page(make_report(DESIGN, mission()))
     assert "uncertainty" in {section["id"] for section in page.of("section")}
     assert "uncertainty" in page.results()
 
 
-def test_command_writes_the_page_of_the_folder_of_a_sizing(run: Run, tmp_path: Path) -> None:
+def test_command_writes_the_page_of_the_folder_of_a_sizing(run, tmp_path):
     sized = run(
         *("size", "sky-sailor", "-m", "rafz-july", "--out", "sized"),
         *("--sensitivities", "--json"),
@@ -223,7 +220,7 @@ def test_command_writes_the_page_of_the_folder_of_a_sizing(run: Run, tmp_path: P
     assert 'id="sizing"' not in (tmp_path / "r.html").read_text(encoding="utf-8")
 
 
-def test_size_and_verify_write_reports(run: Run, tmp_path: Path) -> None:
+def test_size_and_verify_write_reports(run, tmp_path):
     sized = run("size", "sky-sailor", "-m", "rafz-july", "--report", "sized.html")
     assert sized.code == 0, sized.err
     assert "written to sized.html" in sized.out
@@ -245,14 +242,14 @@ def test_size_and_verify_write_reports(run: Run, tmp_path: Path) -> None:
     assert "FM comes closest" in (tmp_path / "log.html").read_text(encoding="utf-8")
 
 
-def test_weather_is_a_section() -> None:
+def test_weather_is_a_section():
     colorado = mission(latitude_deg=40.53, longitude_deg=-108.54, altitude_m=2300.0)
     page = Page(make_report(AS2, colorado, weather=load_weather("colorado-2023")))
     assert "weather" in {section["id"] for section in page.of("section")}
     assert page.results()["weather"]["days"] == 365
 
 
-def test_load_and_energy_add_up() -> None:
+def test_load_and_energy_add_up():
     subject = subject_of(DESIGN, mission(payload={"mass_kg": 0.5, "power_w": 4.0}))
     _, power, energy = budget_section(subject).blocks
     assert isinstance(power, Bars)
@@ -274,7 +271,7 @@ def test_load_and_energy_add_up() -> None:
     assert light + converted == pytest.approx(efficiency * light)
 
 
-def test_losses_of_light_are_those_of_the_module_constants() -> None:
+def test_losses_of_light_are_those_of_the_module_constants():
     """A loss is the factor of its own constant: the models multiply them."""
     subject = subject_of(AS2, shipped_mission())
     steps = loss_chain(subject.analysis)
@@ -286,14 +283,14 @@ def test_losses_of_light_are_those_of_the_module_constants() -> None:
     assert sums[0] == max(sums)
 
 
-def test_project_and_author_stand_on_the_head() -> None:
+def test_project_and_author_stand_on_the_head():
     page = make_report(AS2, shipped_mission(), project="Dawn <1>", author="A. Name")
     assert "<dt>Project</dt><dd>Dawn &lt;1&gt;</dd>" in page
     assert "<dt>Author</dt><dd>A. Name</dd>" in page
     assert "<dt>Project</dt>" not in page_of_as2()
 
 
-def test_an_aircraft_known_by_its_power_alone_has_no_airspeed() -> None:
+def test_an_aircraft_known_by_its_power_alone_has_no_airspeed():
     section = aircraft_section(subject_of(aircraft("sky-sailor-2008"), mission()))
     assert "battery energy" in str(section.blocks)
     assert "airspeed" not in str(section.blocks)
@@ -301,7 +298,7 @@ def test_an_aircraft_known_by_its_power_alone_has_no_airspeed() -> None:
 
 
 @pytest.mark.parametrize("avionics_w", [6.0, 25.0])
-def test_margins_are_where_the_requirement_ends(avionics_w: float) -> None:
+def test_margins_are_where_the_requirement_ends(avionics_w):
     craft = aircraft("atlantiksolar-as2", f"power.avionics_w={avionics_w}")
     there = mission(required_excess_time_h=1.0)
     table = margin_table(subject_of(craft, there))
@@ -317,14 +314,14 @@ def test_margins_are_where_the_requirement_ends(avionics_w: float) -> None:
         assert (analyse(other, there).excess_time_h >= 1.0) is holds
 
 
-def test_a_sizing_ends_with_the_same_by_each_class_of_building() -> None:
+def test_a_sizing_ends_with_the_same_by_each_class_of_building():
     study = size(aircraft("atlantiksolar-design"), mission(), with_builds=True)
     last = sizing_section(study.to_dict()).blocks[-1]
     assert isinstance(last, Tables)
     assert [row[0] for row in last.tables[0].rows] == ["record (this file)", "careful", "ordinary"]
 
 
-def test_a_design_on_the_edge_has_no_margins() -> None:
+def test_a_design_on_the_edge_has_no_margins():
     study = size(aircraft("atlantiksolar-design"), mission())
     on_edge = subject_of(study.sized_aircraft(), study.sized_mission())
     assert margin_table(on_edge) is None
@@ -332,7 +329,7 @@ def test_a_design_on_the_edge_has_no_margins() -> None:
     assert "has just what is required" in str(section.blocks)
 
 
-def test_the_verdicts_page_has_the_probability() -> None:
+def test_the_verdicts_page_has_the_probability():
     subject = subject_of(aircraft("atlantiksolar-design"), mission(required_excess_time_h=6.0))
     (fact,) = (one for one in key_facts(subject) if one.label == "probability")
     share = 100.0 * np.mean(np.asarray(subject.uncertainty.flights.excess_time_h) >= 6.0)
@@ -349,15 +346,13 @@ def test_the_verdicts_page_has_the_probability() -> None:
         ({"latitude_deg": 80.0, "dates": {"on": "06-21"}}, "good", "flies perpetually"),
     ],
 )
-def test_verdict_says_what_the_analysis_found(
-    changes: dict[str, Any], state: str, told: str
-) -> None:
+def test_verdict_says_what_the_analysis_found(changes, state, told):
     found = verdict(subject_of(AS2, mission(**changes)))
     assert found.state == state
     assert told in found.sentence
 
 
-def test_verdict_on_the_edge_of_the_model_error() -> None:
+def test_verdict_on_the_edge_of_the_model_error():
     bird = aircraft("atlantiksolar-as2", "modules.area_m2=0.6")
     found = verdict(subject_of(bird, mission()))
     assert found.state == "edge"
@@ -365,7 +360,7 @@ def test_verdict_on_the_edge_of_the_model_error() -> None:
 
 @pytest.mark.skipif(importlib.util.find_spec("weasyprint") is None, reason="needs WeasyPrint")
 @pytest.mark.extra
-def test_page_is_printed() -> None:
+def test_page_is_printed():
     printed = to_pdf(page_of_as2())
     assert printed.startswith(b"%PDF-")
 
@@ -393,22 +388,20 @@ def test_names_do_not_change_the_colours_of_print_nor_they_the_names(name: str) 
         ((), "Missing option '--out'"),
     ],
 )
-def test_wrong_files_are_refused_before_any_work(
-    run: Run, arguments: tuple[str, ...], told: str
-) -> None:
+def test_wrong_files_are_refused_before_any_work(run, arguments, told):
     outcome = run("report", "atlantiksolar-as2", *arguments)
     assert outcome.code in (1, 2)
     assert told in outcome.err
 
 
-def test_without_weasyprint_a_pdf_is_refused(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_weasyprint_a_pdf_is_refused(run, monkeypatch):
     monkeypatch.setattr("studies.report.pdf.has_weasyprint", lambda: False)
     outcome = run("report", "atlantiksolar-as2", "--out", "report.html", "--pdf")
     assert outcome.code == 2
     assert "pip install weasyprint (the extra 'report')" in outcome.err
 
 
-def test_commands_without_a_report_import_none_of_it() -> None:
+def test_commands_without_a_report_import_none_of_it():
     code = (
         "import sys; from studies.cli.bodies import analyse, size, verify; "
         "from studies.cli.outputs import check_report; check_report(None); print(*sys.modules)"

@@ -1,12 +1,10 @@
 """Trade studies over entries of the catalogues: names in place of numbers."""
 
 import json
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
-from command_line import Run
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
@@ -22,7 +20,7 @@ CELLS = ["sunpower-c60", "sunpower-e60", "sky-sailor-silicon"]
 PACKS = ["samsung-35e", "amprius-450"]
 
 
-def test_an_axis_takes_names() -> None:
+def test_an_axis_takes_names():
     axis = parse_axis("modules.cell=sunpower-c60, sunpower-e60")
     assert axis.names == ("sunpower-c60", "sunpower-e60")
     assert axis.values == (0.0, 1.0)
@@ -40,17 +38,17 @@ def test_an_axis_takes_names() -> None:
         ("airframe.propulsion.motor=", "write KEY="),
     ],
 )
-def test_bad_names_are_refused(text: str, words: str) -> None:
+def test_bad_names_are_refused(text, words):
     with pytest.raises(ValueError, match=words):
         parse_axis(text)
 
 
-def test_nothing_is_drawn_between_names() -> None:
+def test_nothing_is_drawn_between_names():
     with pytest.raises(ValueError, match="none can be drawn"):
         points([parse_axis("modules.cell=sunpower-c60,sunpower-e60")], "lhs", samples=4)
 
 
-def test_each_point_is_the_aircraft_with_that_entry() -> None:
+def test_each_point_is_the_aircraft_with_that_entry():
     data = sweep(AS2, JULY, {"modules.cell": CELLS, "battery.cell": PACKS})
     assert data["excess_time"].dims == ("modules_cell", "battery_cell")
     for cell in CELLS:
@@ -67,7 +65,7 @@ def test_each_point_is_the_aircraft_with_that_entry() -> None:
     plt.close(figure)
 
 
-def test_one_key_at_a_time_starts_from_the_files_own() -> None:
+def test_one_key_at_a_time_starts_from_the_files_own():
     vary = {"modules.cell": CELLS[:2], "power.avionics_w": [6.0, 8.0]}
     data = sweep(AS2, JULY, vary, sample="one-at-a-time")
     assert list(data["modules_cell"].to_numpy()) == ["", *CELLS[:2], "", ""]
@@ -77,7 +75,7 @@ def test_one_key_at_a_time_starts_from_the_files_own() -> None:
         plot_sweep(data)
 
 
-def test_names_on_the_command_line(run: Run, tmp_path: Path) -> None:
+def test_names_on_the_command_line(run, tmp_path):
     vary = ("--vary", "battery.cell=samsung-35e,amprius-450")
     calls = ("sweep", "atlantiksolar-design", "-m", "rafz-july", "--resize", "min_mass", *vary)
     outcome = run(*calls, "--out", "found.csv", "--plot", "found.png", "--sort", "battery_cell")

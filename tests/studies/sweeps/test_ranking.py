@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import missions
 import sizing
@@ -22,13 +21,13 @@ DESIGN = sizing.load_aircraft("atlantiksolar-design")
 
 
 @pytest.fixture(scope="module")
-def data() -> xr.Dataset:
+def data():
     """Of nine designs some do not fly perpetually."""
     varied = {"battery_mass_kg": [0.5, 2.0, 4.0], "wingspan_m": [3.0, 4.0, 5.0]}
     return sweep(DESIGN, MISSION, varied, workers=1)
 
 
-def test_perpetual_flight_comes_first_then_the_largest_excess_time(data: xr.Dataset) -> None:
+def test_perpetual_flight_comes_first_then_the_largest_excess_time(data):
     table, order = best_first(data)
     assert order == "perpetual flight first, then the largest excess time"
     status = table["status"].tolist()
@@ -38,14 +37,14 @@ def test_perpetual_flight_comes_first_then_the_largest_excess_time(data: xr.Data
         assert (np.diff(rows["excess_time"]) <= 0.0).all()
 
 
-def test_equal_points_remain_in_their_order(data: xr.Dataset) -> None:
+def test_equal_points_remain_in_their_order(data):
     level = data.assign(excess_time=data["excess_time"] * 0.0)
     table, _ = best_first(level)
     for _, rows in table.groupby("status"):
         assert rows.index.is_monotonic_increasing
 
 
-def test_sized_points_are_ordered_by_their_objective() -> None:
+def test_sized_points_are_ordered_by_their_objective():
     sized = sweep(DESIGN, MISSION, {"wingspan_m": [2.0, 5.0, 4.0, 6.0]}, resize="min_mass")
     table, order = best_first(sized)
     assert order == "points with a design first, then the least total mass"
@@ -54,7 +53,7 @@ def test_sized_points_are_ordered_by_their_objective() -> None:
     assert "endurance" not in str(SweepResult(sized))
 
 
-def test_a_key_sorts_upwards_and_with_a_minus_downwards(data: xr.Dataset) -> None:
+def test_a_key_sorts_upwards_and_with_a_minus_downwards(data):
     up, order = sorted_by(data, "total_mass")
     assert (up["total_mass"].is_monotonic_increasing, order) == (True, "least total_mass")
     assert sorted_by(data, "-total_mass")[0]["total_mass"].is_monotonic_decreasing
@@ -62,7 +61,7 @@ def test_a_key_sorts_upwards_and_with_a_minus_downwards(data: xr.Dataset) -> Non
         sorted_by(data, "mass")
 
 
-def test_rows_that_are_not_shown_are_counted(data: xr.Dataset) -> None:
+def test_rows_that_are_not_shown_are_counted(data):
     text = str(SweepResult(data, top=2))
     assert "7 more not shown" in text
     every = SweepResult(data.isel(wingspan_m=[0, 1, 2] * 3)).at_level(2).to_text()
@@ -70,7 +69,7 @@ def test_rows_that_are_not_shown_are_counted(data: xr.Dataset) -> None:
     assert "not shown" not in str(SweepResult(data))
 
 
-def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data: xr.Dataset) -> None:
+def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data):
     table = to_table(data)
     limited = table["status"] == "limited"
     assert np.isinf(table["endurance"][~limited]).all()
@@ -86,7 +85,7 @@ def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data: xr.
     assert "endurance" in str(SweepResult(data))
 
 
-def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.Dataset) -> None:
+def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data):
     table = pareto_table(data, "total_mass", "excess_time")
     front = table[table["pareto_front"]]
     assert front["point"].tolist() == list("ABCDEFGHI"[: len(front)])
@@ -100,11 +99,11 @@ def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.
     assert text.count("perpetual") == len(front) + 1  # and in the heading
 
 
-def test_names_do_not_run_out() -> None:
+def test_names_do_not_run_out():
     assert point_names(28)[-3:] == ["Z", "AA", "AB"]
     assert len(set(point_names(1000))) == 1000
 
 
-def test_a_front_shows_a_varied_key_once(data: xr.Dataset) -> None:
+def test_a_front_shows_a_varied_key_once(data):
     heads = str(SweepResult(data, front=("wingspan", "excess_time"))).split("───")[0]
     assert heads.count("[m]") == 1

@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from command_line import Run
 from figure_checks import heading
 
 from missions.files.errors import InputError
@@ -62,7 +61,7 @@ def study(aircraft: Aircraft, mission: Mission, *texts: str, **options: Any) -> 
         ("power.avionics_w = 6", "power.avionics_w", (6.0,)),
     ],
 )
-def test_axes_are_read(text: str, key: str, values: tuple[float, ...]) -> None:
+def test_axes_are_read(text, key, values):
     axis = parse_axis(text)
     assert (axis.key, axis.values, axis.is_range) == (key, values, False)
 
@@ -72,12 +71,12 @@ def test_axes_are_read(text: str, key: str, values: tuple[float, ...]) -> None:
     ["wingspan_m", "=1", "a=", "a=1:2:0", "a=2:1:1", "a=1,1", "a=x", "a=1:2:3:4", "a=1:nan:1",
      "a=1_000", "a=inf", "a=1:2:1e-9", "a=2:2", "a=1,,2"],
 )  # fmt: skip
-def test_bad_axes_are_refused(text: str) -> None:
+def test_bad_axes_are_refused(text):
     with pytest.raises(ValueError, match=r"."):
         parse_axis(text)
 
 
-def test_names_and_units_of_axes() -> None:
+def test_names_and_units_of_axes():
     keys = ["battery.mass_kg", "mission.payload.mass_kg", "mission.latitude_deg"]
     keys.append("power.avionics_w")
     names = axis_names([Axis(key, (1.0,)) for key in keys])
@@ -94,7 +93,7 @@ def test_names_and_units_of_axes() -> None:
         assert unit_of(key) == unit
 
 
-def test_latin_hypercube_has_one_sample_in_every_slice() -> None:
+def test_latin_hypercube_has_one_sample_in_every_slice():
     axes = [parse_axis("wingspan_m=2:10"), parse_axis("battery_mass_kg=1:3")]
     table, _ = points(axes, "lhs", samples=50, seed=3)
     for column, low, high in zip(table.T, (2.0, 1.0), (10.0, 3.0), strict=True):
@@ -103,7 +102,7 @@ def test_latin_hypercube_has_one_sample_in_every_slice() -> None:
 
 
 @pytest.mark.parametrize("sample", ["lhs", "sobol"])
-def test_draws_repeat_with_their_seed(sample: Any) -> None:
+def test_draws_repeat_with_their_seed(sample):
     axes = [parse_axis("wingspan_m=2:10"), parse_axis("battery_mass_kg=1,3")]
     first, _ = points(axes, sample, samples=10, seed=1)
     again, _ = points(axes, sample, samples=10, seed=1)
@@ -114,7 +113,7 @@ def test_draws_repeat_with_their_seed(sample: Any) -> None:
     assert (first <= [10.0, 3.0]).all()
 
 
-def test_draws_need_ranges() -> None:
+def test_draws_need_ranges():
     with pytest.raises(ValueError, match="needs a range"):
         points([parse_axis("wingspan_m=3")], "lhs", samples=4)
 
@@ -122,7 +121,7 @@ def test_draws_need_ranges() -> None:
 # ---- judged points
 
 
-def test_grid_points_are_those_of_single_analyses() -> None:
+def test_grid_points_are_those_of_single_analyses():
     data = study(
         DESIGN,
         SUMMER,
@@ -149,7 +148,7 @@ def test_grid_points_are_those_of_single_analyses() -> None:
         assert float(cell["worst_latitude"]) == perf.day.scenarios.latitude_deg[worst]
 
 
-def test_measured_aircraft_is_taken_as_it_is() -> None:
+def test_measured_aircraft_is_taken_as_it_is():
     data = study(AS2, JULY, "battery_mass_kg=2:3:0.5", "power.avionics_w=6")
     for mass in (2.0, 2.5, 3.0):
         craft = load_aircraft("atlantiksolar-as2", [f"battery.mass_kg={mass}"])
@@ -158,7 +157,7 @@ def test_measured_aircraft_is_taken_as_it_is() -> None:
         assert cell == pytest.approx(excess, rel=1e-9)
 
 
-def test_modules_cover_a_varied_wing_unless_told_otherwise() -> None:
+def test_modules_cover_a_varied_wing_unless_told_otherwise():
     coverage = 0.85  # of the aircraft file
     data = study(DESIGN, JULY, "wingspan_m=4,8")
     np.testing.assert_allclose(
@@ -171,7 +170,7 @@ def test_modules_cover_a_varied_wing_unless_told_otherwise() -> None:
     np.testing.assert_array_equal(varied["module_area"].values.ravel(), [1.0, 2.0])
 
 
-def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
+def test_what_cannot_be_built_is_infeasible_and_says_why():
     small = study(DESIGN, JULY, "wingspan_m=4,8", cover=False)
     assert small["status"].values.tolist() == [Status.infeasible, Status.perpetual]
     needed = 1.35 / (0.85 * 16.0 / 18.5) - 1.0
@@ -188,7 +187,7 @@ def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
     assert told == ["module_coverage", "", "mass_budget", "airspeed_above_wind"]
 
 
-def test_figure_and_table_tell_the_reason_of_each_point() -> None:
+def test_figure_and_table_tell_the_reason_of_each_point():
     varied = "mission.wind_m_per_s=0,15", "module_area_m2=1,2"
     data = study(DESIGN, JULY, *varied)
     (legend,) = sweep_plots.plot_sweep(data).legends
@@ -204,14 +203,14 @@ def test_figure_and_table_tell_the_reason_of_each_point() -> None:
         sweep_plots.plot_sweep(study(DESIGN, JULY, "module_area_m2=1.9,2"))
 
 
-def test_what_is_maximised_is_a_column_of_the_table() -> None:
+def test_what_is_maximised_is_a_column_of_the_table():
     data = study(DESIGN, JULY, "wingspan_m=5,6", resize="max_payload_mass")
     table = next(block for block in SweepResult(data).summary().blocks if isinstance(block, Table))
     column = [column.name for column in table.columns].index("payload_mass")
     assert [row[column] for row in table.rows] == sorted(data["payload_mass"].values)[::-1]
 
 
-def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
+def test_a_path_that_the_wind_forbids_is_infeasible():
     data = study(DESIGN, SUMMER, "mission.wind_m_per_s=2,30", "battery_mass_kg=3", model="FM")
     good, bad = data["status"].values.ravel()
     assert good <= Status.perpetual
@@ -219,7 +218,7 @@ def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
     assert "flight path: " in str(data["message"].values[1, 0])
 
 
-def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
+def test_a_value_that_is_right_with_another_key_alone_is_varied():
     # The file's highest lift coefficient is 1.4.
     lift, highest = "airframe.aerodynamics.lift_coefficient", "maximum_lift_coefficient"
     texts = f"{lift}=1,1.5", f"airframe.aerodynamics.{highest}=1.4,1.6"
@@ -232,13 +231,13 @@ def test_a_value_that_is_right_with_another_key_alone_is_varied() -> None:
             study(DESIGN, JULY, *(texts if alone else texts[:1]), **alone)
 
 
-def test_a_combination_that_the_files_refuse_is_invalid() -> None:
+def test_a_combination_that_the_files_refuse_is_invalid():
     data = study(AS2, JULY, "module_area_m2=1.3,1.9")
     assert data["status"].values.tolist() == [Status.perpetual, Status.invalid]
     assert "modules.area_m2: must not exceed the wing area" in str(data["message"].values[1])
 
 
-def test_one_at_a_time_starts_from_the_files() -> None:
+def test_one_at_a_time_starts_from_the_files():
     table = to_table(
         study(
             DESIGN, JULY, "power.avionics_w=4,8", "mission.clearness=0.8:1", sample="one-at-a-time"
@@ -255,7 +254,7 @@ def test_one_at_a_time_starts_from_the_files() -> None:
 # ---- sized points
 
 
-def test_holding_a_variable_at_its_optimum_changes_nothing() -> None:
+def test_holding_a_variable_at_its_optimum_changes_nothing():
     free = size_aircraft(DESIGN, JULY, Objective.min_wingspan)
     battery = float(free.design.variables.battery_mass_kg)
     axis = Axis("battery.mass_kg", (0.8 * battery, battery, 1.3 * battery))
@@ -268,7 +267,7 @@ def test_holding_a_variable_at_its_optimum_changes_nothing() -> None:
     assert (worse > best).all()
 
 
-def test_held_variables_keep_their_values_and_others_are_sized() -> None:
+def test_held_variables_keep_their_values_and_others_are_sized():
     data = study(
         DESIGN, JULY, "wingspan_m=2.5,6", "aspect_ratio=15", resize=Objective.max_excess_time
     )
@@ -303,9 +302,7 @@ def test_held_variables_keep_their_values_and_others_are_sized() -> None:
         (["mission.latitude_deg=0,1"], {"sample": "one-at-a-time"}, "no single number"),
     ],
 )
-def test_mistakes_are_named_before_the_work(
-    texts: list[str], options: dict[str, Any], words: str
-) -> None:
+def test_mistakes_are_named_before_the_work(texts, options, words):
     with pytest.raises(InputError, match=re.escape(words)):
         study(options.pop("aircraft", DESIGN), SUMMER, *texts, **options)
 
@@ -313,7 +310,7 @@ def test_mistakes_are_named_before_the_work(
 # ---- charts
 
 
-def test_front_is_that_of_comparing_all_pairs() -> None:
+def test_front_is_that_of_comparing_all_pairs():
     rng = np.random.default_rng(5)
     # Few distinct values make ties; some points have none.
     x, y = rng.integers(0, 12, (2, 300)).astype(float)
@@ -334,7 +331,7 @@ def test_front_is_that_of_comparing_all_pairs() -> None:
         (["wingspan_m=2.5,6", "battery_mass_kg=1,3"], {"resize": Objective.max_excess_time}),
     ],
 )
-def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str, Any]) -> None:
+def test_every_study_has_a_chart_with_units(texts, options):
     data = study(DESIGN, JULY, *texts, **options)
     figure = sweep_plots.plot_sweep(data)
     words = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())]
@@ -347,7 +344,7 @@ def test_every_study_has_a_chart_with_units(texts: list[str], options: dict[str,
     assert buffer.getvalue().startswith(b"\x89PNG")
 
 
-def test_points_without_a_design_are_not_drawn_over() -> None:
+def test_points_without_a_design_are_not_drawn_over():
     data = study(DESIGN, JULY, "wingspan_m=3:8:0.5", "battery_mass_kg=1:5:0.5", cover=False)
     colours = sweep_plots.plot_sweep(data).axes[0].collections[0].get_array()
     drawn = ~np.ma.getmaskarray(colours).reshape(9, 11)
@@ -357,7 +354,7 @@ def test_points_without_a_design_are_not_drawn_over() -> None:
 # ---- command and files
 
 
-def test_command_writes_files_that_hold_everything(run: Run, tmp_path: Path) -> None:
+def test_command_writes_files_that_hold_everything(run, tmp_path):
     vary = ["--vary", "wingspan_m=4:6:1", "--vary", "battery_mass_kg=2,3"]
     answer = run("sweep", "atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png")
     assert answer.code == 0
@@ -382,7 +379,7 @@ def test_command_writes_files_that_hold_everything(run: Run, tmp_path: Path) -> 
         }
 
 
-def test_command_draws_a_front(run: Run, tmp_path: Path) -> None:
+def test_command_draws_a_front(run, tmp_path):
     vary = ["--vary", "battery_mass_kg=2:4:0.5", "--plot", "s.png"]
     answer = run("sweep", "atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
     assert answer.code == 0
@@ -411,7 +408,7 @@ def test_command_draws_a_front(run: Run, tmp_path: Path) -> None:
         ([], "--vary"),
     ],
 )
-def test_command_names_mistakes(run: Run, arguments: list[str], words: str) -> None:
+def test_command_names_mistakes(run, arguments, words):
     answer = run("sweep", "atlantiksolar-design", *arguments)
     assert answer.code == 2
     assert words in answer.err
@@ -419,7 +416,7 @@ def test_command_names_mistakes(run: Run, arguments: list[str], words: str) -> N
 
 
 @pytest.mark.extra
-def test_parquet_holds_table_and_configuration(run: Run, tmp_path: Path) -> None:
+def test_parquet_holds_table_and_configuration(run, tmp_path):
     pytest.importorskip("pyarrow")
     vary = ["--vary", "battery_mass_kg=2,3", "--out", "s.parquet"]
     answer = run("sweep", "atlantiksolar-design", *vary)
@@ -439,9 +436,7 @@ def _failing(configuration: Any, cells: Any) -> Any:
 
 
 @pytest.mark.long
-def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(run, tmp_path, monkeypatch):
     monkeypatch.setattr("studies.sweeps.study.simulate_points", _failing)
     vary = ["--vary", "battery_mass_kg=2,3,4", "--workers", "1"]
     answer = run(
@@ -466,7 +461,7 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     assert "1 failed" in " ".join(table.out.split())
 
 
-def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_contours_hatch_failed_points(monkeypatch):
     monkeypatch.setattr("studies.sweeps.study.simulate_points", _failing)
     vary = {"battery_mass_kg": [2, 3, 4], "power.avionics_w": [4, 6]}
     with pytest.warns(RuntimeWarning, match="2 of 6 points failed"):
@@ -475,7 +470,7 @@ def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "could not be computed" in [text.get_text() for text in legend.get_texts()]
 
 
-def test_python_is_the_command(run: Run, tmp_path: Path) -> None:
+def test_python_is_the_command(run, tmp_path):
     vary = ["--vary", "aircraft.battery.mass_kg=2:3:0.5", "--vary", "mission.clearness=0.8,1"]
     answer = run("sweep", "atlantiksolar-as2", *vary, "--model", "CDM", "--out", "s.nc")
     assert answer.code == 0
@@ -486,7 +481,7 @@ def test_python_is_the_command(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "atlantiksolar-design", "sky-sailor"])
-def test_plain_data_read_back_are_equal(name: str) -> None:
+def test_plain_data_read_back_are_equal(name):
     for record in (load_aircraft(name), JULY, SUMMER, load_mission("rafz-loiter")):
         again = type(record).model_validate(json.loads(json.dumps(plain_data(record))))
         assert again == record
@@ -507,14 +502,12 @@ def test_plain_data_read_back_are_equal(name: str) -> None:
         ({}, {}, "nothing is varied"),
     ],
 )
-def test_python_refuses_what_is_not_allowed(
-    vary: dict[str, Any], options: dict[str, Any], words: str
-) -> None:
+def test_python_refuses_what_is_not_allowed(vary, options, words):
     with pytest.raises(ValueError, match=re.escape(words)):
         sweep(DESIGN, JULY, vary, **options)
 
 
-def test_steps_that_do_not_meet_their_end_are_told(run: Run) -> None:
+def test_steps_that_do_not_meet_their_end_are_told(run):
     answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=2:4:0.7", "--json")
     assert answer.code == 0
     assert "--vary battery_mass_kg=2:4:0.7 ends at 3.4: no whole number of" in answer.err
@@ -539,7 +532,7 @@ def keys_of_map(craft: Aircraft) -> Any:
     return prepare_map(craft, JULY, [47.6], [196], SolarModel()).job.keys()
 
 
-def test_points_and_cells_belong_to_the_table_that_was_read(tmp_path: Path) -> None:
+def test_points_and_cells_belong_to_the_table_that_was_read(tmp_path):
     file = tmp_path / "own.csv"
     text = shipped_polar("mh114")
     file.write_text(text)

@@ -18,7 +18,7 @@ from studies.output.figures.options import FigureOptions, read_size
 
 @pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
 @pytest.mark.parametrize("box", [None, "tight"])
-def test_axes_are_drawn_once(kind: str, box: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_axes_are_drawn_once(kind, box, monkeypatch):
     drawn: list[Axes] = []
     draw = Axes.draw
 
@@ -32,9 +32,7 @@ def test_axes_are_drawn_once(kind: str, box: str | None, monkeypatch: pytest.Mon
     assert sorted(map(id, drawn)) == sorted(map(id, figure.axes))
 
 
-def test_a_figure_is_saved_as_matplotlib_would_in_two_passes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_figure_is_saved_as_matplotlib_would_in_two_passes(monkeypatch):
     """Matplotlib's own way draws all twice; the picture is the same to the last byte."""
 
     def saved() -> bytes:
@@ -47,7 +45,7 @@ def test_a_figure_is_saved_as_matplotlib_would_in_two_passes(
     assert once == saved()
 
 
-def test_small_figures_have_smaller_type_and_their_title_above_the_axes() -> None:
+def test_small_figures_have_smaller_type_and_their_title_above_the_axes():
     options = FigureOptions(size_in=read_size("85x60mm"))
     figure = plot_cycle(analyse(AS2, shipped_mission()), figure=options)
     figure.savefig(io.BytesIO(), format="png")
@@ -58,7 +56,7 @@ def test_small_figures_have_smaller_type_and_their_title_above_the_axes() -> Non
     assert 4.0 < min(sizes) < 8.0
 
 
-def test_a_drawing_in_the_place_of_axes_stays_there() -> None:
+def test_a_drawing_in_the_place_of_axes_stays_there():
     figure = Figure(figsize=(7.0, 2.8))
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)

@@ -9,7 +9,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.mark.parametrize("name", drawings())
-def test_texts_are_whole_at_their_own_size_and_on_a_page(name: str) -> None:
+def test_texts_are_whole_at_their_own_size_and_on_a_page(name):
     for options in (FigureOptions(), FigureOptions(size_in=read_size("170mm"), style="paper")):
         figure = drawings()[name](figure=options)
         assert not text_faults(figure)

@@ -9,7 +9,6 @@ from typing import Any
 
 import matplotlib as mpl
 import pytest
-from command_line import Run
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -23,7 +22,7 @@ AS2 = "atlantiksolar-as2"
 
 
 @pytest.fixture(scope="module")
-def analysis() -> sizing.Analysis:
+def analysis():
     return sizing.analyse(sizing.load_aircraft(AS2), missions.load_mission("rafz-july"))
 
 
@@ -36,17 +35,17 @@ def analysis() -> sizing.Analysis:
         ("85 mm", (85 / 25.4, None)),
     ],
 )
-def test_sizes_are_read_in_mm_cm_and_inches(text: str, size_in: tuple[float, float | None]) -> None:
+def test_sizes_are_read_in_mm_cm_and_inches(text, size_in):
     assert read_size(text) == pytest.approx(size_in)
 
 
 @pytest.mark.parametrize("text", ["170x100", "170x-3mm", "nanxnanin", "1x1m", "10x10mm", "9x999in"])
-def test_other_sizes_are_refused(text: str) -> None:
+def test_other_sizes_are_refused(text):
     with pytest.raises(ValueError, match=r"mm"):
         read_size(text)
 
 
-def test_an_image_too_large_for_the_memory_is_refused(run: Run) -> None:
+def test_an_image_too_large_for_the_memory_is_refused(run):
     with pytest.raises(ValueError, match="at most 65535"):
         FigureOptions(size_in=(60.0, None), dots_per_inch=1200.0)
     with pytest.raises(ValueError, match="2304 million dots, at most 150 million"):
@@ -58,14 +57,14 @@ def test_an_image_too_large_for_the_memory_is_refused(run: Run) -> None:
     assert not Path("large.png").exists()
 
 
-def test_a_style_is_not_read_from_a_pipe(tmp_path: Path) -> None:
+def test_a_style_is_not_read_from_a_pipe(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(ValueError, match="is neither a style nor a file of one"):
         read_style(str(tmp_path / "pipe"))
 
 
 @pytest.mark.parametrize("style", [*SHIPPED_STYLES, "grayscale"])
-def test_styles_draw_with_embedded_truetype(style: str) -> None:
+def test_styles_draw_with_embedded_truetype(style):
     settings = FigureOptions(style=read_style(style)).settings()
     assert settings["pdf.fonttype"] == settings["ps.fonttype"] == 42
 
@@ -88,18 +87,14 @@ def test_styles_draw_with_embedded_truetype(style: str) -> None:
         ("#" * 100_001, "'bad.mplstyle' is neither a style nor a file of one"),
     ],
 )
-def test_mistakes_of_a_style_file_are_told_by_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
-) -> None:
+def test_mistakes_of_a_style_file_are_told_by_line(tmp_path, monkeypatch, text, message):
     monkeypatch.chdir(tmp_path)
     Path("bad.mplstyle").write_text(text)
     with pytest.raises(ValueError, match=re.escape(message)):
         read_style("bad.mplstyle")
 
 
-def test_a_figure_has_the_size_and_the_fonts_that_were_asked_for(
-    analysis: sizing.Analysis,
-) -> None:
+def test_a_figure_has_the_size_and_the_fonts_that_were_asked_for(analysis):
     asked = FigureOptions(size_in=read_size("170x100mm"), style="paper", title=False)
     figure = studies.plot_cycle(analysis, figure=asked)
     assert figure.get_suptitle() == ""
@@ -111,14 +106,14 @@ def test_a_figure_has_the_size_and_the_fonts_that_were_asked_for(
     assert b"/Type3" not in pdf
 
 
-def test_a_style_leaves_no_trace(analysis: sizing.Analysis) -> None:
+def test_a_style_leaves_no_trace(analysis):
     before = dict(mpl.rcParams)
     studies.plot_cycle(analysis, figure=FigureOptions(style="slides"))
     assert dict(mpl.rcParams) == before
 
 
 @pytest.mark.long
-def test_the_command_reads_no_settings_of_its_folder(tmp_path: Path) -> None:
+def test_the_command_reads_no_settings_of_its_folder(tmp_path):
     written = []
     # The last one is no text, on which the import of matplotlib fails.
     for number, settings in enumerate([None, b"text.usetex: True\nno.key: 1\n", b"\xff\xfe\x00"]):
@@ -135,14 +130,14 @@ def test_the_command_reads_no_settings_of_its_folder(tmp_path: Path) -> None:
     assert written[1:] == written[:1] * 2
 
 
-def test_a_figure_is_drawn_onto_one_that_is_given(analysis: sizing.Analysis) -> None:
+def test_a_figure_is_drawn_onto_one_that_is_given(analysis):
     mine = Figure(figsize=(5.0, 5.0), layout="constrained")
     with in_style(FigureOptions(style="dark")):
         assert studies.plot_cycle(analysis, figure=mine) is mine
     assert len(mine.axes) == 2
 
 
-def test_the_command_draws_in_the_size_that_is_asked_for(run: Run) -> None:
+def test_the_command_draws_in_the_size_that_is_asked_for(run):
     size = ["--figure-size", "100x80mm", "--dpi", "50", "--style", "paper", "--no-title"]
     assert run("analyse", AS2, "--plot", "a.png", *size).code == 0
     header = Path("a.png").read_bytes()[16:24]
@@ -163,7 +158,7 @@ def test_the_command_draws_in_the_size_that_is_asked_for(run: Run) -> None:
         (["--no-title"], "--no-title is of the figure: give --plot too"),
     ],
 )
-def test_wrong_options_are_told_before_any_work(run: Run, options: list[str], message: str) -> None:
+def test_wrong_options_are_told_before_any_work(run, options, message):
     outcome = run("analyse", AS2, *options)
     assert outcome.code == 2
     assert message in " ".join(outcome.err.replace("│", " ").split())
@@ -183,9 +178,7 @@ def test_wrong_options_are_told_before_any_work(run: Run, options: list[str], me
         "analyse atlantiksolar-as2 --figure-size 41x40mm --style slides",
     ],
 )
-def test_a_figure_too_small_for_its_axes_is_told_and_written(
-    run: Run, tmp_path: Path, call: str
-) -> None:
+def test_a_figure_too_small_for_its_axes_is_told_and_written(run, tmp_path, call):
     outcome = run(*call.split(), "--plot", "out.pdf")
     assert outcome.code == 0
     assert "the figure is too small for its axes and texts: give a larger" in outcome.err
@@ -194,7 +187,7 @@ def test_a_figure_too_small_for_its_axes_is_told_and_written(
 
 
 @pytest.mark.long
-def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown() -> None:
+def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown():
     """Drawn by a canvas, as a notebook does; on the user's own figure they hold throughout."""
     aircraft, mission = (
         sizing.load_aircraft("atlantiksolar-as2"),
@@ -229,7 +222,7 @@ def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown() -> None
         assert given.axes[0].xaxis.label.get_fontsize() == 22.0
 
 
-def test_a_figure_takes_the_place_of_given_axes(analysis: sizing.Analysis) -> None:
+def test_a_figure_takes_the_place_of_given_axes(analysis):
     whole = Figure(figsize=(12, 5), layout="constrained")
     left, right = whole.subplots(1, 2)
     right.plot([0, 1], [0, 1])
