@@ -383,11 +383,11 @@ def test_types_behind_other_names():
     class Legs(RootModel[tuple[Cruise, ...]]):
         pass
 
-    pack = NewType("pack", Battery)
+    Pack = NewType("Pack", Battery)
 
     class Model(Record):
         legs: Legs
-        pack: pack
+        pack: Pack
 
     text = "legs: [{kind: cruise, speed_m_s: 1, zzz: 1}]\npack: {mass_kg: 1, mass_g: 1}"
     assert problems_of(text, model=Model) == [

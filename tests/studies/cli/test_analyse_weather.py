@@ -2,7 +2,7 @@ import csv
 import io
 
 import pytest
-from weather_files import clear_record, write_epw, write_plain
+from weather_files import clear_record, write_plain
 
 from missions.weather.files import load_weather
 
@@ -29,36 +29,6 @@ def test_json_has_the_record_beside_the_clear_day(run, tmp_path):
     assert set(record["weather"]["endurance_h"]) == {"p10", "p50", "p90"}
     assert record["latitude_deg"] == 46.8
     assert record["status"] == "perpetual"
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("--weather none.epw", "none.epw: there is no such file"),
-        ("--weather colorado", "there is no such file, and none is shipped but colorado-2023"),
-        ("--weather=", "'': there is no such file"),
-        (
-            "-m rafz-july --weather colorado-2023",
-            "km from the mission rafz-july; allowed: up to 1000 km",
-        ),
-        ("--latitude 10 --weather colorado-2023", "a weather record has its own place"),
-        ("--date 06-21 --weather colorado-2023", "own days: give --date or --weather"),
-        ("--day-of-year 172 --weather colorado-2023", "own days: give --day-of-year or --weather"),
-        ("--table-years years.csv", "--table-years needs --weather"),
-        ("--weather typical.epw --table-years years.csv", "this is a typical year"),
-        (
-            "--set mission.climb.ceiling_m=3000 --weather typical.epw",
-            "keep their altitude: leave out climb",
-        ),
-    ],
-)
-def test_mistakes_end_with_two_and_one_line(run, tmp_path, options, message):
-    record = clear_record(59, first="2001-01-01", interval_s=3600.0)
-    write_epw(tmp_path / "typical.epw", record, years={1: 1996, 2: 1988})
-    told = run("analyse", AS2, *options.split())
-    assert (told.code, told.out) == (2, "")
-    assert message in told.err
-    assert "Traceback" not in told.err
 
 
 def test_years_are_written_a_row_each(run, tmp_path):

@@ -73,23 +73,6 @@ def test_export_for_avl_and_openvsp(run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("export", AS2, "--out", "d.doc"), "must end in .avl, .vspscript, .py, .tex"),
-        (("export", AS2, "--out", ""), "needs the name of a file"),
-        (("export", AS2), "Missing option '--out'"),
-        (("schema",), "\n  aircraft,\n  mission"),
-        (("schema", "weather"), "'weather' is not one of 'aircraft', 'mission'"),
-    ],
-)
-def test_wrong_calls(run, tmp_path, arguments, said):
-    done = run(*arguments)
-    assert done.code == 2
-    assert said in done.err
-    assert files(tmp_path) == set()
-
-
-@pytest.mark.parametrize(
     ("library", "arguments"),
     [
         ("aerosandbox", ("export", AS2, "--out", "a.avl")),

@@ -31,30 +31,6 @@ def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     assert again["total_mass_kg"] == pytest.approx(written["total_mass_kg"], rel=1e-6)
 
 
-RECORD = "--weather colorado-2023"
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("--survive 0.9", "--survive needs --weather as well"),
-        (RECORD, "--weather needs --survive as well"),
-        (f"{RECORD} --survive 1.5", "1.5 is not in the range 0.0<x<=1.0"),
-        (f"{RECORD} --survive 0", "0.0 is not in the range 0.0<x<=1.0"),
-        ("--weather none.epw --survive 0.5", "there is no such file"),
-        (f"{RECORD} --survive 0.5 --reliability 0.9", "--reliability is of repeated clear days"),
-        (f"{RECORD} --survive 0.5 --required-excess-time 2", "time is of repeated clear days"),
-        (f"{RECORD} --survive 0.5 --objective longest_season", "longest_season counts days or"),
-        (f"{RECORD} --survive 0.5", "set the mission's latitude_deg"),
-    ],
-)
-def test_mistakes_end_with_two_and_one_line(run, options, message):
-    done = run("size", DESIGN, "-m", "rafz-july", *options.split())
-    assert done.code == 2
-    assert message in " ".join(done.err.split())
-    assert "Traceback" not in done.err
-
-
 @pytest.mark.parametrize(
     ("space", "said"),
     [

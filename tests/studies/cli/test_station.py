@@ -67,32 +67,6 @@ def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run, tmp_path)
 
 HOLDING = (*GOOD, "--set", "mission.wind.hold_station=true", "--set", "mission.dates.on=07-01")
 CEILING = ("--set", "mission.climb={ceiling_m: 20000, strategy: surplus}")
-LOW = ("--set", "mission.altitude_m=8000")
-POLAR = ("--latitudes", "80:90:5", "--days", "1:365:91")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("station", "atlantiksolar-as2"), "station needs a parametric aircraft"),
-        (("station", DESIGN), "rafz-july: lacks wind: {percentile: ...}"),
-        (("station", DESIGN, *GOOD, *POLAR[:2]), "has latitude_deg -88 to 88 (got 90)"),
-        (("station", DESIGN, *GOOD, "--altitudes", "0:8000:4000"), "m 9126 to 33043 (got 0)"),
-        (("station", DESIGN, *GOOD[4:6]), "has altitude_m 9126 to 33043 (got 536)"),
-        (("station", DESIGN, *HOLDING, *CEILING), "climb: station flies at constant altitude"),
-        (("analyse", DESIGN, *HOLDING, *CEILING, *LOW), "altitude_m 9126 to 33043 (got 8000)"),
-        (("map", DESIGN, *HOLDING, *POLAR), "latitude_deg -88 to 88 (got"),
-        (
-            ("map", DESIGN, *GOOD, *POLAR, "--resize", "min_wingspan"),
-            "the shipped table: has latitude_deg -88 to 88 (got 90)",
-        ),
-    ],
-)
-def test_what_has_no_answer_is_refused_in_a_line(run, arguments, message):
-    outcome = run(*arguments)
-    assert (outcome.code, outcome.out) == (2, "")
-    assert message in outcome.err
-    assert len(outcome.err.splitlines()) == 1
 
 
 def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(run, tmp_path):

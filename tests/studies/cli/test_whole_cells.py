@@ -55,47 +55,6 @@ def test_analysis_of_a_file_with_cells_tells_them(run):
     assert "battery cells: 60, 6 in series and 10 in parallel, 18.0 to 25.2 V" in text
 
 
-STRINGS = (
-    "{cells_in_series: 44, coldest_c: -20, hottest_c: 70, mpp_voltage_v: 0.63, "
-    "open_circuit_voltage_v: 0.73, mpp_current_a: 5.9, "
-    "mppt: {minimum_voltage_v: 9, maximum_voltage_v: 16, maximum_current_a: 7}}"
-)
-TWIN = ("analyse", "twin-boom-design")
-
-
-@pytest.mark.parametrize(
-    ("call", "change", "words"),
-    [
-        (
-            (*SIZE, *CELLS),
-            "modules.layout={cell_span_m: 0.125, cell_chord_m: 0.4, cell_area_m2: 0.0153436, "
-            "bays: [{cells: [44]}]}",
-            "modules.layout.bays.0.cells: a row of cells of 0.4 m need 0.4 m of chord",
-        ),
-        ((*SIZE, *CELLS), "battery.pack.cells_in_series=7", "must be that of whole cells"),
-        ((*SIZE, *CELLS), f"modules.layout.strings={STRINGS}", "must be from 17 to 19"),
-        ((*SIZE, *CELLS), "modules.area_m2=2", "modules.area_m2: must be that of the 88 cells"),
-        (SIZE, PACK, "modules.layout: required key is missing: --whole-cells needs it"),
-        ((*SIZE, *CELLS[:2]), LAYOUT, "battery.pack: required key is missing: --whole-cells"),
-        (TWIN, "airframe.tail.arm_chords=-4", "arm_chords: must be greater than 0 (got -4)"),
-        (TWIN, "battery.pack=3", "battery.pack: must be a mapping of keys and values (got 3)"),
-        (TWIN, "battery.voltage.cells_in_series=100001", "must be at most 100000 (got 100001)"),
-        (TWIN, "battery.voltage.cells_in_series=5.5", "must be a whole number (got 5.5)"),
-        ((*SIZE, *CELLS, "--sensitivities"), PACK, "--whole-cells does not go with"),
-        ((*SIZE, *CELLS, "--cross-check"), PACK, "--whole-cells does not go with"),
-        ((*SIZE, *CELLS, "--reliability", "0.9"), PACK, "--whole-cells does not go with"),
-        ((*SIZE, *CELLS, "--objective", "longest_season"), PACK, "--whole-cells does not go with"),
-    ],
-)
-def test_mistakes_are_told_once_with_the_key(run, call, change, words):
-    outcome = run(*call, "--set", change)
-    assert (outcome.code, outcome.out) == (2, "")
-    assert words in outcome.err
-    assert "Traceback" not in outcome.err
-    last = outcome.err.strip().splitlines()[-1]
-    assert words in last
-
-
 def test_mistakes_of_a_file_have_their_line(run, tmp_path):
     shown = run("show", "atlantiksolar-design").out
     text = shown.replace(
