@@ -74,6 +74,8 @@ def _design_tables(subject: Subject) -> tuple[Table, ...]:
             row = entry.label, " ".join(entry.shown()).strip()
             groups.setdefault(entry.group, []).append(row)
     groups.setdefault("flight", []).extend(wind_rows(subject.mission))
+    if subject.mission.holds_station:
+        groups["flight"].append(("flown, to hold its place", "as fast as the wind at least"))
     return tuple(facts(group, rows) for group, rows in groups.items() if rows)
 
 

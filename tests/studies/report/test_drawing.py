@@ -55,8 +55,8 @@ def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it():
     changes = {"airframe.propulsion": parts, "battery.voltage": voltage}
     craft = load_aircraft("atlantiksolar-design", changes)
     assert "2 propellers of 0.66 m diameter" in aircraft_drawing(craft).notes[-1]
-    assert "No propeller" in aircraft_drawing(DESIGN).notes[-1]
-    assert "No propeller" in aircraft_drawing(AS2).notes[-1]
+    assert "Propeller: not drawn" in aircraft_drawing(DESIGN).notes[-1]
+    assert "Propeller: not drawn" in aircraft_drawing(AS2).notes[-1]
 
 
 def test_everything_lies_within_the_drawing():
