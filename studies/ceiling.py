@@ -112,7 +112,7 @@ def headline(ceiling: Ceiling) -> str:
 
 def blocks(ceiling: Ceiling, level: int) -> list[Any]:
     """Return headline, a table of altitudes, extrapolations and conditions."""
-    note = f"{ceiling.solar.label}; energy of the day, electric"
+    note = f"{ceiling.solar.label}; solar energy: electric, of one day"
     if ceiling.mission.climb is not None:
         note += "; power and airspeed at the night's floor"
     outside = extrapolation_blocks(ceiling.extrapolations, level)

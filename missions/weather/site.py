@@ -40,7 +40,7 @@ def mission_at_site(
             "leave the mission out)",
         )
     if away_km > NEAR_KM and mission.longitude_deg is not None:
-        notes.append(f"flown at the record's site, {away_km:.0f} km from the mission's")
+        notes.append(f"simulated at the record's site, {away_km:.0f} km from the mission's site")
     elif away_km > NEAR_KM:
         latitudes = mission.latitudes()
         ends = map(latitude_label, sorted({latitudes[0], latitudes[-1]}))
@@ -65,7 +65,7 @@ def mission_at_site(
                 f"--set mission.altitude_m={site.altitude_m + DEFAULT_HEIGHT_M:.0f}",
             )
         altitude_m = site.altitude_m + DEFAULT_HEIGHT_M
-        notes.append(f"flown {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")
+        notes.append(f"simulated {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")
     elsewhere = mission.at_altitude(altitude_m) if altitude_m != mission.altitude_m else mission
     moved = elsewhere.model_copy(
         update={

@@ -133,7 +133,7 @@ class Grid(ParamType["list[float]"]):
 def note_last(reached: float, last: float, written: str) -> None:
     """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
     if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
-        text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
+        text = f"{written} stops at {reached:g}, the last step before {last:g}"
         tell_error(f"solar-uav: {text}")
 
 

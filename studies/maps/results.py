@@ -202,9 +202,11 @@ def blocks(result: MapResult, level: int) -> list[Any]:
             for i in places
         ),
     )
-    notes = [f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"]
+    notes = [f"{flown_caption(data)}; {len(days)} days of the year, {days[0]} to {days[-1]}"]
     if len(places) < len(rows):
-        notes.insert(0, f"{len(places)} of {len(rows)} latitudes; -v and --out FILE have all")
+        notes.insert(
+            0, f"{len(places)} of {len(rows)} latitudes shown; all with -v and in --out FILE"
+        )
     outside = extrapolation_blocks(extrapolations_of(data), level)
     if not result.objective and any(row[q.EXCESS_TIME.name] < 0.0 for row in rows):
         outside.append(q.BELOW_ZERO)

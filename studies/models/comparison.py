@@ -224,7 +224,7 @@ def blocks(comparison: Comparison, level: int) -> list[Any]:
     if mission.climb is not None:
         lines.append(mission.climb_label)
     subject, models = f"{aircraft.name} on {mission.name}", len(comparison.cases)
-    title = f"{subject}: {models} models, evaluated by {model_label(reference)}"
+    title = f"{subject}: {models} models, reference: {model_label(reference)}"
     notes = [Line(f"- {line}", "faint") for line in lines]
     outside = extrapolation_blocks(comparison.extrapolations, level)
     tables: Sequence[Table] = comparison.tables()

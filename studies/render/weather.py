@@ -36,9 +36,9 @@ def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
     weather = analysis.weather
     kind = "typical year, months of several years" if weather.typical else "one record"
     text = (
-        f"{analysis.performance.solar.label}; {weather.layout}, {kind}. A day closes if, begun at "
-        "dawn with the charge carried over, it reaches the next dawn without an empty battery. "
-        "P90 is exceeded on 90 % of days."
+        f"{analysis.performance.solar.label}; {weather.layout}, {kind}. Dawn is the instant of "
+        "least charge before noon. A day closes if its flight, from dawn with the charge carried "
+        "over, reaches the next dawn before the battery is empty. P90 is exceeded on 90 % of days."
     )
     return [*shown, *(Line(note, "faint") for note in (*analysis.notes, text))]
 
@@ -48,19 +48,19 @@ def _rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
     dawn_h = run.dawn_h + run.axis.midnight_h
     rows = [
         ("days that close", f"{analysis.days_that_close} of {days}"),
-        ("the same under a clear sky", f"{analysis.clear_sky_days_that_close} of {days}"),
+        ("days that close under a clear sky", f"{analysis.clear_sky_days_that_close} of {days}"),
         *_year_rows(analysis),
         ("longest run of days that close", f"{run.longest_run_days} days"),
-        ("longest run under a clear sky", f"{clear.longest_run_days} days"),
+        ("longest run of days under a clear sky", f"{clear.longest_run_days} days"),
         (
             "endurance from dawn: P90, P50, P10 of days",
             ", ".join(map(hours, analysis.endurance_h.values())),
         ),
         (
-            "launched at dawn, still flying at sunset",
+            "flights from dawn that reach sunset",
             f"{percent(analysis.flown_to_sunset_share, '.0f')} of days",
         ),
-        ("light, share of the clear sky's", percent(analysis.share_of_clear_light(), ".0f")),
+        ("light relative to a clear sky", percent(analysis.share_of_clear_light(), ".0f")),
         (
             "dawn: earliest, latest (solar time)",
             ", ".join(clock_label(float(end)) for end in (dawn_h.min(), dawn_h.max())),

@@ -142,7 +142,7 @@ def blocks(result: SweepResult, level: int) -> list[Any]:
         shown.append(Line(BELOW_ZERO, "faint"))
     if len(rows) > top:
         more = f"{len(rows) - top} more not shown"
-        shown.append(f"{more}: --top N shows more, -v and --out FILE have all")
+        shown.append(f"{more}: --top N shows more; all with -v and in --out FILE")
     if CLIMB in result.data.attrs:
         shown.append(Line(result.data.attrs[CLIMB], "faint"))
     return [*shown, *extrapolation_blocks(extrapolations_of(result.data), level)]

@@ -78,7 +78,7 @@ def _summary(study: SizingStudy, options: Size) -> Summary:
     if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
         return summary
     line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()), mission)
-    return Summary((*summary.blocks, Line(f"the optimum by all solar power models: {line}")))
+    return Summary((*summary.blocks, Line(f"the sized design with all solar power models: {line}")))
 
 
 def _refuse_unsizable(case: Case, options: Size) -> None:

@@ -162,7 +162,7 @@ def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison
 
 def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:
     shown, told = (" ".join(str(text).split()) for text in (designs, designs.headline()))
-    assert shown.startswith(f"{DESIGN} on {SUMMER}: 3 models, evaluated by corrected FM ")
+    assert shown.startswith(f"{DESIGN} on {SUMMER}: 3 models, reference: corrected FM ")
     assert told in shown
     assert repr(designs) == f"<Comparison: {designs.headline()}>"
     lines, every = (designs.at_level(n).to_text().splitlines() for n in (1, 2))
@@ -222,7 +222,7 @@ def test_table_for_the_terminal(run: Run, tmp_path: Path) -> None:
     result = run("compare", AS2, "--models", "cam,CDM", "--corrections", "none")
     assert result.code == 0
     assert result.out.index("CDM") < result.out.index("CAM")
-    assert "evaluated by corrected FM" in result.out
+    assert "reference: corrected FM" in result.out
     assert "VM" not in result.out
     assert not list(tmp_path.iterdir())
 

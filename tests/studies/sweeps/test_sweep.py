@@ -510,7 +510,7 @@ def test_python_refuses_what_is_not_allowed(vary, options, words):
 def test_steps_that_do_not_meet_their_end_are_told(run):
     answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=2:4:0.7", "--json")
     assert answer.code == 0
-    assert "--vary battery_mass_kg=2:4:0.7 ends at 3.4: no whole number of" in answer.err
+    assert "--vary battery_mass_kg=2:4:0.7 stops at 3.4, the last step before 4" in answer.err
     answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
     assert answer.err == ""
 
