@@ -98,7 +98,7 @@ def test_distances_are_told_of_missions_with_a_longitude_alone():
         "the mission has no longitude: its site is at 40.5° N instead of 47.6° N",
     )
     (note,) = mission_at_site(load_mission("rafz-july"), there, chosen=False)[1]
-    assert note.endswith("km from the mission's")
+    assert note.endswith("km from the mission's site")
 
 
 def test_a_moved_mission_keeps_the_weather_of_its_air():
