@@ -8,12 +8,14 @@ from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from missions.mission.scenarios import Dates
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs
-from sizing.program.cells import CellSizings, size_cells
+from sizing.program.cells import CellSizings, _Cells, size_cells
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
+from sizing.program.task import SizingTask
 
 pytestmark = pytest.mark.slow
 
@@ -175,3 +177,14 @@ def test_high_up_the_modules_of_each_cell_are_cooled_by_its_own_design() -> None
         # Goals are missed by up to 0.012 h; in the light of the file it was 0.9 % in December.
         assert found.objective_value[cell] == pytest.approx(result.objective_value, rel=2e-3)
         assert found.status[cell] == SizingStatus.cross_checked
+
+
+@pytest.mark.parametrize(("worse", "checked"), [(0.0, True), (0.02, False)])
+def test_a_span_that_neighbours_undercut_is_not_cross_checked(worse: float, checked: bool) -> None:
+    aircraft, mission = load_aircraft("atlantiksolar-design"), load_mission("rafz-july")
+    day = solar_day(aircraft, mission)
+    goal = Objective.min_wingspan, UNCORRECTED_CAM, day, 2.0
+    cells = _Cells([SizingTask(aircraft, mission, *goal)], day)
+    cells.run(seed=0)
+    merits = np.array([cells.searches[0].merit * (1.0 + worse)])
+    assert cells._checked(np.array([0]), merits, seed=0).tolist() == [checked]

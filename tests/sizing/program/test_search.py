@@ -344,3 +344,19 @@ def test_charge_limit_goes_on_beyond_full(limit: ChargeLimit) -> None:
     at_full_h = 1.0 / charge_rate_per_h(limit, 1.0)
     assert np.diff(hours)[1:] / np.diff(soc)[1:] == pytest.approx(at_full_h, rel=1e-9)
     assert 0.0 < hours[1] - hours[0] <= 0.01 * at_full_h * (1.0 + 1e-9)
+
+
+def test_a_given_light_is_that_of_search_and_simulation() -> None:
+    day = solar_day(DESIGN, mission()).scaled(0.8)
+    result, bright = (
+        size_aircraft(DESIGN, mission(), MIN_MASS, day=light, required_excess_time_h=4.0)
+        for light in (day, None)
+    )
+    assert result.simulated is not None
+    assert result.design is not None
+    chosen = result.design.variables.mapped(float)
+    again = performance_of_designs(DESIGN, mission(), chosen, day=day)
+    excess_h = float(result.simulated.cycle.excess_time_h.min())
+    assert excess_h == pytest.approx(float(again.cycle.excess_time_h.min()), abs=1e-9)
+    assert excess_h == pytest.approx(4.0, abs=0.012)
+    assert result.design.total_mass_kg > 1.02 * bright.design.total_mass_kg

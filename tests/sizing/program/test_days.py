@@ -1,0 +1,118 @@
+"""The day of a program: its intervals return the energy of the day that they are cut from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import DESIGN, mission
+
+from sizing.day.light import solar_day
+from sizing.design import variables_of
+from sizing.performance import performance_of_designs
+from sizing.program.days import Day, day_means, light_at_heights, nodes_of, reserve_nodes
+from sizing.program.transcription import LEVELS, Form, lagrange
+from solar.types import FloatArray, IntArray
+
+INTO, OUT_OF = 0.95, 0.9
+FORMS = [Form(1), Form(1, climbs=True)]
+
+
+def day_of(**changes: Any) -> tuple[Day, float]:
+    """Return the repeated day of a design, and its nominal load [W]."""
+    flight = mission(**changes)
+    light = solar_day(DESIGN, flight)
+    perf = performance_of_designs(DESIGN, flight, variables_of(DESIGN), day=light)
+    powers = np.atleast_2d(perf.solar_power_w), np.atleast_2d(perf.load_w)
+    return Day.of(light.time_h, *powers), float(np.ravel(perf.nominal_load_w)[0])
+
+
+def cut(day: Day, nominal_w: float, form: Form) -> IntArray:
+    """Return the nodes of a day on which nothing is known of the charge."""
+    return nodes_of(day, np.linspace(0.5, 0.9, len(day.time_h)), INTO, 700.0, nominal_w, form)
+
+
+def energy_wh(day: Day, power_w: FloatArray) -> float:
+    """Return the energy of a power that is straight between times, by a fine sum."""
+    fine_h = np.linspace(day.time_h[0], day.time_h[-1], 200_001)
+    return float(np.interp(fine_h, day.time_h, power_w)[:-1].mean() * np.ptp(fine_h))
+
+
+@pytest.mark.parametrize("date", ["01-15", "06-21"])
+def test_a_day_begins_at_sunrise_and_loses_no_light(date: str) -> None:
+    day, _ = day_of(dates={"on": date})
+    light = solar_day(DESIGN, mission(dates={"on": date}))
+    midnight_w = light.specific_power_w_per_m2[0] * float(DESIGN.modules.area_m2)
+    assert day.solar_w[0, 0] == day.solar_w[0, -1] == 0.0
+    assert day.solar_w[0, 1] > 0.0
+    assert np.ptp(day.time_h) == pytest.approx(24.0)
+    assert np.trapezoid(day.solar_w[0], day.time_h) == pytest.approx(
+        np.trapezoid(midnight_w, light.time_h), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("date", ["01-15", "06-21"])
+def test_nodes_lie_where_light_and_surplus_begin_and_end(date: str, form: Form) -> None:
+    day, nominal_w = day_of(dates={"on": date})
+    nodes, steps = cut(day, nominal_w, form), len(day.time_h) - 1
+    assert len(nodes) == form.intervals + 1
+    assert nodes[0] == 0
+    assert nodes[-1] == steps
+    assert np.all(np.diff(nodes) > 0)
+    solar_w, net_w = day.solar_w[0], day.solar_w[0] - day.load_w[0]
+    sunset = int(np.flatnonzero(solar_w > 0.0)[-1]) + 1
+    assert sunset in nodes
+    turns = np.flatnonzero(np.diff(np.sign(net_w)))
+    assert len(turns) == 2
+    for turn in turns:  # at the end of the step where less is left over or lacks
+        assert turn + int(np.argmin(np.abs(net_w[turn : turn + 2]))) in nodes
+    # Half the intervals at least are of light, in which powers change.
+    assert np.count_nonzero(nodes < sunset) > form.intervals // 2
+    # The excess time must be left until the sun carries the load, not after the forenoon.
+    reserve = nodes[reserve_nodes(day, nodes, nominal_w)]
+    assert solar_w[reserve[-1]] >= nominal_w > solar_w[reserve[-2] - 1]
+    assert solar_w[reserve[-1]] < 0.9 * solar_w.max()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_intervals_hold_light_and_storage_of_their_day(form: Form) -> None:
+    day, nominal_w = day_of()
+    means = day_means(day, cut(day, nominal_w, form), INTO, OUT_OF)
+    assert means.hours.sum() == pytest.approx(24.0)
+    light_wh = float(means.light_w[0] @ means.hours)
+    assert light_wh == pytest.approx(energy_wh(day, day.solar_w[0]), rel=1e-6)
+    net_w = means.light_w[0] - means.load_w[0]
+    stored_wh = float(np.minimum(INTO * net_w, net_w / OUT_OF) @ means.hours)
+    net = Day(day.time_h, day.solar_w - day.load_w, day.load_w, 0)
+    fine_h = np.linspace(net.time_h[0], net.time_h[-1], 200_001)
+    fine_w = np.interp(fine_h, net.time_h, net.solar_w[0])
+    charged_w = np.minimum(INTO * fine_w, fine_w / OUT_OF)
+    assert stored_wh == pytest.approx(float(charged_w[:-1].mean()) * 24.0, rel=1e-6)
+
+
+def test_light_of_all_heights_is_that_of_the_flight_at_its_heights() -> None:
+    day, nominal_w = day_of()
+    form = Form(1, climbs=True)
+    nodes = cut(day, nominal_w, form)
+    share = np.interp(day.time_h[nodes] % 24.0, [6.0, 12.0, 20.0], [0.0, 0.9, 0.1])
+    # Half a per cent more light with every level.
+    factors = 1.0 + 0.005 * np.arange(LEVELS)
+    rows = factors[:, np.newaxis] * day.solar_w
+    levels = Day(day.time_h, rows, np.zeros_like(rows), day.first)
+    flight_w = 1.01 * day_means(day, nodes, 1.0, 1.0).light_w[0]
+    known = light_at_heights(levels, nodes, share, flight_w)
+    weights = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
+    assert np.sum(weights * known, axis=0) == pytest.approx(flight_w, rel=1e-12)
+    bright = flight_w > 0.0
+    ratios = known[:, bright] / known[0, bright]
+    assert ratios == pytest.approx(np.repeat(factors[:, np.newaxis], bright.sum(), 1), rel=1e-12)
+
+
+def test_weights_are_those_of_the_polynomial_through_the_levels() -> None:
+    place = np.linspace(-0.1, 1.1, 13)
+    for degree in range(LEVELS):
+        nodes = np.linspace(0.0, 1.0, LEVELS) ** degree
+        values = nodes @ np.stack(lagrange(place, LEVELS))
+        assert values == pytest.approx(place**degree, abs=1e-12)
