@@ -113,7 +113,7 @@ def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climb
         best_h = np.maximum(excess_h, best_h)
         # A day that should close, and does not quite.
         margin = np.where(climbs.cycle.missing_h > 0.0, _WIDER * margin, margin)
-        able &= np.abs(goal_h - excess_h) > _AGREED_H
+        able &= ~np.isclose(goal_h, excess_h, rtol=0.0, atol=_AGREED_H)
         able &= goal_h > _AGREED_H
     if not best_m.any():
         return level
