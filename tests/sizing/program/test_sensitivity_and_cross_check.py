@@ -12,7 +12,7 @@ from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
-from sizing.program.cross_check import CrossCheck, cross_check
+from sizing.program.cross_check import CrossCheck, cross_check, random_factors
 from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.result import SizingResult
@@ -205,6 +205,17 @@ def test_optimum_passes_the_cross_check(objective: Objective, aircraft: str) -> 
     assert check.cross_checked
     assert check.advantage >= 0.0
     assert check.designs_tried > 1000
+
+
+def test_random_neighbours_are_half_within_and_half_beyond_what_a_program_resolves() -> None:
+    names = ["wingspan_m", "battery_mass_kg"]
+    factors = random_factors(names, 4000, np.random.default_rng(1))
+    assert list(factors) == names
+    for logs in map(np.log, factors.values()):
+        assert len(logs) == 4000
+        far, near = logs[:2000].std(), logs[2000:].std()
+        # Of 2,000 normal draws the spread is known to 1.6 %.
+        assert (far, near) == pytest.approx((0.03, 0.004), rel=0.06)
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
