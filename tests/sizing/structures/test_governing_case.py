@@ -83,11 +83,11 @@ def test_flutter_criterion_says_where_it_does_not_hold():
         analysis = sizing.analyse(load_aircraft(DESIGN, list(changes)), mission).structure
         return " ".join(analysis.remarks)
 
-    assert "excludes T-tails and masses along the wing, as here" in remarks()
+    assert "CAA Report 45 does not cover T-tails and masses along the wing" in remarks()
     in_pod = "airframe.distributed_battery_fraction=0.0"
-    assert "excludes T-tails, as here" in remarks(in_pod)
+    assert remarks(in_pod).endswith("does not cover T-tails")
     low = "modules.tail.horizontal_height_m=0.0"
-    assert "excludes masses along the wing, as here" in remarks(low)
+    assert remarks(low).endswith("does not cover masses along the wing")
     assert remarks(in_pod, low) == ""
     assert remarks(f"{RIB}.torsion=null") == ""
 
