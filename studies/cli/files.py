@@ -281,7 +281,7 @@ def load(options: CaseOptions) -> Case:
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
     if is_default and mission != beside and beside is not None:
-        tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")
+        tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
     return _with_values(case, options)
 
 

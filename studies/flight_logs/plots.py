@@ -131,7 +131,7 @@ class _Page:
             count,
             canvas=canvas,
             title=f"{result.aircraft}, {what}",
-            notes=(f"over time averaged over ±{filter_s:g} s",),
+            notes=(f"time series averaged over ±{filter_s:g} s",),
             size_in=(8.0, 2.3 * count + 0.8),
         )
         self.result, self.filter_s = result, filter_s

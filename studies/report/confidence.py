@@ -35,7 +35,7 @@ from studies.report.subject import Subject
 def margins_section(subject: Subject) -> Section:
     """Return how much worse each assumption may become."""
     text = (
-        "Each quantity is moved alone until the weakest scenario just has what is required; all "
+        "Each quantity changes alone until the weakest scenario just meets the requirement; all "
         "else stays as it is, the mass with the battery's specific energy as well."
     )
     table = margin_table(subject)
@@ -95,7 +95,7 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
         if mission.pessimistic_clearness == 1.0
         else f"The light is {100.0 * mission.pessimistic_clearness:.0f} % of a clear sky's"
     )
-    sentences = [f"{sky} all day; clouds come in with a weather record (--weather)."]
+    sentences = [f"{sky} all day; a weather record (--weather) adds clouds."]
     if subject.verification is None:
         sentences.append(
             "The day repeats itself: the date does not advance, and the battery's state at dawn is "
@@ -134,7 +134,7 @@ def glossary_section() -> Section:
             "A latitude and a date of the mission; the weakest has the least excess time.",
         ),
         ("solar power models", f"{models}."),
-        ("correction", "Factor that takes a model's systematic error away."),
+        ("correction", "Factor that removes a model's systematic error."),
     ]
     columns = (Column("word"), Column("meaning"))
     return Section("glossary", "Glossary", [Tables((Table("Words", columns, tuple(rows)),))])
@@ -253,7 +253,7 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
     battery = aircraft.battery.specific_energy_wh_per_kg
     extra, avionics = mission.turbulence.all_day, aircraft.power.avionics_w
     return [
-        _Quantity("solar power, of the modelled", "%", 100.0, 0.0, 400.0,
+        _Quantity("solar power, relative to the model", "%", 100.0, 0.0, 400.0,
                   lambda value: (aircraft, mission, value / 100.0)),
         _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery,
                   4.0 * battery, of("battery.specific_energy_wh_per_kg")),
@@ -267,7 +267,7 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
 
 
 def _limit(quantity: _Quantity, day: SolarDay, required: float, *, holds: bool) -> float | None:
-    """Return the value at which the weakest scenario just has what is required, or None."""
+    """Return the value at which the weakest scenario just meets the requirement, or None."""
     good, bad = (quantity.value, quantity.worse) if holds else (quantity.better, quantity.value)
     if _suffices(quantity, bad if holds else good, day, required) is holds:
         return None

@@ -190,8 +190,8 @@ def _season_text(subject: Subject) -> str:
     where = _places(latitudes)
     if season.days in (0, DAYS_PER_YEAR):
         day = "no day" if season.days == 0 else "every day"
-        return f"At {where}, {day} of the year is flown perpetually."
-    text = f"At {where}, {season.days} days of the year are flown perpetually"
+        return f"At {where}, flight is perpetual on {day} of the year."
+    text = f"At {where}, flight is perpetual on {season.days} days of the year"
     if season.first is None or season.last is None:
         return f"{text}, none of them at midsummer."
     window = f"{date_label(season.first)} to {date_label(season.last)}"

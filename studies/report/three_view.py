@@ -108,9 +108,9 @@ def plot_three_view(
     middle_m, half_m = (drawing.tail_end_m - drawing.nose_m) / 2.0, width_m / 2.0
     rear_m = -drawing.tail_end_m - 0.3 * pad_m
     limits = (
-        ("From above", (-half_m, half_m), (rear_m, drawing.nose_m + pad_m)),
-        ("From ahead", (-half_m, half_m), (low_m, high_m)),
-        ("From the left", (middle_m - half_m, middle_m + half_m), (low_m - pad_m, high_m)),
+        ("Top", (-half_m, half_m), (rear_m, drawing.nose_m + pad_m)),
+        ("Front", (-half_m, half_m), (low_m, high_m)),
+        ("Left side", (middle_m - half_m, middle_m + half_m), (low_m - pad_m, high_m)),
     )
     tall_m = [top - bottom for _, _, (bottom, top) in limits]
     per_m = _WIDTH_IN / width_m

@@ -188,7 +188,7 @@ def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run):
     assert found.err == "solar-uav: flown is the mission beside it, -m heron-mission.yaml\n"
     keys = ("mission", "mission_is_default", "status", "wingspan_m")
     assert [found.json()[key] for key in keys] == [known.json()[key] for key in keys]
-    told = "solar-uav: the default mission is flown; beside it lies -m heron-mission.yaml\n"
+    told = "solar-uav: the default mission is used; the one beside: -m heron-mission.yaml\n"
     assert run("analyse", "heron.yaml").err == told
 
 
