@@ -19,11 +19,14 @@ from sizing.day.heights import flight_levels
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import variables_of
 from sizing.limits import meets_requirements
-from sizing.mass_budget import ImpossibleDesignError, design_of
+from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_of_designs
+from sizing.program.climbing import power_beyond_floor
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
+from sizing.program.task import SizingTask
+from sizing.program.transcription import LEVELS
 from sizing.uncertainty.propagation import Propagation
 
 HIGH = aircraft("stratosphere-design")  # 28.0 m/s at 20 km, 30.5 m/s at 21 km, 33.2 m/s at 22 km
@@ -195,6 +198,27 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) ->
     # parts a program, whose efficiency is that of level flight, is itself 0.1 h short of the best.
     chain = 0.1 if name == "twin-boom-design" else 2e-2
     assert draws.excess_time_h == pytest.approx(np.min(each, axis=-1), abs=chain)
+
+
+def test_the_program_has_the_same_power_of_the_wind(tmp_path: Path) -> None:
+    there = held(tmp_path, STRONG_ALOFT)
+    day = solar_day(HIGH, there)
+    task = SizingTask(HIGH, there, Objective.min_mass, UNCORRECTED_CAM, day, 1.0)
+    batch = closed_design(HIGH, there, task.stacked([task.first_values(variables_of(HIGH))]))
+    levels = flight_levels(HIGH, there, design_of(HIGH, there), day)
+    level_w, share = levels.chain.level_w[:, 0], np.linspace(0.0, 1.0, LEVELS)
+    assert levels.altitude_m == pytest.approx(20000.0 + 2000.0 * share)
+    steady = 1.0 + there.turbulence.all_day
+    climb_w = levels.weight_n[0] / levels.efficiency[0] * 2000.0 / 3600.0
+    for at, power_w in zip(share, level_w, strict=True):
+        # An hour at the floor, where a program's day begins, one of climb, and one at the height.
+        heights = np.array([0.0, 0.0, at, at])
+        (beyond_w,) = power_beyond_floor(task, batch, 0, heights, np.ones(3))
+        assert beyond_w[0] == pytest.approx(0.0, abs=1e-9)
+        assert beyond_w[2] == pytest.approx((power_w - level_w[0]) * steady, rel=1e-6, abs=1e-6)
+    # Half the way up in the middle of an hour's climb to the ceiling.
+    half_w = (level_w[LEVELS // 2] - level_w[0]) * steady
+    assert beyond_w[1] == pytest.approx(half_w + climb_w, rel=1e-6)
 
 
 # ---- Sizing

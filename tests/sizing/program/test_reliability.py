@@ -140,6 +140,8 @@ def test_out_of_reach_says_what_is_reached():
     assert missed.requirement == "reliability"
     assert "a reliability of 95 % is out of reach: the most reliable design" in missed.text
     assert 0.5 < found.reliability.achieved.value < 0.95
+    # As the search's draws have it, other than those of the verification.
+    assert missed.shortfall == pytest.approx(0.95 - found.reliability.achieved.value, abs=0.02)
     assert found.to_dict()["nearest"]["wingspan_m"] > 10.0
 
 

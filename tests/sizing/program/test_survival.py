@@ -206,6 +206,7 @@ def test_out_of_reach_says_what_is_reached():
     assert missed.requirement == "days_that_close"
     assert "27 of the season's 30 days are out of reach" in missed.text
     assert 0 < found.survival.days.that_close < 27
+    assert missed.shortfall == pytest.approx(0.9 - found.survival.days.that_close / 30.0)
     assert found.to_dict()["nearest"]["wingspan_m"] == pytest.approx(4.4, rel=1e-2)
 
 
