@@ -14,8 +14,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import chunk_functions
 import numpy as np
 import pytest
+from chunk_functions import numbered_job
 
 from missions.files.writing import OutputError, check_writable_file
 from studies.cli.jobs import parts_folder
@@ -25,20 +27,8 @@ from studies.engine.chunk_store import FAILURE, ChunkStore
 from studies.engine.dask_pool import DaskPool
 from studies.engine.run import Job, Outcome
 from studies.engine.workers import Pool, WorkersUnavailableError
-from studies.signals import Stopped
 
 KEY = "0123456789abcdef" * 2 + "01234567"
-SUPPORT = Path(__file__).parent / "engine_support"
-
-
-@pytest.fixture(scope="module")
-def functions():
-    """Chunk functions in a module that worker processes can import."""
-    sys.path.insert(0, str(SUPPORT))
-    import chunk_functions
-
-    yield chunk_functions
-    sys.path.remove(str(SUPPORT))
 
 
 def run(job: Job, pool: Pool | None = None, folder: Path | None = None) -> Outcome:
@@ -49,45 +39,45 @@ def run(job: Job, pool: Pool | None = None, folder: Path | None = None) -> Outco
         return engine.run(job, pool, store)
 
 
-def one_cell(function: Any, settings: Any, **blanks: Any) -> Job:
-    return Job(function, settings, np.ones((1, 1)), [np.arange(1)], blanks)
+def one_cell(function: Any, **blanks: Any) -> Job:
+    return Job(function, chunk_functions.Settings(), np.ones((1, 1)), [np.arange(1)], blanks)
 
 
-def assert_identical(one: Outcome, other: Outcome) -> None:
-    assert one.columns.keys() == other.columns.keys()
-    for name, values in one.columns.items():
-        assert values.tobytes() == other.columns[name].tobytes(), name
-    assert one.failures == other.failures
+def assert_identical(outcome: Outcome, expected: Outcome) -> None:
+    assert outcome.columns.keys() == expected.columns.keys()
+    for name, values in outcome.columns.items():
+        assert values.tobytes() == expected.columns[name].tobytes(), name
+    assert outcome.failures == expected.failures
 
 
 # ---- the same result whoever computes it
 
 
 @pytest.mark.parametrize("method", sorted({workers._METHOD, "spawn"}))
-def test_processes_agree_with_this_process_to_the_last_bit(functions, monkeypatch, method):
+def test_processes_agree_with_this_process_to_the_last_bit(monkeypatch, method):
     monkeypatch.setattr(workers, "_METHOD", method)  # that of macOS and Windows, too
-    job = functions.job(functions.Settings())
+    job = numbered_job()
     alone = run(job)
     assert alone.columns["number"].tolist() == list(range(20))
     assert alone.columns["name"][10] == "cell 10"
     assert_identical(alone, run(job, Pool(2)))
 
 
-def test_small_work_starts_no_process(functions, tmp_path):
-    run(functions.job(functions.Settings(log=str(tmp_path))), Pool())
+def test_small_work_starts_no_process(tmp_path):
+    run(numbered_job(log=str(tmp_path)), Pool())
     assert {path.name.split("-")[2] for path in tmp_path.iterdir()} == {str(os.getpid())}
 
 
-def test_long_work_starts_processes_and_agrees(functions, tmp_path, monkeypatch):
+def test_long_work_starts_processes_and_agrees(tmp_path, monkeypatch):
     monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 2)
-    job = functions.job(functions.Settings(log=str(tmp_path)))
-    assert_identical(run(job, Pool(None, work_s=1000.0)), run(functions.job(functions.Settings())))
+    job = numbered_job(log=str(tmp_path))
+    assert_identical(run(job, Pool(None, work_s=1000.0)), run(numbered_job()))
     assert str(os.getpid()) not in {path.name.split("-")[2] for path in tmp_path.iterdir()}
 
 
-def test_workers_use_one_thread_and_the_environment_is_restored(functions):
+def test_workers_use_one_thread_and_the_environment_is_restored():
     before = dict(os.environ)
-    job = one_cell(functions.threads, functions.Settings(), root=np.float64(0))
+    job = one_cell(chunk_functions.threads, root=np.float64(0))
     assert run(job, Pool(2)).columns["root"] == [1.0]
     assert dict(os.environ) == before
 
@@ -115,14 +105,14 @@ DASK = pytest.param("dask", marks=[pytest.mark.slow, pytest.mark.extra])
 
 
 @pytest.mark.parametrize("pool", [1, 2, DASK], indirect=True)
-def test_a_raising_cell_fails_alone(functions, pool):
-    outcome = run(functions.job(functions.Settings(raising=(5, 19))), pool)
+def test_a_raising_cell_fails_alone(pool):
+    outcome = run(numbered_job(raising=(5, 19)), pool)
     assert outcome.failures == {
         5: "ArithmeticError: cell 5 is bad",
         19: "ArithmeticError: cell 19 is bad",
     }
     good = np.delete(np.arange(20), [5, 19])
-    whole = run(functions.job(functions.Settings()))
+    whole = run(numbered_job())
     np.testing.assert_array_equal(outcome.columns["root"][good], whole.columns["root"][good])
     assert np.isnan(outcome.columns["root"][[5, 19]]).all()
     assert outcome.columns["number"][5] == -1
@@ -130,23 +120,23 @@ def test_a_raising_cell_fails_alone(functions, pool):
 
 @pytest.mark.long
 @pytest.mark.parametrize("pool", [2, DASK], indirect=True)
-def test_a_deadly_cell_fails_alone(functions, pool):
-    outcome = run(functions.job(functions.Settings(deadly=(6,)), cells=12), pool)
+def test_a_deadly_cell_fails_alone(pool):
+    outcome = run(numbered_job(deadly=(6,), cells=12), pool)
     assert outcome.failures == {6: "the worker process died"}
     good = np.delete(np.arange(12), 6)
     np.testing.assert_array_equal(outcome.columns["number"][good], good)
 
 
 @pytest.mark.parametrize("pool", [2, DASK], indirect=True)
-def test_a_worker_killed_once_changes_nothing(functions, tmp_path, pool):
-    killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
+def test_a_worker_killed_once_changes_nothing(tmp_path, pool):
+    killed = numbered_job(once=str(tmp_path / "died"))
     outcome = run(killed, pool)
     assert (tmp_path / "died").exists()
-    assert_identical(outcome, run(functions.job(functions.Settings())))
+    assert_identical(outcome, run(numbered_job()))
 
 
-def test_a_wrong_column_is_a_failure_with_its_name(functions):
-    job = one_cell(functions.threads, functions.Settings(), other=np.float64(0))
+def test_a_wrong_column_is_a_failure_with_its_name():
+    job = one_cell(chunk_functions.threads, other=np.float64(0))
     assert "columns ['root'] are not ['other']" in run(job, Pool(2)).failures[0]
 
 
@@ -158,10 +148,10 @@ def computed(log: Path) -> set[str]:
     return {path.name.split("-")[0] for path in log.iterdir()}
 
 
-def test_finished_chunks_are_not_computed_again(functions, tmp_path):
+def test_finished_chunks_are_not_computed_again(tmp_path):
     log, folder = tmp_path / "log", tmp_path / "parts"
     log.mkdir()
-    job = functions.job(functions.Settings(log=str(log)))
+    job = numbered_job(log=str(log))
     first = run(job, folder=folder)
     assert computed(log) == {"0", "4", "8", "12", "16"}
     for path in log.iterdir():
@@ -240,8 +230,8 @@ DAMAGES: list[Callable[[bytes, bytes], bytes]] = [
 
 # By number: the bytes themselves are no names, and not the same in every process.
 @pytest.mark.parametrize("damage", [*DAMAGES, *MADE_UP], ids=range(len(DAMAGES) + len(MADE_UP)))
-def test_a_part_that_is_damaged_or_made_up_is_computed_again(functions, tmp_path, damage):
-    job = functions.job(functions.Settings())
+def test_a_part_that_is_damaged_or_made_up_is_computed_again(tmp_path, damage):
+    job = numbered_job()
     first = run(job, folder=tmp_path)
     other, key = job.keys()[:2]
     path = ChunkStore(tmp_path).path(key)
@@ -254,38 +244,38 @@ def test_a_part_that_is_damaged_or_made_up_is_computed_again(functions, tmp_path
     assert_identical(first, again)
 
 
-def test_a_part_that_is_whole_is_believed(functions, tmp_path):
-    key = functions.job(functions.Settings()).keys()[1]
+def test_a_part_that_is_whole_is_believed(tmp_path):
+    key = numbered_job().keys()[1]
     body = archive()
     ChunkStore(tmp_path).path(key).write_bytes(chunk_store._head(key, body) + b"\n" + body)
-    again = run(functions.job(functions.Settings()), folder=tmp_path)
+    again = run(numbered_job(), folder=tmp_path)
     assert again.kept_chunks == 1
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe")
-def test_a_pipe_in_place_of_a_part_is_not_waited_for(functions, tmp_path):
-    job = functions.job(functions.Settings())
+def test_a_pipe_in_place_of_a_part_is_not_waited_for(tmp_path):
+    job = numbered_job()
     os.mkfifo(ChunkStore(tmp_path).path(job.keys()[1]))
     assert run(job, folder=tmp_path).computed_chunks == 5
 
 
-def test_another_configuration_or_version_is_another_chunk(functions, monkeypatch):
-    keys = set(functions.job(functions.Settings()).keys())
-    assert not keys & set(functions.job(functions.Settings(scale=1.0 + 1e-15)).keys())
-    assert len(keys & set(functions.job(functions.Settings(), cells=18).keys())) == 4
+def test_another_configuration_or_version_is_another_chunk(monkeypatch):
+    keys = set(numbered_job().keys())
+    assert not keys & set(numbered_job(scale=1.0 + 1e-15).keys())
+    assert len(keys & set(numbered_job(cells=18).keys())) == 4
     monkeypatch.setattr(engine, "__version__", "another")
-    assert not keys & set(functions.job(functions.Settings()).keys())
+    assert not keys & set(numbered_job().keys())
 
 
-def test_failed_cells_are_tried_again_by_the_next_run(functions, tmp_path):
-    job = functions.job(functions.Settings(raising=(5,)))
+def test_failed_cells_are_tried_again_by_the_next_run(tmp_path):
+    job = numbered_job(raising=(5,))
     assert run(job, folder=tmp_path).failures
     again = run(job, folder=tmp_path)
     assert (again.computed_chunks, again.kept_chunks) == (1, 4)
     assert again.failures == {5: "ArithmeticError: cell 5 is bad"}
 
 
-def test_parts_keep_what_they_were_given(tmp_path):
+def test_parts_are_read_as_they_were_written(tmp_path):
     part = {
         "a": np.array([1.5, np.nan, np.inf]),
         "b": np.array(["x", "", "ü"]),
@@ -301,7 +291,7 @@ def test_parts_keep_what_they_were_given(tmp_path):
     assert not (tmp_path / "p").exists()
 
 
-def test_only_the_own_parts_are_deleted(tmp_path):
+def test_no_other_files_than_its_parts_are_deleted(tmp_path):
     other = KEY[::-1]
     part = {"a": np.zeros(1), FAILURE: np.array([""])}
     others = {"lock", "notes.txt", "film.part", "film.scratch"}
@@ -329,11 +319,11 @@ def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path):
     assert target.read_text() == "years of work"
 
 
-def test_workers_import_nothing_from_the_current_folder(functions, tmp_path):
+def test_workers_import_nothing_from_the_current_folder(tmp_path):
     for module in ("socket", "pickle", "random"):
         (tmp_path / f"{module}.py").write_text("raise SystemExit('taken from the folder')\n")
     with contextlib.chdir(tmp_path):
-        outcome = run(functions.job(functions.Settings()), Pool(2))
+        outcome = run(numbered_job(), Pool(2))
     assert not outcome.failures
 
 
@@ -374,8 +364,8 @@ def test_a_full_disk_is_refused_before_the_work(tmp_path):
     assert not (tmp_path / "parts").exists()
 
 
-def test_a_disk_that_fills_up_keeps_what_was_finished(functions, tmp_path, monkeypatch):
-    job = functions.job(functions.Settings())
+def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path, monkeypatch):
+    job = numbered_job()
     whole, write = Path.write_bytes, chunk_store.Path.write_bytes
     written: list[Path] = []
 
@@ -416,16 +406,15 @@ DRIVER = """\
 import sys
 from pathlib import Path
 
-import chunk_functions
+from chunk_functions import numbered_job
 from studies.engine import run as engine
-from studies.engine import workers
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import pool_of
 from studies.signals import Stopped
 
 if __name__ == "__main__":
     folder, log, workers, scheduler = sys.argv[1:]
-    job = chunk_functions.job(chunk_functions.Settings(pause_s=0.05, log=log), cells=60, each=2)
+    job = numbered_job(pause_s=0.05, log=log, cells=60, each=2)
     pool = pool_of(int(workers), scheduler or None)
     with ChunkStore(Path(folder)).opened() as store:
         print("begin", flush=True)
@@ -438,8 +427,8 @@ if __name__ == "__main__":
 
 
 def environment() -> dict[str, str]:
-    root = Path(engine.__file__).parents[2]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join((str(root), str(SUPPORT)))}
+    folders = Path(engine.__file__).parents[2], Path(chunk_functions.__file__).parent
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
 
 
 class Driver:
@@ -504,8 +493,8 @@ def _session(leader: int) -> list[str]:
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
 
 
-def expected_values(functions: Any) -> bytes:
-    outcome = run(functions.job(functions.Settings(), cells=60, each=2))
+def expected_values() -> bytes:
+    outcome = run(numbered_job(cells=60, each=2))
     return bytes(outcome.columns["root"].tobytes())
 
 
@@ -520,10 +509,10 @@ def expected_values(functions: Any) -> bytes:
         pytest.param(2, "local-cluster", [7, 22], marks=pytest.mark.extra),
     ],
 )
-def test_killed_runs_go_on_and_end_alike(functions, tmp_path, workers, scheduler, kills):
+def test_killed_runs_go_on_and_end_alike(tmp_path, workers, scheduler, kills):
     if scheduler:
         pytest.importorskip("distributed")
-    driver, expected = Driver(tmp_path, workers, scheduler), expected_values(functions)
+    driver, expected = Driver(tmp_path, workers, scheduler), expected_values()
     for parts in kills:  # killed whenever so many parts are there
         process = driver.started_until(parts)
         process.kill()
@@ -546,9 +535,7 @@ def test_killed_runs_go_on_and_end_alike(functions, tmp_path, workers, scheduler
         (signal.SIGTERM, True, 2),
     ],
 )
-def test_signals_stop_cleanly_and_keep_what_is_finished(
-    functions, tmp_path, signum, to_group, workers
-):
+def test_signals_stop_cleanly_and_keep_what_is_finished(tmp_path, signum, to_group, workers):
     driver = Driver(tmp_path, workers)
     process = driver.started_until(4)
     (os.killpg if to_group else os.kill)(process.pid, signum)
@@ -560,7 +547,7 @@ def test_signals_stop_cleanly_and_keep_what_is_finished(
     assert kept >= 4
     values, reused = driver.finish()
     assert reused == kept
-    assert values == expected_values(functions)
+    assert values == expected_values()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -582,9 +569,9 @@ def test_workers_never_see_an_interrupt(tmp_path):
 def test_a_script_without_main_guard_gets_a_message(tmp_path):
     script = tmp_path / "plain.py"
     script.write_text(
-        "import chunk_functions as f\n"
+        "from chunk_functions import numbered_job\n"
         "from studies.engine import run as engine, workers\n"
-        "engine.run(f.job(f.Settings()), workers.Pool(2))\n"
+        "engine.run(numbered_job(), workers.Pool(2))\n"
     )
     done = subprocess.run(
         [sys.executable, str(script)],
@@ -596,13 +583,8 @@ def test_a_script_without_main_guard_gets_a_message(tmp_path):
     )
     assert done.returncode != 0
     # Python itself may add a warning of its resource tracker behind it.
-    said = [line for line in done.stderr.splitlines() if "WorkersUnavailableError" in line]
-    assert said
-    assert "if __name__ == '__main__':" in said[-1]
-
-
-def test_stopped_is_not_swallowed_by_handlers_of_errors():
-    assert not issubclass(Stopped, Exception)
+    lines = [line for line in done.stderr.splitlines() if "WorkersUnavailableError" in line]
+    assert "if __name__ == '__main__':" in lines[-1]
 
 
 # ---- dask
@@ -653,10 +635,10 @@ def cluster(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(functions, tmp_path, cluster):
+def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(tmp_path, cluster):
     log = tmp_path / "log"
     log.mkdir()
-    job = functions.job(functions.Settings(pause_s=0.1, log=str(log)), cells=60, each=2)
+    job = numbered_job(pause_s=0.1, log=str(log), cells=60, each=2)
     pool, (_, *workers) = cluster(2)
 
     def pids() -> set[str]:
@@ -671,30 +653,30 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(functions, tmp_
     outcome = run(job, pool)
     assert workers[0].wait(timeout=10) == -signal.SIGKILL
     assert pids() == {str(worker.pid) for worker in workers}
-    assert_identical(outcome, run(functions.job(functions.Settings(), cells=60, each=2)))
+    assert_identical(outcome, run(numbered_job(cells=60, each=2)))
 
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_cluster_without_workers_ends_the_work_with_a_reason(functions, cluster, monkeypatch):
+def test_a_cluster_without_workers_ends_the_work_with_a_reason(cluster, monkeypatch):
     monkeypatch.setattr("studies.engine.dask_pool._WITHOUT_WORKERS_S", 2.0)
     monkeypatch.setattr("studies.engine.dask_pool._TOLD_AFTER_S", 1.0)
     monkeypatch.setattr("studies.engine.dask_pool._LOOK_S", 0.5)
     pool, (_, worker) = cluster(1)
-    told: list[str] = []
-    pool._tell = told.append
+    messages: list[str] = []
+    pool._tell = messages.append
     threading.Timer(1.0, worker.kill).start()
     with pytest.raises(WorkersUnavailableError, match="no worker for 2 s; start one with"):
-        run(functions.job(functions.Settings(pause_s=0.5), cells=60, each=2), pool)
-    (text,) = told
+        run(numbered_job(pause_s=0.5, cells=60, each=2), pool)
+    (text,) = messages
     assert "has no worker; waiting 1 s; start one with: dask worker tcp://" in text
 
 
 @pytest.mark.slow
 @pytest.mark.extra
-def test_a_scheduler_that_is_killed_ends_the_work_in_words(functions, tmp_path, cluster, capfd):
+def test_a_scheduler_that_is_killed_ends_the_work_in_words(tmp_path, cluster, capfd):
     pool, (scheduler, _) = cluster(1)
-    job = functions.job(functions.Settings(pause_s=0.1), cells=60, each=2)
+    job = numbered_job(pause_s=0.1, cells=60, each=2)
     killed = threading.Event()
 
     def progress(done: int, total: int) -> None:

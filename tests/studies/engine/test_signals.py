@@ -53,6 +53,7 @@ def test_a_signal_is_raised_with_its_number(number):
     with pytest.raises(Stopped) as stopped, interruptible():
         send(number)
     assert stopped.value.signum == number
+    assert not isinstance(stopped.value, Exception)  # which handlers of errors would swallow
 
 
 def test_a_swallowed_signal_comes_again():
@@ -114,9 +115,9 @@ def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end():
     assert (done.returncode, done.stdout, done.stderr) == (0, b"300 True\n", b"")
 
 
-def test_other_errors_of_finalisers_are_told(monkeypatch):
-    told: list[str] = []
-    monkeypatch.setattr(sys, "unraisablehook", lambda error: told.append(str(error.exc_value)))
+def test_other_errors_of_finalisers_are_reported(monkeypatch):
+    errors: list[str] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda error: errors.append(str(error.exc_value)))
 
     class Broken:
         def __del__(self) -> None:
@@ -125,7 +126,7 @@ def test_other_errors_of_finalisers_are_told(monkeypatch):
     before = sys.unraisablehook
     with interruptible():
         Broken()
-    assert told == ["broken"]
+    assert errors == ["broken"]
     assert sys.unraisablehook is before
 
 
@@ -166,16 +167,16 @@ def test_a_signal_that_is_ignored_stays_ignored():
 
 
 def test_other_threads_catch_nothing():
-    found = []
+    caught = []
 
     def enter() -> None:
         with interruptible() as signals:
-            found.append(signals.caught)
+            caught.append(signals.caught)
 
     thread = threading.Thread(target=enter)
     thread.start()
     thread.join()
-    assert found == [[]]
+    assert caught == [[]]
 
 
 def stubborn(settings: None, cells: object) -> None:

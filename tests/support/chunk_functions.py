@@ -61,7 +61,8 @@ def interruptible(settings: Settings, cells: FloatArray) -> dict[str, Any]:
     return {"root": [float(not blocked)] * len(cells)}
 
 
-def job(settings: Settings, cells: int = 20, each: int = 4) -> Job:
+def numbered_job(cells: int = 20, each: int = 4, **settings: Any) -> Job:
+    """Return the job of so many cells, in chunks of so many each."""
     numbers = np.arange(cells)
     chunks = np.split(numbers, range(each, cells, each))
-    return Job(work, settings, numbers[:, np.newaxis] + 0.0, chunks, BLANKS)
+    return Job(work, Settings(**settings), numbers[:, np.newaxis] + 0.0, chunks, BLANKS)
