@@ -31,7 +31,13 @@ def test_starters_validate_analyse_and_size(run, tmp_path):
     assert outcome.out == "heron.yaml: valid aircraft\nheron-mission.yaml: valid mission\n"
     mission = ("-m", "heron-mission.yaml", "--json")
     assert run("analyse", "heron.yaml", *mission).json()["aircraft"] == "heron"
-    record = run("size", "heron.yaml", *mission).json()
+    default = "solar-uav: the default mission is used; the one beside: -m heron-mission.yaml\n"
+    assert run("analyse", "heron.yaml").err == default
+    # The mission beside an aircraft is the one to size for.
+    outcome = run("size", "heron.yaml", "--json")
+    assert outcome.err == "solar-uav: flown is the mission beside it, -m heron-mission.yaml\n"
+    record = outcome.json()
+    assert (record["mission"], record["mission_is_default"]) == ("heron-mission", False)
     assert record["status"] == "optimal"
     assert record["simulated"]["excess_time_h"] >= 3.0
 
@@ -179,17 +185,6 @@ def test_every_command_that_reads_files_takes_overrides(run, command):
 def test_a_single_latitude_is_a_grid_of_one(run):
     record = run("map", AS2, "--latitudes", "45N", "--days", "172", "--json").json()
     assert (record["latitude_deg"], record["days"]) == ([45.0], [172])
-
-
-def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run):
-    assert run("init", "heron").code == 0
-    known = run("size", "heron.yaml", "-m", "heron-mission.yaml", "--json")
-    found = run("size", "heron.yaml", "--json")
-    assert found.err == "solar-uav: flown is the mission beside it, -m heron-mission.yaml\n"
-    keys = ("mission", "mission_is_default", "status", "wingspan_m")
-    assert [found.json()[key] for key in keys] == [known.json()[key] for key in keys]
-    told = "solar-uav: the default mission is used; the one beside: -m heron-mission.yaml\n"
-    assert run("analyse", "heron.yaml").err == told
 
 
 @pytest.mark.slow

@@ -16,15 +16,12 @@ GOOD = (
 
 
 def test_terminal_json_and_files_say_the_same(run, tmp_path):
-    latitudes = ("--latitudes", "30:60:15")
-    record = run("station", DESIGN, *GOOD, *latitudes, "--json").json()
+    call = ("station", DESIGN, *GOOD, "--latitudes", "30:60:30")
+    record = run(*call, "--json", "--out", "a.nc").json()
     share = np.array(record["share_on_station"])
-    assert share.shape == (3, 12)
+    assert share.shape == (2, 12)
     assert share.max() > 0.5
-    outcome = run(
-        *("station", DESIGN, *GOOD, *latitudes, "--out", str(tmp_path / "a.nc")),
-        *("--plot", str(tmp_path / "a.png")),
-    )
+    outcome = run(*call, "--out", "a.csv", "--plot", "a.png")
     assert outcome.code == 0
     assert f"up to {100.0 * share.max():.0f} % of the time" in " ".join(outcome.out.split())
     with xr.open_dataset(tmp_path / "a.nc") as data:
@@ -32,35 +29,29 @@ def test_terminal_json_and_files_say_the_same(run, tmp_path):
         assert data["share"].dims == ("latitude", "month")
         assert "mission" in data.attrs
     assert (tmp_path / "a.png").stat().st_size > 5_000
-    run("station", DESIGN, *GOOD, *latitudes, "--out", str(tmp_path / "a.csv"))
     table = pd.read_csv(tmp_path / "a.csv")
     assert table["share_on_station"].to_numpy() == pytest.approx(share.ravel(), abs=1e-9)
 
 
 def test_altitudes_go_in_place_of_latitudes(run, tmp_path):
     altitudes = ("--altitudes", "10000:14000:2000")
-    record = run("station", DESIGN, *GOOD, *altitudes, "--json").json()
-    assert record["altitudes_m"] == [10000.0, 12000.0, 14000.0]
-    plot = str(tmp_path / "b.png")
-    assert run("station", DESIGN, *GOOD, *altitudes, "--plot", plot).code == 0
+    outcome = run("station", DESIGN, *GOOD, *altitudes, "--json", "--plot", "b.png")
+    assert outcome.json()["altitudes_m"] == [10000.0, 12000.0, 14000.0]
+    assert (tmp_path / "b.png").exists()
 
 
 def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run, tmp_path):
-    here = ("--latitudes", "40:50:10")
+    call = ("station", DESIGN, *GOOD, "--latitudes", "40:50:10")
     heights = (9500, 12000)
-    each = [
-        run("station", DESIGN, *GOOD, *here, "--set", f"mission.altitude_m={h}", "--json").json()
-        for h in heights
-    ]
-    both = ("station", DESIGN, *GOOD, *here, "--altitudes", "9500:12000:2500")
-    record = run(*both, "--json").json()
-    shares = np.array([one["share_on_station"] for one in each])
+    records = [run(*call, "--set", f"mission.altitude_m={h}", "--json").json() for h in heights]
+    both = (*call, "--altitudes", "9500:12000:2500")
+    record = run(*both, "--json", "--out", "c.nc").json()
+    shares = np.array([record["share_on_station"] for record in records])
     assert np.array_equal(record["share_on_station"], shares.max(axis=0))
     chosen = np.array(heights)[shares.argmax(axis=0)]
     assert np.array_equal(record["altitude_m"], chosen)
     assert len(set(chosen.ravel().tolist())) == 2  # neither is the best everywhere
-    outcome = run(*both, "--out", str(tmp_path / "c.nc"), "--plot", str(tmp_path / "c.png"))
-    assert "altitude of that share [km]" in outcome.out
+    assert "altitude of that share [km]" in run(*both, "--plot", "c.png").out
     with xr.open_dataset(tmp_path / "c.nc") as data:
         assert np.array_equal(data["chosen_altitude"].to_numpy(), chosen)
 
@@ -70,8 +61,8 @@ CEILING = ("--set", "mission.climb={ceiling_m: 20000, strategy: surplus}")
 
 
 def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(run, tmp_path):
-    aloft = ("altitude_m=20000", "flight_path.airspeed_m_per_s=25", "flight_path.radius_m=600")
-    where = [word for one in aloft for word in ("--set", f"mission.{one}")]
+    keys = ("altitude_m=20000", "flight_path.airspeed_m_per_s=25", "flight_path.radius_m=600")
+    where = [word for key in keys for word in ("--set", f"mission.{key}")]
     where += ["--set", "mission.wind={percentile: 95}", "--model", "VM"]
     cells = ("--latitudes", "20:60:40", "--days", "1:181:180")
     out = str(tmp_path / "m.nc")

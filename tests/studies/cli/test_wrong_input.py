@@ -122,6 +122,7 @@ STRINGS = (
     "open_circuit_voltage_v: 0.73, mpp_current_a: 5.9, "
     "mppt: {minimum_voltage_v: 9, maximum_voltage_v: 16, maximum_current_a: 7}}"
 )
+WRONG_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:inf", "0:9:1e-320"]
 LETTERS = "a name has letters, digits, '-', '_' and '.', at most 64 of them"
 DEVICES = ("CON", "nul.yaml", "Aux", "com1", "LPT9.v2.yml", "prn.2")
 # Calls by what they begin with: the rest, and a part of the message.
@@ -199,6 +200,14 @@ REFUSALS = {
         (f"--date 06-21 {COLORADO}", "own days: give --date or --weather"),
         (f"--day-of-year 172 {COLORADO}", "own days: give --day-of-year or --weather"),
         ("--table-years years.csv", "--table-years needs --weather"),
+        ("--plot a.png --figure-size 7x4", "'7x4' is no size of a figure; allowed:"),
+        ("--plot a.png --figure-size 5x5mm", "must be from 40 to 2500 mm (got 5 mm)"),
+        ("--plot a.png --dpi many", "'many' is no number of dots per inch"),
+        ("--plot a.png --dpi 1", "must be from 20 to 2400 (got 1)"),
+        ("--plot a.png --figure-size 90in --dpi 900", "at most 65535"),
+        ("--plot a.png --style pretty", "'pretty' is neither a style nor a file"),
+        ("--style paper", "--style is of the figure: give --plot too"),
+        ("--no-title", "--no-title is of the figure: give --plot too"),
         ("--weather typical.epw --table-years years.csv", "this is a typical year"),
     ],
     f"analyse {AS2} --set": [
@@ -272,6 +281,7 @@ REFUSALS = {
         (f"{COLORADO} --survive 0.5 --required-excess-time 2", "time is of repeated clear days"),
         (f"{COLORADO} --survive 0.5 --objective longest_season", "longest_season counts days or"),
         (f"{COLORADO} --survive 0.5", "set the mission's latitude_deg"),
+        ("--dpi 300", "--dpi is of the figure: give --out too"),
     ],
     f"size {DESIGN} -m central-europe-summer --required-excess-time 3 --whole-cells": [
         (
@@ -305,6 +315,44 @@ REFUSALS = {
             "must be above the night's floor of 536 (got",
         ),
     ],
+    f"map {AS2}": [
+        *[(f"--latitudes {grid}", "--latitudes") for grid in WRONG_GRIDS],
+        ("--latitudes 45N:", "is no number and not first:last:step"),
+        ("--days 1:3:0.5", "whole numbers"),
+        ("--out map.txt", "must end in .nc, .csv"),
+        ("--resize min_mass", "airframe.kind: "),
+        ("--resize min_mass --endurance", "--endurance"),
+        ("--scheduler tcp://a:1 --workers 2", "--workers"),
+    ],
+    "sweep": [
+        (DESIGN, "--vary"),
+        (f"{DESIGN} --vary wingspan_m=5:1:1", "must rise"),
+        *[
+            (f"{DESIGN} --vary wingspan_m=4,5 {options}", message)
+            for options, message in [
+                ("--out x.xls", ".nc, .csv, .parquet"),
+                ("--pareto a b", "'a' is not one of wingspan_m,"),
+                ("--sort -a", "'a' is not one of status, wingspan_m,"),
+                ("--sort a --pareto a b", "--pareto or --sort"),
+                ("--keep-parts", "needs --out or --work"),
+                ("--scheduler here", "tcp://HOST:PORT"),
+                ("--workers 0", "--workers"),
+            ]
+        ],
+    ],
+    f"explore {AS2} --no-browser": [
+        ("--port 65536", "65536"),
+        ("--port x", "not a valid integer"),
+        ("--mission nowhere", "nowhere"),
+        ("--set 'mission.climb={ceiling_m: 300}'", "must be at least the mission's altitude_m"),
+        ("--set battery.mass_kg=-1", "battery.mass_kg"),
+        ("--mission desert-center-48h --model FM", "flight path"),
+    ],
+    f"report {AS2}": [
+        ("", "Missing option '--out'"),
+        ("--out report.txt", "must end in .html or .pdf"),
+    ],
+    f"compare {AS2}": [("--dpi 300", "--dpi is of the figure: give --plot or --out too")],
     f"map {DESIGN}": [
         (f"-m climb.yaml --resize min_mass --set {CLIMB_POWER}=1", "allowed: above 1 (got 1)"),
         (f"{HOLDING} {POLAR}", "latitude_deg -88 to 88 (got"),
@@ -345,24 +393,36 @@ def test_wrong_calls(run, tmp_path, call, message):
     assert files(tmp_path) == before
 
 
-@pytest.mark.parametrize("option", ["--plot", "--csv", "--table"])
 @pytest.mark.parametrize(
-    ("name", "message"),
+    ("call", "message"),
     [
-        ("no/a", "cannot write no/a{}: its folder does not exist"),
-        ("file/a", "cannot write file/a{}: a part of the path is a file"),
-        ("folder", "cannot write folder{}: it is a folder"),
+        (f"analyse {AS2} --plot no/a.png", "cannot write no/a.png: its folder does not exist"),
+        (f"analyse {AS2} --csv no/a.csv", "cannot write no/a.csv: its folder does not exist"),
+        (f"map {AS2} --out no/a.nc", "cannot write no/a.nc: its folder does not exist"),
+        (f"map {AS2} --plot no/a.png", "cannot write no/a.png: its folder does not exist"),
+        (f"report {AS2} --out no/a.html", "cannot write no/a.html: its folder does not exist"),
+        (f"analyse {AS2} --plot file/a.png", "cannot write file/a.png: a part of the path is a fi"),
+        (
+            f"analyse {AS2} --csv file/a.csv",
+            "cannot write file/a.csv: a part of the path is a file",
+        ),
+        (f"analyse {AS2} --plot folder.png", "cannot write folder.png: it is a folder"),
+        (f"analyse {AS2} --table folder.csv", "cannot write folder.csv: it is a folder"),
+        (f"map {AS2} --out folder.nc", "cannot write folder.nc: it is a folder"),
+        (f"map {AS2} --out m.nc --work file", "cannot write to file: file is not a folder"),
+        (f"map {AS2} --out m.nc --work /proc/x", "/proc/x: no folder can be made there"),
     ],
 )
-def test_files_that_cannot_be_written(run, tmp_path, option, name, message):
-    end = ".png" if option == "--plot" else ".csv"
+def test_files_that_cannot_be_written(run, tmp_path, call, message):
     (tmp_path / "file").write_text("old")
-    (tmp_path / f"folder{end}").mkdir()
-    outcome = run("analyse", AS2, option, f"{name}{end}")
+    folders = {"folder.png", "folder.csv", "folder.nc"}
+    for folder in folders:
+        (tmp_path / folder).mkdir()
+    outcome = run(*call.split())
     assert outcome.code == 1
-    assert message.format(end) in outcome.err
+    assert message in outcome.err
     assert outcome.err.count("\n") == 1
-    assert files(tmp_path) == {"file", f"folder{end}"}
+    assert files(tmp_path) == {"file", *folders}
     assert (tmp_path / "file").read_text() == "old"
 
 

@@ -3,8 +3,6 @@
 import socket
 import sys
 
-import pytest
-
 from studies.explorer.serve import ADDRESS
 
 
@@ -24,22 +22,4 @@ def test_taken_port_is_told(run):
         answer = run("explore", "atlantiksolar-as2", "--no-browser", "--port", str(port))
     assert answer.code == 1
     assert f"cannot listen on {ADDRESS}:{port}" in answer.err
-    assert answer.out == ""
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--port", "65536"), "65536"),
-        (("--port", "x"), "not a valid integer"),
-        (("--mission", "nowhere"), "nowhere"),
-        (("--set", "mission.climb={ceiling_m: 300}"), "must be at least the mission's altitude_m"),
-        (("--set", "battery.mass_kg=-1"), "battery.mass_kg"),
-        (("--mission", "desert-center-48h", "--model", "FM"), "flight path"),
-    ],
-)
-def test_wrong_input_is_refused_before_anything_is_served(run, words, message):
-    answer = run("explore", "atlantiksolar-as2", "--no-browser", *words)
-    assert answer.code == 2
-    assert message in answer.err
     assert answer.out == ""

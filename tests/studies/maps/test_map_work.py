@@ -165,32 +165,6 @@ def test_a_stopped_command_says_how_to_go_on(tmp_path, signum, workers):
     assert found <= {SizingStatus.cross_checked, SizingStatus.optimal, SizingStatus.infeasible}
 
 
-@pytest.mark.parametrize(
-    ("options", "code", "words"),
-    [
-        (["--out", "none/map.nc"], 1, "folder does not exist"),
-        (["--out", "folder.nc"], 1, "it is a folder"),
-        (["--out", "map.nc", "--work", "file"], 1, "cannot write to file: file is not a folder"),
-        (
-            ["--out", "map.nc", "--work", "/proc/x"],
-            1,
-            "cannot write to /proc/x: no folder can be made there",
-        ),
-        (["--plot", "none/map.png"], 1, "folder does not exist"),
-        (["--resize", "min_mass"], 2, "airframe.kind: "),
-        (["--days", "1:3:0.5"], 2, "whole numbers"),
-        (["--resize", "min_mass", "--endurance"], 2, "--endurance"),
-        (["--scheduler", "tcp://a:1", "--workers", "2"], 2, "--workers"),
-    ],
-)
-def test_what_cannot_work_is_refused_at_once(run, tmp_path, options, code, words):
-    (tmp_path / "file").touch()
-    (tmp_path / "folder.nc").mkdir()
-    answer = run("map", *SMALL, *options)
-    assert answer.code == code
-    assert words in answer.err
-
-
 # ---- the best design of each cell
 
 

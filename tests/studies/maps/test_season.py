@@ -61,7 +61,11 @@ def test_sampled_days_are_those_of_the_whole_year(latitude):
 
 
 @pytest.mark.parametrize(
-    ("model", "avionics_w"), [(SolarModel("CDM"), 18.75), (SolarModel("FM"), 17.75)]
+    ("model", "avionics_w"),
+    [
+        (SolarModel("CDM"), 18.75),
+        pytest.param(SolarModel("FM"), 17.75, marks=pytest.mark.long),
+    ],
 )
 def test_two_windows_between_the_tropics_are_both_found(model, avionics_w):
     """At the equator the sun is highest at the equinoxes: the solstices are the dark seasons."""
@@ -160,15 +164,16 @@ def test_days_on_which_the_wind_is_too_strong_for_the_path_are_not_flown():
 def test_days_with_a_wind_aloft_too_strong_for_the_path_are_not_flown():
     path = Circle(kind="circle", radius_m=1000.0, airspeed_m_per_s=18.0)
     plain = load_mission("stratosphere-mission").model_dump(by_alias=True, exclude_none=True)
-    windy = plain | {"climb": {"ceiling_m": 26000.0}, "flight_path": path}
+    windy = plain | {"climb": {"ceiling_m": 24000.0}, "flight_path": path}
     there = Mission.model_validate(windy)
     aircraft, models = load_aircraft("stratosphere-design"), [SolarModel("VM")]
-    simulated = np.flatnonzero(perpetual_flags(aircraft, there, 40.0, models)[models[0]]) + 1
-    days = Scenarios(np.full(365, 40.0), np.arange(1, 366))
+    days = np.arange(1, 366, 7)
+    perpetual = perpetual_flags(aircraft, there, 40.0, models)[models[0]][days - 1]
+    scenarios = Scenarios(np.full(len(days), 40.0), days)
 
     def kept(where: Mission) -> BoolArray:
-        return np.array([trouble is None for trouble in path_troubles(aircraft, where, days)])
+        return np.array([trouble is None for trouble in path_troubles(aircraft, where, scenarios)])
 
-    able = np.arange(1, 366)[kept(there)]
-    assert set(simulated) <= set(able)
-    assert kept(there.at_altitude(20000.0)).sum() > len(able) > 0
+    able = kept(there)
+    assert not (perpetual & ~able).any()
+    assert kept(there.at_altitude(20000.0)).sum() > able.sum() > 0

@@ -380,20 +380,6 @@ def test_names_do_not_change_the_colours_of_print_nor_they_the_names(name: str) 
     assert "var(" not in printed.removeprefix(head)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("--out", "report.txt"), "must end in .html or .pdf"),
-        (("--out", "none/report.html"), "its folder does not exist"),
-        ((), "Missing option '--out'"),
-    ],
-)
-def test_wrong_files_are_refused_before_any_work(run, arguments, told):
-    outcome = run("report", "atlantiksolar-as2", *arguments)
-    assert outcome.code in (1, 2)
-    assert told in outcome.err
-
-
 def test_without_weasyprint_a_pdf_is_refused(run, monkeypatch):
     monkeypatch.setattr("studies.report.pdf.has_weasyprint", lambda: False)
     outcome = run("report", "atlantiksolar-as2", "--out", "report.html", "--pdf")

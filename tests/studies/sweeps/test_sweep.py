@@ -394,27 +394,6 @@ def test_command_draws_a_front(run, tmp_path):
     assert not (tmp_path / "s.png").exists()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--vary", "wingspan_m=5:1:1"], "must rise"),
-        (["--vary", "wingspan_m=4,5", "--out", "x.xls"], ".nc, .csv, .parquet"),
-        (["--vary", "wingspan_m=4,5", "--pareto", "a", "b"], "'a' is not one of wingspan_m,"),
-        (["--vary", "wingspan_m=4,5", "--sort", "-a"], "'a' is not one of status, wingspan_m,"),
-        (["--vary", "wingspan_m=4,5", "--sort", "a", "--pareto", "a", "b"], "--pareto or --sort"),
-        (["--vary", "wingspan_m=4,5", "--keep-parts"], "needs --out or --work"),
-        (["--vary", "wingspan_m=4,5", "--scheduler", "here"], "tcp://HOST:PORT"),
-        (["--vary", "wingspan_m=4,5", "--workers", "0"], "--workers"),
-        ([], "--vary"),
-    ],
-)
-def test_command_names_mistakes(run, arguments, words):
-    answer = run("sweep", "atlantiksolar-design", *arguments)
-    assert answer.code == 2
-    assert words in answer.err
-    assert "Traceback" not in answer.err
-
-
 @pytest.mark.extra
 def test_parquet_holds_table_and_configuration(run, tmp_path):
     pytest.importorskip("pyarrow")

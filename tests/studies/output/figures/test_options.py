@@ -145,30 +145,6 @@ def test_the_command_draws_in_the_size_that_is_asked_for(run):
     assert (wide, high) == pytest.approx((100 / 25.4 * 50, 80 / 25.4 * 50), abs=1)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--plot", "a.png", "--figure-size", "7x4"], "'7x4' is no size of a figure; allowed:"),
-        (["--plot", "a.png", "--figure-size", "5x5mm"], "must be from 40 to 2500 mm (got 5 mm)"),
-        (["--plot", "a.png", "--dpi", "many"], "'many' is no number of dots per inch"),
-        (["--plot", "a.png", "--dpi", "1"], "must be from 20 to 2400 (got 1)"),
-        (["--plot", "a.png", "--figure-size", "90in", "--dpi", "900"], "at most 65535"),
-        (["--plot", "a.png", "--style", "pretty"], "'pretty' is neither a style nor a file"),
-        (["--style", "paper"], "--style is of the figure: give --plot too"),
-        (["--no-title"], "--no-title is of the figure: give --plot too"),
-    ],
-)
-def test_wrong_options_are_told_before_any_work(run, options, message):
-    outcome = run("analyse", AS2, *options)
-    assert outcome.code == 2
-    assert message in " ".join(outcome.err.replace("│", " ").split())
-    assert not list(Path().iterdir())
-    for command, places in (("size", "--out"), ("compare", "--plot or --out")):
-        told = run(command, "atlantiksolar-design", "-m", "rafz-july", "--dpi", "300")
-        assert told.code == 2
-        assert f"--dpi is of the figure: give {places} too" in " ".join(told.err.split())
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     "call",
