@@ -185,7 +185,7 @@ def flight_table(run: CalendarRun) -> Table:
         rows.append((q.FULL_CHARGE.label, date_and_clock(clock, first_day)))
     rows += [
         q.MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
-        ("flown", hours(flight.duration_h)),
+        ("flight time", hours(flight.duration_h)),
         ("state of charge at the end", percent(flight.final_state_of_charge)),
     ]
     if flight.empty_clock_h is not None:

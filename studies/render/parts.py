@@ -55,7 +55,7 @@ def wind_source(mission: Mission) -> Iterable[str]:
     wind = wind_of(mission)
     if wind is None:
         return ()
-    held = "; flown as fast as the wind at least, to hold its place" if wind.hold_station else ""
+    held = "; airspeed at least that of the wind, to hold its place" if wind.hold_station else ""
     return (f"winds from {wind.source}{held}",)
 
 

@@ -277,7 +277,7 @@ def test_a_replayed_flight_is_told_by_its_facts() -> None:
     rows = dict(flight_table(flight).rows)
     assert rows["launch (local time)"] == "30 Jun 11:14"
     assert rows["minimum state of charge"] == f"{100.0 * flight.minimum_state_of_charge:.1f} %"
-    assert list(rows)[-2:] == ["flown", "state of charge at the end"]
+    assert list(rows)[-2:] == ["flight time", "state of charge at the end"]
 
 
 def test_needed_values_of_relaxations_stand_to_the_right() -> None:
