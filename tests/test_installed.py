@@ -55,27 +55,27 @@ def skip_unless_wheel() -> None:
 
 @pytest.mark.skipif(not must_be_installed, reason="SOLAR_UAV_TEST_INSTALLED is not 1")
 @pytest.mark.parametrize("package", PACKAGES)
-def test_package_is_imported_from_site_packages(package: str) -> None:
+def test_package_is_imported_from_site_packages(package):
     module_file = importlib.import_module(package).__file__
     assert module_file is not None
     assert Path(module_file).resolve().is_relative_to(Path(sysconfig.get_path("purelib")).resolve())
 
 
-def test_version_matches_the_metadata() -> None:
+def test_version_matches_the_metadata():
     assert importlib.import_module("solar").__version__ == metadata.version(DISTRIBUTION)
 
 
-def test_command_is_registered() -> None:
+def test_command_is_registered():
     (script,) = metadata.distribution(DISTRIBUTION).entry_points.select(group="console_scripts")
     assert (script.name, script.value) == ("solar-uav", "studies.cli.start:start")
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_package_is_marked_as_typed(package: str) -> None:
+def test_package_is_marked_as_typed(package):
     assert resources.files(package).joinpath("py.typed").is_file()
 
 
-def test_only_the_four_packages_are_shipped() -> None:
+def test_only_the_four_packages_are_shipped():
     skip_unless_wheel()
     files = metadata.files(DISTRIBUTION)
     assert files is not None
@@ -84,7 +84,7 @@ def test_only_the_four_packages_are_shipped() -> None:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_every_file_of_the_source_tree_is_shipped(package: str) -> None:
+def test_every_file_of_the_source_tree_is_shipped(package):
     skip_unless_wheel()
     sources = source_files(package)
     if not sources:
@@ -94,7 +94,7 @@ def test_every_file_of_the_source_tree_is_shipped(package: str) -> None:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_installed_files_are_those_of_the_source_tree(package: str) -> None:
+def test_installed_files_are_those_of_the_source_tree(package):
     skip_unless_wheel()
     shipped = shipped_files()
     stale = [

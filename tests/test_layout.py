@@ -11,6 +11,6 @@ FOLDERS = sorted({path.parent.relative_to(TESTS) for path in TESTS.rglob("test_*
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=str)
-def test_folder_of_tests_is_that_of_a_package(folder: Path) -> None:
+def test_folder_of_tests_is_that_of_a_package(folder):
     if folder.parts and folder.parts[0] not in OTHERS:
         assert (TESTS.parent / folder / "__init__.py").exists()

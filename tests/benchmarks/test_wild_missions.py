@@ -99,9 +99,7 @@ def test_problems_are_the_same_every_time_and_can_be_written(tmp_path):
     [(101, 0.0, 201.86), (106, 6.54, 4.1105), (108, 32.1, 12.15)],
     ids=["payload far above the first design's", "next to no battery", "thermals at midnight sun"],
 )
-def test_problems_that_programs_failed_in_have_their_optimum(
-    number: int, required_h: float, searched: float
-) -> None:
+def test_problems_that_programs_failed_in_have_their_optimum(number, required_h, searched):
     """Each ended as infeasible once: a program that failed, or a battery that thermals emptied.
 
     The first two have the optimum of another optimiser; of the third no other found any, and what

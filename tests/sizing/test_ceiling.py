@@ -46,7 +46,7 @@ def with_polar(design_aspect_ratio: float = 18.5) -> Aircraft:
 
 
 @pytest.mark.parametrize("altitude_m", [0.0, 3000.0, 11000.0, 15000.0, 20000.0])
-def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitude_m: float) -> None:
+def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitude_m):
     there = mission(altitude_m=altitude_m)
     air = ambiance.Atmosphere(altitude_m)
     density = float(air.density[0])
@@ -65,7 +65,7 @@ def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitud
     assert flight.propulsion_power_w == pytest.approx(electric, rel=3e-5)
 
 
-def test_measured_power_grows_with_thinner_air_alone() -> None:
+def test_measured_power_grows_with_thinner_air_alone():
     low = flight_at_altitude(AS2, mission(), UNCORRECTED_CAM, 536.0)
     high = flight_at_altitude(AS2, mission(), UNCORRECTED_CAM, 12000.0)
     ratio = float(ambiance.Atmosphere(536.0).density[0] / ambiance.Atmosphere(12000.0).density[0])
@@ -75,7 +75,7 @@ def test_measured_power_grows_with_thinner_air_alone() -> None:
 
 
 @pytest.mark.parametrize("aircraft", [DESIGN, with_polar(), SKY_SAILOR])
-def test_power_grows_steadily_into_thin_air(aircraft: Aircraft) -> None:
+def test_power_grows_steadily_into_thin_air(aircraft):
     power = [
         flight_at_altitude(aircraft, mission(), UNCORRECTED_CAM, h).propulsion_power_w
         for h in np.arange(0.0, 24001.0, 2000.0)
@@ -87,7 +87,7 @@ def test_power_grows_steadily_into_thin_air(aircraft: Aircraft) -> None:
 # ---- The same weather at every altitude
 
 
-def test_mission_at_its_own_altitude_is_the_same_flight() -> None:
+def test_mission_at_its_own_altitude_is_the_same_flight():
     warm = mission(air={"ambient_temperature_c": 31.3, "module_temperature_c": 40.0})
     same = warm.at_altitude(536.0)
     # Temperature offset and back: rounding.
@@ -100,7 +100,7 @@ def test_mission_at_its_own_altitude_is_the_same_flight() -> None:
 @pytest.mark.parametrize(
     "air", [{"ambient_temperature_c": 31.3}, {"temperature_offset_k": 19.784}, {}]
 )
-def test_warm_air_stays_as_much_warmer_aloft(air: dict[str, float]) -> None:
+def test_warm_air_stays_as_much_warmer_aloft(air):
     warm = mission(air=air)
     standard = ambiance.Atmosphere(536.0).temperature[0]
     offset = float(warm.air_state().temperature_k - standard)
@@ -120,9 +120,7 @@ def test_warm_air_stays_as_much_warmer_aloft(air: dict[str, float]) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("aircraft", [AS2, DESIGN])
 @pytest.mark.parametrize("required_h", [0.0, 3.0])
-def test_ceiling_lies_where_analyse_finds_the_required_excess_time(
-    aircraft: Aircraft, required_h: float
-) -> None:
+def test_ceiling_lies_where_analyse_finds_the_required_excess_time(aircraft, required_h):
     where = mission(required_excess_time_h=required_h)
     ceiling = highest_perpetual_altitude(aircraft, where, step_m=1000.0)
     assert ceiling.highest is not None
@@ -137,7 +135,7 @@ def test_ceiling_lies_where_analyse_finds_the_required_excess_time(
     assert not ceiling.at_search_limit
 
 
-def test_better_aircraft_fly_higher_and_stronger_sun_helps() -> None:
+def test_better_aircraft_fly_higher_and_stronger_sun_helps():
     def height(aircraft: Aircraft, solar: SolarModel = UNCORRECTED_CAM) -> float:
         ceiling = highest_perpetual_altitude(aircraft, mission(), solar, step_m=1000.0)
         return -1.0 if ceiling.highest is None else ceiling.highest.altitude_m
@@ -150,7 +148,7 @@ def test_better_aircraft_fly_higher_and_stronger_sun_helps() -> None:
     assert height(AS2, SolarModel("CDM")) > base
 
 
-def test_worst_scenario_sets_the_ceiling() -> None:
+def test_worst_scenario_sets_the_ceiling():
     both = highest_perpetual_altitude(
         AS2, mission(dates={"from": "05-01", "to": "06-21", "count": 2}), step_m=1000.0
     )
@@ -162,21 +160,21 @@ def test_worst_scenario_sets_the_ceiling() -> None:
     assert both.highest.worst_scenario == 0
 
 
-def test_search_that_ends_too_low_says_so() -> None:
+def test_search_that_ends_too_low_says_so():
     ceiling = highest_perpetual_altitude(AS2, mission(), highest_m=3000.0)
     assert ceiling.at_search_limit
     assert ceiling.highest is ceiling.flights[-1]
     assert ceiling.highest.altitude_m == 3000.0
 
 
-def test_search_from_high_up_goes_on_to_the_end_of_the_air() -> None:
+def test_search_from_high_up_goes_on_to_the_end_of_the_air():
     low = highest_perpetual_altitude(AS2, mission(), step_m=8000.0)
     high = highest_perpetual_altitude(AS2, mission(altitude_m=20000.0), step_m=8000.0)
     assert low.flights[-1].altitude_m == 20000.0
     assert high.flights[-1].altitude_m == 32000.0
 
 
-def test_no_ceiling_where_no_altitude_is_feasible() -> None:
+def test_no_ceiling_where_no_altitude_is_feasible():
     ceiling = highest_perpetual_altitude(AS2, mission(dates={"on": "12-21"}), step_m=2000.0)
     assert ceiling.highest is None
     assert ceiling.best.excess_time_h < 0.0
@@ -193,9 +191,7 @@ def synthetic(excess: dict[float, float]) -> Any:
     return simulate
 
 
-def test_feasible_band_aloft_counts_though_lower_flight_fails(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_feasible_band_aloft_counts_though_lower_flight_fails(monkeypatch):
     # Two feasible bands: 4 to 12 km with the peak at 7.3 km, and a weaker one from 14 to 16 km.
     excess = {0.0: -2.0, 4000.0: 0.0, 7300.0: 3.0, 12000.0: 0.0, 13000.0: -1.0, 14000.0: 0.0}
     excess |= {15000.0: 1.0, 16000.0: 0.0, 20000.0: -5.0}
@@ -208,9 +204,7 @@ def test_feasible_band_aloft_counts_though_lower_flight_fails(
     assert ceiling.best.altitude_m == pytest.approx(7300.0, abs=2.0)
 
 
-def test_jump_of_the_excess_time_is_found_on_its_feasible_side(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_jump_of_the_excess_time_is_found_on_its_feasible_side(monkeypatch):
     # Where a day's gain turns into a loss, excess time falls from hours to minus hours at once.
     def simulate(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
         value = 5.0 if altitude_m <= 8123.4 else -3.0
@@ -224,7 +218,7 @@ def test_jump_of_the_excess_time_is_found_on_its_feasible_side(
     assert ceiling.highest.altitude_m == pytest.approx(8123.4, abs=0.5)
 
 
-def test_endless_sunlight_has_a_ceiling_too() -> None:
+def test_endless_sunlight_has_a_ceiling_too():
     # Polar summer: the modules carry the aircraft round the clock, so that excess time is infinite.
     where = mission(latitude_deg=85.0, dates={"on": "06-21"}, altitude_m=0.0)
     ceiling = highest_perpetual_altitude(AS2, where, step_m=1000.0, highest_m=32000.0)
@@ -232,7 +226,7 @@ def test_endless_sunlight_has_a_ceiling_too() -> None:
     assert ceiling.highest is not None
 
 
-def test_scan_has_both_ends_and_round_altitudes() -> None:
+def test_scan_has_both_ends_and_round_altitudes():
     assert scanned_altitudes_m(536.0, 2000.0, 500.0) == [536.0, 1000.0, 1500.0, 2000.0]
     assert scanned_altitudes_m(500.0, 1100.0, 500.0) == [500.0, 1000.0, 1100.0]
     assert scanned_altitudes_m(-100.0, 50.0, 500.0) == [-100.0, 0.0, 50.0]
@@ -247,12 +241,12 @@ def test_scan_has_both_ends_and_round_altitudes() -> None:
         ({"step_m": 0.0}, "step_m must be above 0"),
     ],
 )
-def test_searches_without_extent_are_refused(options: dict[str, float], message: str) -> None:
+def test_searches_without_extent_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
         highest_perpetual_altitude(AS2, mission(), **options)
 
 
-def test_aircraft_too_heavy_to_fly_at_any_altitude_is_said_to_be() -> None:
+def test_aircraft_too_heavy_to_fly_at_any_altitude_is_said_to_be():
     whale = builders.aircraft(
         "atlantiksolar-design", "airframe.structure.calibration=60", "airframe.wingspan_m=12"
     )

@@ -51,9 +51,7 @@ def climbs_of(
 @pytest.mark.parametrize(
     ("aircraft", "dates"), [(AS2, SOLSTICES), (UNLIMITED_AS2, SOLSTICES), (DESIGN, SOLSTICES)]
 )
-def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
-    aircraft: Aircraft, dates: tuple[str, str]
-) -> None:
+def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(aircraft, dates):
     result = climbs_of(aircraft, FLOOR_M, dates)
     ours, theirs = result.performance.cycle, result.constant.cycle
     np.testing.assert_array_equal(ours.status, theirs.status)
@@ -63,7 +61,7 @@ def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
     assert np.all(result.gliding_h == 0.0)
 
 
-def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> None:
+def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator():
     turbulence = {"all_day": 0.1, "thermal": 0.4}
     where = mission(FLOOR_M, turbulence=turbulence, payload={"mass_kg": 0.2, "power_w": 3.0})
     result = climb_performance(DESIGN, where)
@@ -93,7 +91,7 @@ def by_rule_h(aircraft: Aircraft, ceiling_m: float, day: int, *, surplus: bool) 
 @pytest.mark.parametrize("aircraft", [AS2, UNLIMITED_AS2])
 @pytest.mark.parametrize("ceiling_m", [1536.0, 3536.0, 9000.0])
 @pytest.mark.parametrize("date", ["06-21", "09-10"])
-def test_no_rule_has_more_excess_time(aircraft: Aircraft, ceiling_m: float, date: str) -> None:
+def test_no_rule_has_more_excess_time(aircraft, ceiling_m, date):
     as_cold = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}
     where = mission(ceiling_m, air=as_cold, dates={"on": date})
     ours_h = float(climb_performance(aircraft, where).performance.cycle.excess_time_h[0])
@@ -109,7 +107,7 @@ def test_no_rule_has_more_excess_time(aircraft: Aircraft, ceiling_m: float, date
 # ---- By hand
 
 
-def test_load_is_that_of_level_flight_and_of_what_is_lifted() -> None:
+def test_load_is_that_of_level_flight_and_of_what_is_lifted():
     result = climbs_of(AS2, 6536.0)
     perf, height_m = result.performance, result.altitude_m[0]
     seconds = 3600.0 * np.diff(perf.day.time_h)
@@ -125,7 +123,7 @@ def test_load_is_that_of_level_flight_and_of_what_is_lifted() -> None:
     assert ours[inside] == pytest.approx(by_hand[inside], rel=3e-3)
 
 
-def test_what_goes_in_comes_out() -> None:
+def test_what_goes_in_comes_out():
     result = climbs_of(AS2, 3536.0)
     budget = result.performance.cycle.energy_budget
     uses = budget.load_wh + budget.stored_wh + budget.charge_loss_wh
@@ -134,14 +132,14 @@ def test_what_goes_in_comes_out() -> None:
     assert result.altitude_m[0, 0] == pytest.approx(result.altitude_m[0, -1])
 
 
-def test_potential_energy_of_a_kilometre_is_m_g_h() -> None:
+def test_potential_energy_of_a_kilometre_is_m_g_h():
     # 6.92 kg x 9.81 m/s2 x 1000 m = 68 kJ = 18.9 Wh.
     stored = climbs_of(AS2, FLOOR_M + 1000.0).stored_height_wh[0]
     assert stored == pytest.approx(6.92 * 9.80665 * 1000.0 / 3600.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("rise_m", [1000.0, 3000.0])
-def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
+def test_gain_is_what_the_height_saves_the_battery(rise_m):
     result = climbs_of(AS2, FLOOR_M + rise_m)
     height_wh = float(result.stored_height_wh[0])
     nominal_w = float(result.constant.nominal_load_w[0])
@@ -158,14 +156,14 @@ def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
 
 
 @pytest.mark.parametrize(("aircraft", "dates"), [(AS2, SOLSTICES), (DESIGN, SOLSTICES)])
-def test_a_higher_ceiling_never_harms(aircraft: Aircraft, dates: tuple[str, str]) -> None:
+def test_a_higher_ceiling_never_harms(aircraft, dates):
     gains = [climbs_of(aircraft, h, dates).gain_h for h in (FLOOR_M, 1536.0, 4000.0)]
     assert gains[0] == pytest.approx(0.0, abs=1e-9)
     assert np.all(gains[1] >= 0.0)
     assert np.all(gains[2] >= gains[1] - STEPS_H)
 
 
-def test_climbing_carries_a_small_battery_through_the_night() -> None:
+def test_climbing_carries_a_small_battery_through_the_night():
     small = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=130")
     result = climbs_of(small, 5000.0)
     ours, theirs = result.performance.cycle, result.constant.cycle
@@ -175,7 +173,7 @@ def test_climbing_carries_a_small_battery_through_the_night() -> None:
     assert ours.minimum_state_of_charge[0] > 0.0
 
 
-def test_what_lacks_is_not_climbed_with() -> None:
+def test_what_lacks_is_not_climbed_with():
     # A battery that is empty lifts nothing: hours without power are no fewer for a steep climb.
     cycle = climbs_of(AS2, 4000.0, "12-21").performance.cycle
     assert cycle.status[0] == Status.limited
@@ -183,21 +181,21 @@ def test_what_lacks_is_not_climbed_with() -> None:
     assert -cycle.excess_time_h[0] >= cycle.energy_budget.unserved_wh[0] / nominal_w - 1e-9
 
 
-def test_climb_keeps_to_the_rated_power() -> None:
+def test_climb_keeps_to_the_rated_power():
     result = climbs_of(AS2, 6536.0)
     # The mean of an interval does; thin air at its end takes a little more than at its begin.
     assert result.performance.load_w.max() <= 1.03 * (180.0 + 6.0)
     assert result.altitude_m.max() == pytest.approx(6536.0, abs=1.0)
 
 
-def test_model_error_moves_the_result_the_right_way() -> None:
+def test_model_error_moves_the_result_the_right_way():
     low, high = (
         climb_performance(AS2, mission(3000.0), solar_factor=factor) for factor in (0.9, 1.1)
     )
     assert low.performance.cycle.excess_time_h[0] < high.performance.cycle.excess_time_h[0]
 
 
-def test_scenarios_do_not_disturb_each_other() -> None:
+def test_scenarios_do_not_disturb_each_other():
     days = {"from": "05-01", "to": "09-01", "count": 3}
     together = climb_performance(AS2, mission(3536.0, dates=days)).performance
     for place, day in enumerate(together.day.scenarios.day_of_year):
@@ -205,7 +203,7 @@ def test_scenarios_do_not_disturb_each_other() -> None:
         assert together.cycle.excess_time_h[place] == alone.cycle.excess_time_h[0]
 
 
-def test_polar_day_has_no_end() -> None:
+def test_polar_day_has_no_end():
     where = mission(2000.0, latitude_deg=85.0, dates={"on": "06-21"})
     result = climb_performance(AS2, where)
     assert result.performance.cycle.status[0] == Status.always_lit
@@ -214,13 +212,13 @@ def test_polar_day_has_no_end() -> None:
 
 
 @pytest.mark.parametrize("model", ["CDM", "VM", "FM"])
-def test_every_solar_model_can_be_climbed_with(model: Any) -> None:
+def test_every_solar_model_can_be_climbed_with(model):
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
     result = climb_performance(AS2, mission(2000.0, flight_path=path), SolarModel(model))
     assert result.gain_h[0] > 0.5
 
 
-def test_a_strategy_is_read_and_ignored() -> None:
+def test_a_strategy_is_read_and_ignored():
     floor_mission = mission(1536.0, climb={"ceiling_m": 1536.0, "strategy": "surplus"})
     ours = analyse(AS2, floor_mission)
     assert "climb.strategy is ignored" in str(ours)
@@ -232,9 +230,7 @@ def test_a_strategy_is_read_and_ignored() -> None:
     ("aircraft", "ceiling_m", "date"),
     [(AS2, 3536.0, "06-21"), (AS2, 2000.0, "04-01"), (DESIGN, 9000.0, "06-21")],
 )
-def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(
-    aircraft: Aircraft, ceiling_m: float, date: str
-) -> None:
+def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(aircraft, ceiling_m, date):
     analysis = analyse(aircraft, mission(ceiling_m, dates={"on": date}))
     assert analysis.climb_check_h is not None
     program_h, by_minute_h = analysis.climb_check_h
@@ -251,7 +247,7 @@ def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(
 # ---- Conservation
 
 
-def test_random_days_along_random_heights_conserve_energy() -> None:
+def test_random_days_along_random_heights_conserve_energy():
     # 1000 days of two aircraft along heights that nobody would fly, with batteries of any size.
     rng = np.random.default_rng(17)
     for aircraft in (AS2, DESIGN):
@@ -282,7 +278,7 @@ def test_random_days_along_random_heights_conserve_energy() -> None:
 # ---- Refusals
 
 
-def test_mission_without_climb_is_refused() -> None:
+def test_mission_without_climb_is_refused():
     plain = mission(1536.0).at_altitude(FLOOR_M)
     with pytest.raises(ValueError, match="has no climb"):
         climb_performance(AS2, plain)
@@ -301,19 +297,19 @@ def test_mission_without_climb_is_refused() -> None:
         (SKY_SAILOR, "airframe.propulsion.climb_power_ratio"),
     ],
 )
-def test_aircraft_that_cannot_climb_is_refused(aircraft: Aircraft, key: str) -> None:
+def test_aircraft_that_cannot_climb_is_refused(aircraft, key):
     with pytest.raises(ClimbLimitError, match=key):
         climb_performance(aircraft, mission(2000.0))
 
 
-def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight() -> None:
+def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight():
     design = design_of(DESIGN, mission(2000.0))
     limits = checked_climb_limits(DESIGN, design)
     assert limits.maximum_power_w == pytest.approx(5.03 * float(design.propulsion_power_w))
     assert limits.efficiency == pytest.approx(0.97 * 0.82 * 0.96 * 0.82)
 
 
-def test_performance_of_a_constant_altitude_ignores_nothing() -> None:
+def test_performance_of_a_constant_altitude_ignores_nothing():
     # The constant flight beside the climbing one is what analyse says without climb.
     alone = performance(AS2, mission(1536.0).at_altitude(FLOOR_M)).cycle.excess_time_h
     assert climbs_of(AS2, 1536.0).constant.cycle.excess_time_h == pytest.approx(alone)

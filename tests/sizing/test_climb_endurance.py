@@ -47,7 +47,7 @@ AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  
         (AS2, "10-31", 1536.0),
     ],
 )
-def test_no_launch_by_a_rule_flies_longer(aircraft: Aircraft, date: str, ceiling_m: float) -> None:
+def test_no_launch_by_a_rule_flies_longer(aircraft, date, ceiling_m):
     flight = longest(performance(aircraft, mission(ceiling_m, dates={"on": date}, air=AS_COLD)))
     limit = aircraft.battery.charge_limit
     limited = limit if isinstance(limit, RuleChargeLimit) else None
@@ -69,7 +69,7 @@ def test_no_launch_by_a_rule_flies_longer(aircraft: Aircraft, date: str, ceiling
 
 
 @pytest.mark.parametrize("aircraft", [AS2, UNLIMITED_AS2, DESIGN])
-def test_ceiling_at_the_floor_is_level_flight(aircraft: Aircraft) -> None:
+def test_ceiling_at_the_floor_is_level_flight(aircraft):
     dates = {"from": "10-15", "to": "12-21", "count": 3}
     climbs = climb_performance(aircraft, mission(FLOOR_M, dates=dates))
     ours, theirs = climbs.performance, climbs.constant
@@ -82,7 +82,7 @@ def test_ceiling_at_the_floor_is_level_flight(aircraft: Aircraft) -> None:
     )
 
 
-def test_propulsion_that_cannot_climb_gives_level_flight() -> None:
+def test_propulsion_that_cannot_climb_gives_level_flight():
     data = AS2.model_dump(by_alias=True)
     data["airframe"]["level_flight"] |= {"maximum_electric_power_w": 35.8}
     weak = Aircraft.model_validate(data)
@@ -94,7 +94,7 @@ def test_propulsion_that_cannot_climb_gives_level_flight() -> None:
     assert ours.endurance_h == pytest.approx(theirs.endurance_h, abs=0.05)
 
 
-def test_without_any_sun_it_is_the_battery_over_the_load() -> None:
+def test_without_any_sun_it_is_the_battery_over_the_load():
     night = {"latitude_deg": 80.0, "dates": {"on": "12-21"}}
     perf = performance(AS2, mission(3536.0, **night))
     by_hand = FULL_WH * DISCHARGE / float(perf.nominal_load_w[0])
@@ -104,7 +104,7 @@ def test_without_any_sun_it_is_the_battery_over_the_load() -> None:
 # ---- Wherever it is given
 
 
-def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
+def test_flight_that_is_drawn_ends_with_the_endurance():
     perf = performance(AS2, mission(3536.0))
     flight = longest(perf)
     course = perf.course(0, flight.launch_h, flight.endurance_h)
@@ -124,7 +124,7 @@ def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
     assert FLOOR_M + 500.0 < altitude_m.max() <= 3536.0 + 1e-6
 
 
-def test_analysis_gives_the_flight_with_climbs() -> None:
+def test_analysis_gives_the_flight_with_climbs():
     where = mission(3536.0)
     analysis = analyse(AS2, where)
     expected = longest(performance(AS2, where))
@@ -137,7 +137,7 @@ def test_analysis_gives_the_flight_with_climbs() -> None:
     assert f"{expected.endurance_h:.2f} h" in str(analysis)
 
 
-def test_map_and_draws_give_the_flight_with_climbs_too() -> None:
+def test_map_and_draws_give_the_flight_with_climbs_too():
     where = mission(3536.0)
     expected = float(longest(performance(DESIGN, where)).endurance_h)
     data = feasibility_map(DESIGN, where, latitudes=[47.6], days=[355], endurance=True)

@@ -68,7 +68,7 @@ def excess_h(subject: Aircraft, where: Mission) -> Any:
 @pytest.mark.parametrize(
     "name", ["stratosphere-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
 )
-def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str) -> None:
+def test_winds_slower_than_the_airspeed_change_nothing(tmp_path, name):
     subject, near_ground = aircraft(name), {0: 1.0, 4000: 2.0}
     for ceiling_m in (2536.0, 3000.0):
         pair = [
@@ -89,7 +89,7 @@ def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str
         assert held_flight.maximum_altitude_m == pytest.approx(free.maximum_altitude_m, abs=0.1)
 
 
-def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path: Path) -> None:
+def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path):
     level = held(tmp_path, FALLING, climb=None)
     climbing = held(tmp_path, FALLING, climb={"ceiling_m": 20000.0})
     assert excess_h(HIGH, climbing) == pytest.approx(excess_h(HIGH, level), abs=1e-3)
@@ -97,7 +97,7 @@ def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path
     assert np.all(excess_h(HIGH, level) < excess_h(HIGH, level.in_wind(0.0)) - 0.5)
 
 
-def test_a_floor_that_is_not_held_is_no_flight(tmp_path: Path) -> None:
+def test_a_floor_that_is_not_held_is_no_flight(tmp_path):
     flight = performance(HIGH, held(tmp_path, {20000: 60.0, 22000: 10.0}))
     assert np.all(flight.cycle.excess_time_h <= 0.0)
     assert flight.levels is not None
@@ -107,7 +107,7 @@ def test_a_floor_that_is_not_held_is_no_flight(tmp_path: Path) -> None:
 # ---- Power, energy and ceiling
 
 
-def test_levels_have_the_power_of_the_wind(tmp_path: Path) -> None:
+def test_levels_have_the_power_of_the_wind(tmp_path):
     """Sky-Sailor's polar by hand, as fast as the wind of a level."""
     plane = aircraft("sky-sailor", "airframe.propulsion.climb_power_ratio=5")
     file = winds_file(tmp_path, {0: 10.5, 2000: 13.0})
@@ -137,7 +137,7 @@ def test_levels_have_the_power_of_the_wind(tmp_path: Path) -> None:
     assert levels.reach_m == pytest.approx(1000.0)
 
 
-def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> None:
+def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path):
     there = held(tmp_path, STRONG_ALOFT)
     flight = performance(HIGH, there)
     levels, rated_w = flight.levels, float(flight.design.rated_power_w)
@@ -155,14 +155,14 @@ def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> 
     assert np.all(flight.maximum_altitude_m <= top_m + 1e-6)
 
 
-def test_a_ceiling_that_is_as_low_changes_nothing(tmp_path: Path) -> None:
+def test_a_ceiling_that_is_as_low_changes_nothing(tmp_path):
     flight = performance(HIGH, held(tmp_path, STRONG_ALOFT))
     low = held(tmp_path, STRONG_ALOFT, climb={"ceiling_m": 21000.0, "strategy": "surplus"})
     below = performance(HIGH, low)
     assert np.all(flight.cycle.excess_time_h >= below.cycle.excess_time_h - 0.05)
 
 
-def test_a_batch_of_designs_flies_as_each_of_them(tmp_path: Path) -> None:
+def test_a_batch_of_designs_flies_as_each_of_them(tmp_path):
     there, variables = held(tmp_path, STRONG_ALOFT), variables_of(HIGH)
     spans = np.array([variables.wingspan_m, 1.02 * variables.wingspan_m])
     together = performance_of_designs(HIGH, there, variables._replace(wingspan_m=spans))
@@ -171,7 +171,7 @@ def test_a_batch_of_designs_flies_as_each_of_them(tmp_path: Path) -> None:
         assert together.cycle.excess_time_h[number] == pytest.approx(alone.cycle.excess_time_h)
 
 
-def test_stronger_winds_aloft_leave_less(tmp_path: Path) -> None:
+def test_stronger_winds_aloft_leave_less(tmp_path):
     calm, even, strong = (excess_h(HIGH, held(tmp_path, w)) for w in (CALM, EVEN, STRONG_ALOFT))
     # A repeated day is found to 1e-9 h, and where the battery alone decides they are equal.
     assert np.all(even <= calm + 1e-8)
@@ -183,7 +183,7 @@ def test_stronger_winds_aloft_leave_less(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "name", ["atlantiksolar-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
 )
-def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) -> None:
+def test_draws_without_scatter_fly_as_the_analysis(tmp_path, name):
     subject = aircraft(name)
     speed_m_per_s = float(design_of(subject, mission()).airspeed_m_per_s)
     file = winds_file(tmp_path, {0: speed_m_per_s, 2000: 1.2 * speed_m_per_s})
@@ -200,7 +200,7 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) ->
     assert draws.excess_time_h == pytest.approx(np.min(each, axis=-1), abs=chain)
 
 
-def test_the_program_has_the_same_power_of_the_wind(tmp_path: Path) -> None:
+def test_the_program_has_the_same_power_of_the_wind(tmp_path):
     there = held(tmp_path, STRONG_ALOFT)
     day = solar_day(HIGH, there)
     task = SizingTask(HIGH, there, Objective.min_mass, UNCORRECTED_CAM, day, 1.0)
@@ -226,9 +226,7 @@ def test_the_program_has_the_same_power_of_the_wind(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("winds", [STRONG_ALOFT, EVEN, FALLING])
-def test_a_design_that_holds_its_place_is_the_lightest(
-    tmp_path: Path, winds: Mapping[int, float]
-) -> None:
+def test_a_design_that_holds_its_place_is_the_lightest(tmp_path, winds):
     there = held(tmp_path, winds)
     result = size_aircraft(HIGH, there, Objective.min_mass)
     assert result.design is not None
@@ -253,7 +251,7 @@ def test_a_design_that_holds_its_place_is_the_lightest(
 
 
 @pytest.mark.parametrize("wind", [28.0, 29.0, 32.0])
-def test_optima_just_as_fast_as_the_wind_are_found(tmp_path: Path, wind: float) -> None:
+def test_optima_just_as_fast_as_the_wind_are_found(tmp_path, wind):
     # The optimum of level flight without wind flies with 27.7 m/s: at the kink of the airspeed,
     # which is that of the wind or the own, the program had no solution.
     there = held(tmp_path, {20000: wind, 22000: wind}, climb=None)
@@ -266,7 +264,7 @@ def test_optima_just_as_fast_as_the_wind_are_found(tmp_path: Path, wind: float) 
 
 
 @pytest.mark.slow
-def test_sized_in_slow_winds_it_is_the_design_without_them(tmp_path: Path) -> None:
+def test_sized_in_slow_winds_it_is_the_design_without_them(tmp_path):
     free, held_result = (
         size_aircraft(HIGH, held(tmp_path, CALM, hold=hold), Objective.min_mass)
         for hold in (False, True)
@@ -276,9 +274,7 @@ def test_sized_in_slow_winds_it_is_the_design_without_them(tmp_path: Path) -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("wind", [12.0, 14.0])
-def test_parts_of_a_propulsion_hold_the_wind_that_they_are_sized_for(
-    tmp_path: Path, wind: float
-) -> None:
+def test_parts_of_a_propulsion_hold_the_wind_that_they_are_sized_for(tmp_path, wind):
     # The formulas of a sizing are exact at the own airspeed of 9.5 m/s. At 14 m/s the exact parts
     # cannot fly the optimum, which was told as one nevertheless.
     twin = aircraft("twin-boom-design")
@@ -296,7 +292,7 @@ def test_parts_of_a_propulsion_hold_the_wind_that_they_are_sized_for(
         assert again.excess_time_h > 0.0
 
 
-def test_a_scenario_whose_floor_is_not_held_does_not_spoil_the_others() -> None:
+def test_a_scenario_whose_floor_is_not_held_does_not_spoil_the_others():
     # The shipped winds: at 50 N in January the floor of 20 km is not held, in June it is.
     wind = {"percentile": 95.0, "hold_station": True}
     climb = {"ceiling_m": 22000.0, "strategy": "surplus"}

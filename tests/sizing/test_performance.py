@@ -15,7 +15,6 @@ from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from solar.clearsky import Irradiance, clear_sky
 from solar.horizontal_models import horizontal_specific_power
-from solar.names import ModelName
 
 SEASON = mission(
     latitude_deg={"from_deg": 0.0, "to_deg": 70.0, "count": 3},
@@ -23,7 +22,7 @@ SEASON = mission(
 )
 
 
-def test_scenarios_are_independent_of_each_other() -> None:
+def test_scenarios_are_independent_of_each_other():
     season = performance(AS2, SEASON)
     scenarios = season.day.scenarios
     assert season.cycle.excess_time_h.shape == (12,)
@@ -52,7 +51,7 @@ def test_scenarios_are_independent_of_each_other() -> None:
     assert north.worst_scenario() == 1
 
 
-def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:
+def test_power_is_area_times_specific_power_and_correction_divides_it():
     time = day_axis_h()
     specific = horizontal_specific_power(
         47.6, 196.5, time, cell=AS2.modules, module_temperature_c=11.516, altitude_m=536.0
@@ -69,7 +68,7 @@ def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:
     assert SolarModel("CDM").rms_relative == 0.2003
 
 
-def test_designs_in_a_batch_equal_single_designs() -> None:
+def test_designs_in_a_batch_equal_single_designs():
     span = np.array([4.0, 5.65, 8.0])[:, np.newaxis]
     battery = np.array([0.5, 2.9, 9.0])
     batch = performance_of_designs(
@@ -87,13 +86,13 @@ def test_designs_in_a_batch_equal_single_designs() -> None:
             )
 
 
-def test_file_design_is_the_same_by_both_entries() -> None:
+def test_file_design_is_the_same_by_both_entries():
     here = performance(DESIGN, SEASON).cycle.excess_time_h
     there = performance_of_designs(DESIGN, SEASON, variables_of(DESIGN)).cycle.excess_time_h
     np.testing.assert_allclose(here, there, rtol=1e-9)
 
 
-def test_load_is_built_from_level_flight_turbulence_and_consumers() -> None:
+def test_load_is_built_from_level_flight_turbulence_and_consumers():
     rough = mission(turbulence={"all_day": 0.1, "thermal": 0.4}, payload={"power_w": 3.0})
     flight = performance(AS2, rough)
     level = flight.design.propulsion_power_w
@@ -105,7 +104,7 @@ def test_load_is_built_from_level_flight_turbulence_and_consumers() -> None:
     assert float(flight.nominal_load_w.ravel()[0]) == pytest.approx(night, rel=1e-12)
 
 
-def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end() -> None:
+def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end():
     polar = performance(AS2, mission(latitude_deg=80.0, dates={"on": "12-21"}))
     (endurance,) = polar.endurances()
     load = float(polar.nominal_load_w.ravel()[0])
@@ -115,7 +114,7 @@ def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end
     assert performance(AS2, mission()).endurances() == [None]
 
 
-def test_perpetual_days_are_those_whose_cycle_is_perpetual() -> None:
+def test_perpetual_days_are_those_whose_cycle_is_perpetual():
     some_days = np.arange(1, 366, 24)
     days_found = perpetual_days(AS2, mission(), 47.6, days=some_days).tolist()
     expected = []
@@ -137,9 +136,7 @@ STEPS = [
 
 @pytest.mark.parametrize(("latitude", "date", "battery_kg"), STEPS)
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "atlantiksolar-design", "sky-sailor"])
-def test_halving_the_time_step_moves_no_metric(
-    name: str, latitude: float, date: str, battery_kg: float
-) -> None:
+def test_halving_the_time_step_moves_no_metric(name, latitude, date, battery_kg):
     plane = aircraft(name, f"battery.mass_kg={battery_kg}")
     place = mission(latitude_deg=latitude, dates={"on": date})
     coarse = performance(plane, place).cycle
@@ -164,9 +161,7 @@ def test_halving_the_time_step_moves_no_metric(
 
 
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
-def test_sky_of_the_mission_lights_every_model(
-    model: ModelName, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_sky_of_the_mission_lights_every_model(model, monkeypatch):
     def half(*where: Any) -> Irradiance:
         return Irradiance(*(0.5 * part for part in clear_sky(*where)))
 

@@ -34,7 +34,7 @@ def enough(name: str, key: str, present: float, value: float, *others: str) -> s
 
 
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "sky-sailor"])
-def test_a_battery_suffices_from_its_value_on(name: str) -> None:
+def test_a_battery_suffices_from_its_value_on(name):
     light_kg = 0.4 * sizing.load_aircraft(name).battery.mass_kg
     relaxation = relaxed(name, f"battery.mass_kg={light_kg:g}")["battery.mass_kg"]
     assert relaxation.direction == "at least"
@@ -43,13 +43,13 @@ def test_a_battery_suffices_from_its_value_on(name: str) -> None:
     assert analysis.excess_time_h == pytest.approx(relaxation.excess_time_h, abs=2e-3)
 
 
-def test_modules_weigh_what_they_weigh() -> None:
+def test_modules_weigh_what_they_weigh():
     heavy, area = "battery.mass_kg=4", "modules.area_m2"
     relaxation = relaxed("atlantiksolar-design", f"{area}=0.8", heavy)[area]
     enough("atlantiksolar-design", area, 0.0, relaxation.value, heavy)
 
 
-def test_modules_of_a_measured_aircraft_add_their_mass() -> None:
+def test_modules_of_a_measured_aircraft_add_their_mass():
     few = "modules.area_m2=0.6"
     relaxation = relaxed("atlantiksolar-as2", few)["modules.area_m2"]
     aircraft = sizing.load_aircraft("atlantiksolar-as2")
@@ -65,14 +65,14 @@ def test_modules_of_a_measured_aircraft_add_their_mass() -> None:
     )
 
 
-def test_a_load_may_fall_by_what_avionics_save() -> None:
+def test_a_load_may_fall_by_what_avionics_save():
     relaxation = relaxed("atlantiksolar-as2", "power.avionics_w=40")["load_w"]
     supply = sizing.load_aircraft("atlantiksolar-as2").power.supply_efficiency
     saved_w = (relaxation.present - relaxation.value) * supply
     enough("atlantiksolar-as2", "power.avionics_w", 40.0, 40.0 - saved_w)
 
 
-def test_the_smallest_change_comes_first_and_two_are_shown() -> None:
+def test_the_smallest_change_comes_first_and_two_are_shown():
     analysis = analysed("atlantiksolar-as2", "battery.mass_kg=1.2")
     changes = [relaxation.relative_change for relaxation in analysis.relaxations]
     assert len(changes) >= 2
@@ -82,7 +82,7 @@ def test_the_smallest_change_comes_first_and_two_are_shown() -> None:
     assert "battery mass at least" in text
 
 
-def test_a_perpetual_flight_needs_nothing() -> None:
+def test_a_perpetual_flight_needs_nothing():
     analysis = sizing.analyse(
         sizing.load_aircraft("atlantiksolar-as2"), missions.load_mission("rafz-july")
     )
@@ -110,7 +110,7 @@ def flown_h(analysis: sizing.Analysis, launch_h: float) -> float:
     return clock - launch_h
 
 
-def test_flights_from_sunrise_and_noon_are_those_marched_by_the_minute() -> None:
+def test_flights_from_sunrise_and_noon_are_those_marched_by_the_minute():
     analysis = analysed(
         "atlantiksolar-as2", "battery.charge_limit={kind: none}", "power.avionics_w=30"
     )
@@ -124,7 +124,7 @@ def test_flights_from_sunrise_and_noon_are_those_marched_by_the_minute() -> None
     assert (flight.empty_h + flight.before_sun_h - dawn_h) % 24.0 == pytest.approx(0.0, abs=1e-9)
 
 
-def test_the_answer_gives_solar_time_and_utc() -> None:
+def test_the_answer_gives_solar_time_and_utc():
     text = " ".join(str(analysed("atlantiksolar-as2", "power.avionics_w=30")).split())
     assert "It flies " in text
     assert "(solar time; " in text
@@ -132,7 +132,7 @@ def test_the_answer_gives_solar_time_and_utc() -> None:
     assert "Launched at sunrise it flies" in text
 
 
-def test_without_sun_no_launch_is_better() -> None:
+def test_without_sun_no_launch_is_better():
     night = missions.load_mission("rafz-july", ["latitude_deg=80", "dates.on=12-01"])
     text = str(sizing.analyse(sizing.load_aircraft("atlantiksolar-as2"), night))
     assert "sunrise it flies" not in text

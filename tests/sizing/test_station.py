@@ -13,7 +13,6 @@ from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
 from sizing import analyse_uncertainty, load_aircraft, operating_point, size
-from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import design_of, parametric_design
@@ -43,7 +42,7 @@ def in_winds(folder: Path, median: float, strong: float) -> Mission:
 # ---- Share of the time
 
 
-def test_speeds_of_another_reanalysis_are_nearly_rayleighs() -> None:
+def test_speeds_of_another_reanalysis_are_nearly_rayleighs():
     # ERA-Interim, December 2005 to 2015, all longitudes (see tests/missions/winds/test_table.py):
     # the 70th, 95th and 99th percentile [m/s] at 40 N and 50 hPa, 48 N and 300 hPa, then at the
     # equator and 100 hPa, and in the polar vortex, 55 N and 50 hPa.
@@ -71,7 +70,7 @@ def test_a_faster_aircraft_stays_at_least_as_long(
     assert 0.0 <= low <= high <= 1.0
 
 
-def test_share_goes_through_the_percentiles_of_a_table(tmp_path: Path) -> None:
+def test_share_goes_through_the_percentiles_of_a_table(tmp_path):
     table = in_winds(tmp_path, 6.0, 12.0).wind_statistics
     share = table.table().share_below([0.0, 6.0, 9.0, 12.0, 1e3], 47.0, 500.0, 6)
     assert share == pytest.approx([0.0, 0.5, 0.7, 0.9, 1.0])
@@ -80,7 +79,7 @@ def test_share_goes_through_the_percentiles_of_a_table(tmp_path: Path) -> None:
 # ---- Airspeed
 
 
-def test_power_of_faster_flight_is_that_of_the_parabolic_polar() -> None:
+def test_power_of_faster_flight_is_that_of_the_parabolic_polar():
     """Sky-Sailor's polar by hand, at 1.1 of the airspeed."""
     plane = aircraft("sky-sailor", "airframe.propulsion.climb_power_ratio=5")
     where = mission(altitude_m=500.0)
@@ -107,7 +106,7 @@ def test_power_of_faster_flight_is_that_of_the_parabolic_polar() -> None:
     assert np.interp(v, airspeeds, powers) == pytest.approx(by_hand, rel=1e-6)
 
 
-def test_the_simulator_confirms_the_fastest_airspeed(tmp_path: Path) -> None:
+def test_the_simulator_confirms_the_fastest_airspeed(tmp_path):
     where = in_winds(tmp_path, 6.0, 12.0)
     result = station_keeping(DESIGN, where, scenarios=CELLS)
     design = design_of(DESIGN, where)
@@ -125,14 +124,14 @@ def test_the_simulator_confirms_the_fastest_airspeed(tmp_path: Path) -> None:
         assert perf.cycle.perpetual.tolist() == [perpetual] * 3
 
 
-def test_without_wind_it_always_stays_where_it_flies_perpetually(tmp_path: Path) -> None:
+def test_without_wind_it_always_stays_where_it_flies_perpetually(tmp_path):
     cells = Scenarios(np.array([47.6, 47.6]), np.array([166, 349]))  # 15 June, 15 December
     result = station_keeping(DESIGN, in_winds(tmp_path, 0.0, 0.0), scenarios=cells)
     assert result.share.tolist() == [1.0, 0.0]
     assert np.isnan(result.airspeed_m_per_s).tolist() == [False, True]
 
 
-def test_more_wind_and_less_battery_shorten_the_stay(tmp_path: Path) -> None:
+def test_more_wind_and_less_battery_shorten_the_stay(tmp_path):
     calm, windy = (in_winds(tmp_path, *w) for w in ((6.0, 12.0), (9.0, 15.0)))
     at_calm = station_keeping(DESIGN, calm, scenarios=CELLS)
     more = station_keeping(DESIGN, windy, scenarios=CELLS)
@@ -151,7 +150,7 @@ def holding(where: Mission) -> Mission:
     return where.model_copy(update=update)
 
 
-def test_only_a_wind_above_the_own_airspeed_takes_more_power(tmp_path: Path) -> None:
+def test_only_a_wind_above_the_own_airspeed_takes_more_power(tmp_path):
     speed_m_per_s = float(design_of(DESIGN, mission()).airspeed_m_per_s)
     calm, windy = (in_winds(tmp_path, 1.0, speed_m_per_s * ratio) for ratio in (0.99, 1.15))
     assert np.array_equal(
@@ -164,7 +163,7 @@ def test_only_a_wind_above_the_own_airspeed_takes_more_power(tmp_path: Path) -> 
     assert held.nominal_load_w - free.nominal_load_w == pytest.approx(extra, rel=1e-3)
 
 
-def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -> None:
+def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path):
     """The exact chain at the airspeed of the wind, the thermals and the voltage of the hour."""
     twin, where = load_aircraft("twin-boom-design"), holding(in_winds(tmp_path, 4.0, 11.0))
     wind = float(where.scenario_winds_m_per_s()[0])
@@ -196,7 +195,7 @@ def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -
     assert power_w == pytest.approx(parts.propulsors * point.bus_power_w, rel=3e-5)
 
 
-def test_what_is_sized_to_hold_its_place_does_so(tmp_path: Path) -> None:
+def test_what_is_sized_to_hold_its_place_does_so(tmp_path):
     """The fastest perpetual flight of the optimum, found without the program, is the wind."""
     where = holding(in_winds(tmp_path, 4.0, 12.0))
     result = size(DESIGN, where, with_cross_check=True)
@@ -213,7 +212,7 @@ def test_what_is_sized_to_hold_its_place_does_so(tmp_path: Path) -> None:
     assert slow.design is None or slow.design.total_mass_kg > design_of(sized, where).total_mass_kg
 
 
-def test_the_rated_power_ends_the_airspeed(tmp_path: Path) -> None:
+def test_the_rated_power_ends_the_airspeed(tmp_path):
     where = holding(in_winds(tmp_path, 4.0, 200.0))
     assert float(performance(DESIGN, where).cycle.excess_time_h.max()) <= 0.0
     study = size(DESIGN, where)
@@ -225,7 +224,7 @@ def test_the_rated_power_ends_the_airspeed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "flown", [DESIGN, pytest.param("twin-boom-design", marks=pytest.mark.long)], ids=str
 )
-def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, flown: Aircraft | str) -> None:
+def test_draws_without_scatter_fly_as_the_analysis(tmp_path, flown):
     subject = aircraft(flown) if isinstance(flown, str) else flown
     speed_m_per_s = float(design_of(subject, mission()).airspeed_m_per_s)
     where = holding(in_winds(tmp_path, 4.0, 1.2 * speed_m_per_s))
@@ -243,9 +242,7 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, flown: Aircra
     assert calm.cycle.excess_time_h.min() > excess_h[0] + 1.0
 
 
-def test_half_of_the_draws_hold_their_place_with_little_more(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_half_of_the_draws_hold_their_place_with_little_more(tmp_path, monkeypatch):
     monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 512)
     monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 2000)
     where = holding(in_winds(tmp_path, 4.0, 12.0))
@@ -256,7 +253,7 @@ def test_half_of_the_draws_hold_their_place_with_little_more(
     assert again.probability_required.value == pytest.approx(0.5, abs=0.05)
 
 
-def test_latitudes_that_would_do_end_where_the_table_of_winds_does() -> None:
+def test_latitudes_that_would_do_end_where_the_table_of_winds_does():
     """The shipped winds end at 88 degrees: easier latitudes are not looked for beyond."""
     where = mission(
         latitude_deg=80.0,
@@ -273,7 +270,7 @@ def test_latitudes_that_would_do_end_where_the_table_of_winds_does() -> None:
     )
 
 
-def test_what_cannot_be_answered_is_refused(tmp_path: Path) -> None:
+def test_what_cannot_be_answered_is_refused(tmp_path):
     with pytest.raises(ValueError, match="is a measured aircraft, whose power is known at one"):
         station_keeping(AS2, in_winds(tmp_path, 6.0, 12.0))
     with pytest.raises(ValueError, match="lacks wind"):

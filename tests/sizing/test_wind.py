@@ -1,7 +1,5 @@
 """Winds by latitude and month reach whatever used the one wind: limits, paths, cells."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -21,7 +19,7 @@ WINDS = {(40, 6): 2.0, (40, 7): 4.0, (50, 6): 6.0, (50, 7): 10.5}
 
 
 @pytest.fixture
-def windy(tmp_path: Path) -> Mission:
+def windy(tmp_path):
     path = tmp_path / "winds.csv"
     rows = [
         f"{latitude},{altitude},{month},60,{wind}"
@@ -39,7 +37,7 @@ def windy(tmp_path: Path) -> Mission:
     return Mission.model_validate(data)
 
 
-def test_a_design_is_faster_than_the_strongest_wind(windy: Mission) -> None:
+def test_a_design_is_faster_than_the_strongest_wind(windy):
     aircraft = load_aircraft("atlantiksolar-design")
     design = size(aircraft, windy).design
     windless = size(aircraft, windy.in_wind(10.5)).design
@@ -49,7 +47,7 @@ def test_a_design_is_faster_than_the_strongest_wind(windy: Mission) -> None:
     assert float(calm.airspeed_m_per_s) < 10.5
 
 
-def test_cells_have_the_wind_of_their_own_latitude_and_month(windy: Mission) -> None:
+def test_cells_have_the_wind_of_their_own_latitude_and_month(windy):
     aircraft = load_aircraft("atlantiksolar-design")
     cells = Scenarios(np.array([40.0, 50.0, 50.0]), np.array([166, 166, 196]))
     cells_result = size_cells(aircraft, windy, cells)
@@ -64,7 +62,7 @@ def test_cells_have_the_wind_of_their_own_latitude_and_month(windy: Mission) -> 
     assert np.all(cells_result.airspeed_m_per_s >= winds * (1.0 - 1e-6))
 
 
-def test_a_path_is_flown_in_the_wind_of_each_scenario(windy: Mission) -> None:
+def test_a_path_is_flown_in_the_wind_of_each_scenario(windy):
     aircraft, noon = load_aircraft("atlantiksolar-as2"), day_axis_h(1.0)
     scenarios = windy.scenarios()
     around = surroundings_in_flight(aircraft, windy)
@@ -75,7 +73,7 @@ def test_a_path_is_flown_in_the_wind_of_each_scenario(windy: Mission) -> None:
         assert np.array_equal(together[i], alone[0])
 
 
-def test_an_analysis_tells_the_winds(windy: Mission) -> None:
+def test_an_analysis_tells_the_winds(windy):
     analysis = analyse(load_aircraft("atlantiksolar-as2"), windy)
     record = analysis.to_dict()
     assert record["wind"]["scenarios_m_per_s"] == pytest.approx([2.0, 4.0, 6.0, 10.5])
@@ -84,7 +82,7 @@ def test_an_analysis_tells_the_winds(windy: Mission) -> None:
     assert "wind" not in analyse(load_aircraft("atlantiksolar-as2"), windy.in_wind(5.0)).to_dict()
 
 
-def test_a_map_has_the_wind_of_each_cell(windy: Mission) -> None:
+def test_a_map_has_the_wind_of_each_cell(windy):
     aircraft = load_aircraft("atlantiksolar-as2")
     data = feasibility_map(aircraft, windy, latitudes=[40.0, 50.0], days=[166, 196])
     assert data["wind"].to_numpy() == pytest.approx(np.array([[2.0, 4.0], [6.0, 10.5]]))
@@ -94,7 +92,7 @@ def test_a_map_has_the_wind_of_each_cell(windy: Mission) -> None:
     assert calm["excess_time"].equals(data["excess_time"])
 
 
-def test_a_map_has_no_wind_where_the_table_ends(windy: Mission) -> None:
+def test_a_map_has_no_wind_where_the_table_ends(windy):
     aircraft = load_aircraft("atlantiksolar-as2")
     data = feasibility_map(aircraft, windy, latitudes=[39.0, 40.0], days=[100, 166])
     assert np.isnan(data["wind"].to_numpy()).tolist() == [[True, True], [True, False]]

@@ -45,7 +45,7 @@ def analysed(aircraft: Any, flown: Mission, **options: Any) -> Analysis:
 
 
 @pytest.mark.parametrize("model", ["CAM", "VM"])
-def test_cell_of_a_map_is_the_analysis_of_its_day(model: Any) -> None:
+def test_cell_of_a_map_is_the_analysis_of_its_day(model):
     flown = mission(2536.0)
     data = feasibility_map(AS2, flown, latitudes=[20.0, 55.0], days=[80, 172], model=model)
     for latitude, day in ((20.0, 172), (55.0, 80)):
@@ -60,7 +60,7 @@ def test_cell_of_a_map_is_the_analysis_of_its_day(model: Any) -> None:
     assert data.attrs["climb"] == "climbs from 536 to 2536 m"
 
 
-def test_map_tells_its_climbs_and_what_they_leave_out() -> None:
+def test_map_tells_its_climbs_and_what_they_leave_out():
     data = feasibility_map(AS2, mission(), latitudes=[40.0, 47.6], days=[172], endurance=True)
     assert "climbs from 536 to 3536 m" in str(MapResult(data))
     assert "module_temperature" in data.attrs["extrapolations"]
@@ -70,7 +70,7 @@ def test_map_tells_its_climbs_and_what_they_leave_out() -> None:
 # ---- Trade studies
 
 
-def test_point_of_a_trade_study_is_the_analysis_of_its_files() -> None:
+def test_point_of_a_trade_study_is_the_analysis_of_its_files():
     ceilings_m = [536.0, 2000.0, 5000.0]
     data = sweep(AS2, mission(), {"mission.climb.ceiling_m": ceilings_m})
     for ceiling_m, excess_h, highest_m in zip(
@@ -82,7 +82,7 @@ def test_point_of_a_trade_study_is_the_analysis_of_its_files() -> None:
     assert SweepResult(data).to_dict()["climb"] == "with climbs"
 
 
-def test_designs_of_a_trade_study_climb_with_their_own_mass() -> None:
+def test_designs_of_a_trade_study_climb_with_their_own_mass():
     flown = mission()
     spans, masses = [5.65, 6.5], [2.0, 3.0]
     data = sweep(DESIGN, flown, {"wingspan_m": spans, "battery_mass_kg": masses}, cover=False)
@@ -93,7 +93,7 @@ def test_designs_of_a_trade_study_climb_with_their_own_mass() -> None:
         assert float(point["excess_time"]) == pytest.approx(alone.excess_time_h, abs=STEP_H)
 
 
-def test_floor_of_a_file_can_be_varied() -> None:
+def test_floor_of_a_file_can_be_varied():
     flown = mission(altitude_m=1000.0)
     named = flown.model_dump(by_alias=True, exclude_unset=True)
     named["climb"]["minimum_altitude_m"] = named.pop("altitude_m")
@@ -105,7 +105,7 @@ def test_floor_of_a_file_can_be_varied() -> None:
         assert excess_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
 
 
-def test_aircraft_without_limits_is_a_reason_at_a_point() -> None:
+def test_aircraft_without_limits_is_a_reason_at_a_point():
     bare = with_values(AS2, {"airframe.level_flight.maximum_electric_power_w": None})
     data = sweep(bare, mission().at_altitude(536.0), {"mission.climb.ceiling_m": [2000.0]})
     assert "maximum_electric_power_w" in data["message"].item()
@@ -115,7 +115,7 @@ def test_aircraft_without_limits_is_a_reason_at_a_point() -> None:
 
 
 @pytest.mark.slow
-def test_models_are_compared_on_flights_with_climbs() -> None:
+def test_models_are_compared_on_flights_with_climbs():
     flown = mission()
     compared = compare(AS2, flown, corrections=["none", "report"], design=False)
     for case in compared.cases:
@@ -138,7 +138,7 @@ def test_models_are_compared_on_flights_with_climbs() -> None:
 
 
 @pytest.mark.slow
-def test_highest_floor_is_where_climbs_end_perpetual_flight() -> None:
+def test_highest_floor_is_where_climbs_end_perpetual_flight():
     flown = mission(14000.0)
     found = highest_perpetual_altitude(AS2, flown, step_m=4000.0)
     edge_m = found.highest.altitude_m
@@ -158,7 +158,7 @@ def test_highest_floor_is_where_climbs_end_perpetual_flight() -> None:
     assert same.excess_time_h == pytest.approx(flat.excess_time_h, abs=STEP_H)
 
 
-def test_search_for_the_floor_ends_at_the_ceiling_and_says_so() -> None:
+def test_search_for_the_floor_ends_at_the_ceiling_and_says_so():
     result = perpetual_ceiling(AS2, mission(2000.0), step_m=1000.0)
     text = " ".join(str(result).split())
     assert "with climbs to 2000 m from night floors up to 2000 m, the ceiling itself" in text
@@ -186,7 +186,7 @@ CASES: list[tuple[Any, dict[str, float]]] = [
 
 
 @pytest.mark.parametrize(("aircraft", "changes"), CASES)
-def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> None:
+def test_draw_is_what_it_is_alone(aircraft, changes):
     flown = mission(
         latitude_deg={"from_deg": 30.0, "to_deg": 50.0, "count": 2},
         air={"temperature_offset_k": 0.0},
@@ -203,7 +203,7 @@ def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> N
     assert found.maximum_altitude_m[-1] == pytest.approx(alone.maximum_altitude_m.max(), abs=0.1)
 
 
-def test_heights_of_climbs_do_not_scatter() -> None:
+def test_heights_of_climbs_do_not_scatter():
     one = UncertainInput("mission.climb.ceiling_m", 3536.0, Normal(sigma=10.0))
     with pytest.raises(ValueError, match="vary it with `sweep`"):
         check_inputs(UncertainInputs((one,), np.eye(1)), mission(), SolarModel())
@@ -212,7 +212,7 @@ def test_heights_of_climbs_do_not_scatter() -> None:
 # ---- Ranges of the models
 
 
-def test_what_is_told_of_heights_is_that_of_the_highest_altitude() -> None:
+def test_what_is_told_of_heights_is_that_of_the_highest_altitude():
     quantities = {
         one.quantity: one.value for one in extrapolations(AS2, performance(AS2, mission(9000.0)))
     }

@@ -11,7 +11,6 @@ from sizing.aerodynamics.parabolic import level_flight_power_w
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import design_of
 from sizing.parameters import parameter
-from sizing.results.analysis import Analysis
 from studies import quantities
 from studies.quantities import Quantity
 
@@ -20,12 +19,12 @@ LOSS = Quantity("loss_m_per_s", "loss", "m/s", ".2f")
 
 
 @pytest.fixture(scope="module")
-def analysis() -> Analysis:
+def analysis():
     mission = missions.load_mission("central-europe-summer")
     return sizing.analyse(sizing.load_aircraft("atlantiksolar-as2"), mission, replay=False)
 
 
-def test_no_quantity_is_declared_twice() -> None:
+def test_no_quantity_is_declared_twice():
     names = [one.name for one in EVERY]
     assert len(names) == len(set(names))
     assert len({one.variable for one in EVERY}) == len(names)
@@ -35,12 +34,12 @@ def test_no_quantity_is_declared_twice() -> None:
     ("value", "text"),
     [(2.0, "2.00 m/s"), (math.inf, "unlimited"), (math.nan, "-"), (None, "-")],
 )
-def test_a_unit_stands_behind_numbers_alone(value: float | None, text: str) -> None:
+def test_a_unit_stands_behind_numbers_alone(value, text):
     assert LOSS.fact(value) == ("loss", text)
     assert LOSS.variable == "loss"
 
 
-def test_shares_are_told_in_per_cent() -> None:
+def test_shares_are_told_in_per_cent():
     share = quantities.TABLE["minimum_state_of_charge"]
     table = quantities.table_of("", [share], [{share.name: 0.1234}, {share.name: 1.0}])
     assert table.to_text().split() == ["min.", "SoC", "[%]", "─" * 12, "12.3", "100.0"]
@@ -48,7 +47,7 @@ def test_shares_are_told_in_per_cent() -> None:
     assert quantities.MINIMUM_CHARGE.described[0] == "1"
 
 
-def test_an_analysis_has_the_values_of_its_cycles(analysis: Analysis) -> None:
+def test_an_analysis_has_the_values_of_its_cycles(analysis):
     cycle, values = analysis.performance.cycle, analysis.scenario()
     worst = int(np.argmin(cycle.excess_time_h))
     assert list(values) == [one.name for one in quantities.SCENARIO]
@@ -58,9 +57,7 @@ def test_an_analysis_has_the_values_of_its_cycles(analysis: Analysis) -> None:
     assert other["sunrise_h"] == analysis.performance.day.sunrise_h[1]
 
 
-def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(
-    analysis: Analysis,
-) -> None:
+def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(analysis):
     record, frame = analysis.to_dict()["scenarios"][1], analysis.to_frame()
     for one in quantities.SCENARIO:
         assert one.name in record
@@ -68,13 +65,13 @@ def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(
     assert frame["charge_margin_h"][1] == record["charge_margin_h"]
 
 
-def test_quantities_of_a_design_have_the_words_of_the_catalogue_of_parameters() -> None:
+def test_quantities_of_a_design_have_the_words_of_the_catalogue_of_parameters():
     for one in (*quantities.DESIGN_COLUMNS, *quantities.OF_AIRCRAFT, quantities.STALL_SPEED):
         known = parameter(one.name)
         assert (one.label, one.unit or "1", one.symbol) == (known.label, known.unit, known.symbol)
 
 
-def test_drag_times_airspeed_is_the_power_of_the_polar() -> None:
+def test_drag_times_airspeed_is_the_power_of_the_polar():
     aircraft, mission = (
         sizing.load_aircraft("atlantiksolar-design"),
         missions.load_mission("rafz-july"),

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ class Outer:
         (Outer(Place(1.0)), {"inner": {"x_m": 1.0, "y_m": 2.0}, "word": "x"}),
     ],
 )
-def test_values_become_data(value: Any, written: Any) -> None:
+def test_values_become_data(value, written):
     assert serialise(value) == written
     assert type(serialise(value)) is type(written)
 
@@ -57,25 +57,21 @@ def test_values_become_data(value: Any, written: Any) -> None:
         ("inner=inner:Short", {"inner": {"x_m": 1.0}}),
     ],
 )
-def test_entries_name_keys_and_paths(
-    entry: str, written: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_entries_name_keys_and_paths(entry, written, monkeypatch):
     monkeypatch.setattr(of, "RECORDS", {"Entry": entry, "Short": "x_m"})
     of._keys.cache_clear()
     assert serialise(Outer(Place(1.0)), "Entry") == written
 
 
 @pytest.mark.parametrize(("key", "written"), [("x_m", {"x_m": None}), ("x_m?", {})])
-def test_what_is_behind_nothing_is_null_or_left_out(
-    key: str, written: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_behind_nothing_is_null_or_left_out(key, written, monkeypatch):
     monkeypatch.setattr(of, "RECORDS", {"Entry": f"{key}=inner.x_m"})
     of._keys.cache_clear()
     assert serialise(Outer(None), "Entry") == written
 
 
 @pytest.mark.parametrize("options", [{}, {"required_excess_time_h": 48.0}])
-def test_a_sizing_with_and_without_a_design_has_the_same_keys_of_it(options: Any) -> None:
+def test_a_sizing_with_and_without_a_design_has_the_same_keys_of_it(options):
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     record = sizing.size(aircraft, missions.load_mission("rafz-july"), **options).to_dict()
     design = ("wingspan_m", "total_mass_kg", "masses_kg", "simulated", "power_budget")

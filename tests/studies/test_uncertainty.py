@@ -20,7 +20,7 @@ def test_spread_and_causes_are_drawn(tmp_path):
     studies.save_figure(figure, tmp_path / "a.png")
 
 
-def test_a_single_input_is_named_and_has_no_bars() -> None:
+def test_a_single_input_is_named_and_has_no_bars():
     analysis = sizing.analyse_uncertainty(
         load_aircraft("atlantiksolar-as2"), load_mission("rafz-july"), samples=256
     )

@@ -98,7 +98,7 @@ def integrated(limit: ChargeLimit, start: float, hours: float) -> float:
 # ---- the limits
 
 
-def test_rule_is_half_a_capacity_per_hour_up_to_ninety_percent() -> None:
+def test_rule_is_half_a_capacity_per_hour_up_to_ninety_percent():
     # The published rule: 0.5 C up to 90 %, then exponentially to 4.6 % of that at full charge.
     # Exact but for the rounding of exp and log.
     assert charge_rate_per_h(RULE, [0.0, 0.5, 0.9]) == pytest.approx([0.5, 0.5, 0.5], rel=1e-12)
@@ -107,7 +107,7 @@ def test_rule_is_half_a_capacity_per_hour_up_to_ninety_percent() -> None:
     assert charge_rate_per_h(RULE, 0.95) == pytest.approx(0.5 * 0.046**0.5, rel=1e-12)
 
 
-def test_measured_limit_is_its_table_and_constant_outside() -> None:
+def test_measured_limit_is_its_table_and_constant_outside():
     watts = charge_rate_per_h(MEASURED, MEASURED_SOC) * 732.0
     # Only rounding separates the two.
     assert watts == pytest.approx(25.0 * np.asarray(MEASURED_A), rel=1e-12)
@@ -123,7 +123,7 @@ def test_rate_equals_the_scalar_formula(limit: ChargeLimit, soc: float) -> None:
     assert float(charge_rate_per_h(limit, soc)) == pytest.approx(scalar_rate(limit, soc), rel=1e-9)
 
 
-def test_no_limit_has_no_rate_and_no_clock() -> None:
+def test_no_limit_has_no_rate_and_no_clock():
     assert ChargeClock.of(NoChargeLimit()) is None
     with pytest.raises(ValueError, match="no finite charge rate"):
         charge_rate_per_h(NoChargeLimit(), 0.5)
@@ -141,9 +141,7 @@ def test_no_limit_has_no_rate_and_no_clock() -> None:
         ((0.5, 1.0), (1.0, 5.0), "must not rise with the state of charge"),
     ],
 )
-def test_bad_tables_are_refused(
-    soc: tuple[float, ...], current: tuple[float, ...], message: str
-) -> None:
+def test_bad_tables_are_refused(soc, current, message):
     with pytest.raises(ValidationError, match=message):
         TableChargeLimit(
             state_of_charge=soc, current_a=current, voltage_v=25.0, pack_energy_wh=700.0
@@ -156,7 +154,7 @@ def test_bad_tables_are_refused(
 @LIMITS
 @pytest.mark.parametrize("start", [0.0, 0.3, 0.77, 0.85, 0.93, 0.99])
 @pytest.mark.parametrize("hours", [0.01, 0.3, 1.5, 4.0])
-def test_clock_follows_the_limit(limit: ChargeLimit, start: float, hours: float) -> None:
+def test_clock_follows_the_limit(limit, start, hours):
     clock = ChargeClock.of(limit)
     charged = float(clock.after(np.asarray(start), hours))
     # The clock's table has 4001 points: 1e-6 h of trapezoidal error at rates below 0.5/h, and the
@@ -174,7 +172,7 @@ def test_any_clock_follows_its_limit(limit: ChargeLimit, start: float, hours: fl
     assert charged == pytest.approx(integrated(limit, start, hours), abs=1e-5)
 
 
-def test_clock_of_the_rule_in_closed_form() -> None:
+def test_clock_of_the_rule_in_closed_form():
     clock = ChargeClock.of(RULE)
     # At 0.5 C one hour charges half the battery: no approximation below the taper, only rounding.
     assert float(clock.after(np.asarray(0.1), 1.0)) == pytest.approx(0.6, abs=1e-12)
@@ -226,7 +224,7 @@ def test_hours_to_full_is_when_the_clock_arrives(limit: ChargeLimit, start: floa
     assert float(clock.after(np.asarray(start), 0.9 * hours)) < 1.0
 
 
-def test_charging_adds_the_constant_power_of_the_limit() -> None:
+def test_charging_adds_the_constant_power_of_the_limit():
     # 0.2 of 800 Wh an hour is 160 W, whatever the sun leaves over; an hour and a half of it 240 Wh.
     limit = RuleChargeLimit(c_rate_per_h=0.2, taper_start=0.9, relative_rate_at_full=0.05)
     battery = Battery(
@@ -239,7 +237,7 @@ def test_charging_adds_the_constant_power_of_the_limit() -> None:
     assert store.charged(np.array([100.0]), np.array([50.0]), 1.5) == pytest.approx([145.0])
 
 
-def test_below_the_floor_nothing_is_drawn() -> None:
+def test_below_the_floor_nothing_is_drawn():
     keys = {"mass_kg": 2.0, "specific_energy_wh_per_kg": 250.0}
     volts = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.0]}
     floor = Battery.model_validate({**keys, "minimum_state_of_charge": 0.2, "voltage": volts})
@@ -253,7 +251,7 @@ def test_below_the_floor_nothing_is_drawn() -> None:
     assert Battery.model_validate(whole).capacity_fraction(20.0) == pytest.approx(0.8)
 
 
-def test_a_flight_has_the_energy_above_the_floor() -> None:
+def test_a_flight_has_the_energy_above_the_floor():
     mission = load_mission("rafz-july")
     whole, kept = (
         design_of(load_aircraft("atlantiksolar-as2", changes), mission).battery_energy_wh

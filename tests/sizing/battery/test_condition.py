@@ -1,7 +1,6 @@
 """Temperature, internal resistance and age of the battery, against hand values and invariants."""
 
 from math import exp
-from typing import Any
 
 import numpy as np
 import pytest
@@ -50,7 +49,7 @@ def test_capacity_falls_with_cold(first_c: float, second_c: float) -> None:
     assert table.capacity_fraction(cold) <= table.capacity_fraction(warm) <= 1.0
 
 
-def test_capacity_is_that_of_the_specification() -> None:
+def test_capacity_is_that_of_the_specification():
     # Samsung INR18650-15L, section 7.5; linear between, constant beyond.
     points = np.array([-40.0, -20.0, -10.0, 0.0, 12.5, 25.0, 60.0, 90.0])
     expected = [0.6, 0.6, 0.75, 0.8, 0.9, 1.0, 1.0, 1.0]
@@ -66,13 +65,13 @@ def test_the_heater_gives_what_the_pack_loses(air_c: float, offset_k: float, mos
     assert pack.pack_c(air_c) <= max(10.0, air_c + offset_k) + 1e-9
 
 
-def test_an_unlimited_heater_holds_the_temperature() -> None:
+def test_an_unlimited_heater_holds_the_temperature():
     air_c = np.array([-30.0, 0.0, 10.0, 20.0])
     assert heated().pack_c(air_c) == pytest.approx([10.0, 10.0, 10.0, 20.0])
     assert heated().heater_w(air_c) == pytest.approx([16.0, 4.0, 0.0, 0.0])
 
 
-def test_fade_is_the_published_law() -> None:
+def test_fade_is_the_published_law():
     aged = Ageing(cycles=100.0, months=12.0, depth_of_discharge=0.8, mean_voltage_v=3.7)
     calendar = (7.543 * 3.7 - 23.75) * 1e6 * exp(-6976.0 / 298.15) * 365.0**0.75
     cycle = (7.348e-3 * 0.033**2 + 7.6e-4 + 4.081e-3 * 0.8) * (100 * 2 * 0.8 * 2.05) ** 0.5
@@ -96,13 +95,13 @@ def test_capacity_falls_and_resistance_rises_with_age(
         assert older.resistance_factor() > young.resistance_factor()
 
 
-def test_a_season_is_its_cycles_and_a_year() -> None:
+def test_a_season_is_its_cycles_and_a_year():
     season = Ageing(seasons_flown=2.0, cycles_per_season=150.0)
     assert season.capacity_fraction() == Ageing(cycles=300.0, months=24.0).capacity_fraction()
     assert Ageing().capacity_fraction() == Ageing().resistance_factor() == 1.0
 
 
-def test_life_ends_where_the_law_says_and_sooner_deep_or_warm() -> None:
+def test_life_ends_where_the_law_says_and_sooner_deep_or_warm():
     ageing = Ageing(depth_of_discharge=0.6)
     life = cycles_to_end_of_life(ageing)
     aged = ageing.model_copy(update={"cycles": life, "months": life * 12.0 / 365.0})
@@ -111,7 +110,7 @@ def test_life_ends_where_the_law_says_and_sooner_deep_or_warm() -> None:
     assert cycles_to_end_of_life(Ageing(temperature_c=35.0)) < life
 
 
-def test_efficiencies_are_the_voltage_that_is_left() -> None:
+def test_efficiencies_are_the_voltage_that_is_left():
     law = InternalResistance(loss_at_1c=0.05, discharge_rate_per_h=0.1, charge_rate_per_h=0.3)
     assert law.discharge_efficiency(1.0) == pytest.approx(1.0 - 0.005)
     assert law.charge_efficiency(1.0) == pytest.approx(1.0 / 1.015)
@@ -122,7 +121,7 @@ def test_efficiencies_are_the_voltage_that_is_left() -> None:
     assert faster.charge_efficiency(1.0) < law.charge_efficiency(1.0)
 
 
-def test_the_march_takes_the_efficiencies_of_the_aged_resistance() -> None:
+def test_the_march_takes_the_efficiencies_of_the_aged_resistance():
     law = InternalResistance(loss_at_1c=0.05, discharge_rate_per_h=0.1, charge_rate_per_h=0.3)
     new = PLAIN.model_copy(update={"resistance": law})
     old = new.model_copy(update={"ageing": Ageing(cycles=300.0, months=24.0)})
@@ -150,7 +149,7 @@ def test_the_march_takes_the_efficiencies_of_the_aged_resistance() -> None:
         ),
     ],
 )
-def test_what_cannot_be_is_refused(record: type, values: dict[str, float], message: str) -> None:
+def test_what_cannot_be_is_refused(record, values, message):
     with pytest.raises(ValidationError, match=message):
         record(**values)
 
@@ -182,7 +181,7 @@ def spelled_out(name: str) -> Aircraft:
 @pytest.mark.parametrize(
     "flight", [{}, {"climb": {"ceiling_m": 1500.0}}], ids=["constant altitude", "climb"]
 )
-def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight: dict[str, Any]) -> None:
+def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight):
     where = mission(air={"ambient_temperature_c": -5.0}, **flight)
     analysis = analyse(aircraft("atlantiksolar-as2", *IN_FLIGHT), where)
     plain = analyse(spelled_out("atlantiksolar-as2"), where)
@@ -190,7 +189,7 @@ def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight: dict[st
     assert analysis.excess_time_h < analyse(aircraft("atlantiksolar-as2"), where).excess_time_h
 
 
-def test_a_replay_is_that_of_the_plain_keys_that_say_the_same() -> None:
+def test_a_replay_is_that_of_the_plain_keys_that_say_the_same():
     launch = {"date": "07-14", "time_local": "10:00", "duration_h": 30.0}
     where = mission(air={"ambient_temperature_c": -5.0}, launch=launch, longitude_deg=8.5)
     charge = [
@@ -200,7 +199,7 @@ def test_a_replay_is_that_of_the_plain_keys_that_say_the_same() -> None:
     assert charge[0] == pytest.approx(charge[1], abs=1e-12)
 
 
-def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
+def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same():
     sized = [
         size_aircraft(loaded, COLD, Objective.min_mass)
         for loaded in (
@@ -215,7 +214,7 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
     assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
 
 
-def test_the_line_says_temperature_age_and_what_is_left() -> None:
+def test_the_line_says_temperature_age_and_what_is_left():
     loaded = aircraft("atlantiksolar-as2", *IN_FLIGHT)
     line = battery_line(loaded, battery_condition(loaded, COLD))
     assert line.startswith(

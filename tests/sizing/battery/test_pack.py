@@ -1,6 +1,5 @@
 """Batteries of whole cells: mass, energy, voltage and charge current, and what is refused."""
 
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -28,7 +27,7 @@ VOLTAGE = {
 
 
 @pytest.fixture
-def cell(tmp_path: Path) -> str:
+def cell(tmp_path):
     file = tmp_path / "cell.yaml"
     file.write_text(ENTRY, encoding="utf-8")
     return str(file)
@@ -38,7 +37,7 @@ def battery(**data: Any) -> Battery:
     return Battery.model_validate(data)
 
 
-def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell: str) -> None:
+def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell):
     packed = battery(cell=cell, pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
     assert packed.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
     # The catalogue keeps six digits of the energy over mass.
@@ -49,7 +48,7 @@ def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell: str) -> No
     assert limit.c_rate_per_h == pytest.approx(3.1 / 3.2, rel=1e-5)
 
 
-def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell: str) -> None:
+def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell):
     packed = battery(
         cell=cell, cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9}
     )
@@ -57,7 +56,7 @@ def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell: str) -> 
     assert packed.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
 
 
-def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell: str) -> None:
+def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell):
     window = {"minimum_state_of_charge": 0.1, "maximum_state_of_charge": 0.9}
     packed = battery(cell=cell, pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
     assert packed.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
@@ -69,13 +68,13 @@ def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell: st
     assert power_w == pytest.approx(9 * 3.1 * 6 * 3.7, rel=1e-4)
 
 
-def test_cells_in_parallel_follow_from_a_mass_of_whole_cells(cell: str) -> None:
+def test_cells_in_parallel_follow_from_a_mass_of_whole_cells(cell):
     packed = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
     assert packed.pack.cells_in_parallel == 9
     assert packed.mass_kg == pytest.approx(2.403, rel=1e-12)
 
 
-def test_what_follows_is_not_written_and_follows_again(cell: str) -> None:
+def test_what_follows_is_not_written_and_follows_again(cell):
     data = DESIGN.model_dump(mode="json", exclude_unset=True)
     data["battery"] = {"cell": cell, "voltage": VOLTAGE, "pack": {"cells_in_parallel": 9}}
     plane = Aircraft.model_validate(data)
@@ -84,7 +83,7 @@ def test_what_follows_is_not_written_and_follows_again(cell: str) -> None:
     assert Aircraft.model_validate(written) == plane
 
 
-def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path: Path) -> None:
+def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path):
     file = tmp_path / "cell.yaml"
     known = ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250")
     file.write_text(known, encoding="utf-8")
@@ -136,7 +135,7 @@ SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}
         ),
     ],
 )
-def test_wrong_packs_are_refused(data: dict[str, Any], words: str) -> None:
+def test_wrong_packs_are_refused(data, words):
     with pytest.raises(InputError) as error:
         sizing.load_aircraft(
             "atlantiksolar-design", {f"battery.{key}": value for key, value in data.items()}
@@ -146,7 +145,7 @@ def test_wrong_packs_are_refused(data: dict[str, Any], words: str) -> None:
 
 @pytest.mark.parametrize("value", [10**400, float("inf"), -1, 0, "6", None, True, [1]])
 @pytest.mark.parametrize("key", ["cells_in_series", "cells_in_parallel", "cell_mass_kg"])
-def test_no_value_is_a_traceback(key: str, value: Any) -> None:
+def test_no_value_is_a_traceback(key, value):
     pack = {"cells_in_series": 6, "cells_in_parallel": 10, "cell_mass_kg": 0.0486} | {key: value}
     with pytest.raises(InputError):
         sizing.load_aircraft("atlantiksolar-design", {"battery.pack": pack})

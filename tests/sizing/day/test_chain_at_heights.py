@@ -10,7 +10,7 @@ import sizing
 from missions.air import GRAVITY_M_PER_S2
 from missions.library import load_mission
 from missions.mission import Mission
-from sizing.climb import ClimbPerformance, climb_performance
+from sizing.climb import climb_performance
 from sizing.day.chain_at_heights import ClimbChain
 from sizing.day.heights import flight_levels
 from sizing.day.light import solar_day
@@ -33,7 +33,7 @@ HIGH = mission(3536.0, 0.05, 0.2)
 
 
 @pytest.fixture(scope="module")
-def flown() -> ClimbPerformance:
+def flown():
     return climb_performance(TWIN, HIGH)
 
 
@@ -68,7 +68,7 @@ def chain_of(where: Mission) -> ClimbChain:
 
 # 7 and 13 levels; the exact propeller is evaluated at six of them.
 @pytest.mark.parametrize("ceiling_m", [3536.0, 6536.0])
-def test_the_table_is_the_exact_chain(ceiling_m: float) -> None:
+def test_the_table_is_the_exact_chain(ceiling_m):
     where, rng = mission(ceiling_m), np.random.default_rng(3)
     chain = chain_of(where)
     for number, altitude_m in enumerate(where.climb_levels_m):
@@ -81,14 +81,14 @@ def test_the_table_is_the_exact_chain(ceiling_m: float) -> None:
         assert ours[able] == pytest.approx(exact[able], rel=2e-4)
 
 
-def test_level_flight_is_exact_in_the_table() -> None:
+def test_level_flight_is_exact_in_the_table():
     chain = chain_of(mission(2536.0))
     ours = chain.power_w(np.zeros(1, int), np.array(0), np.ones(1))
     exact = exact_w(536.0, np.full(1, level(536.0)[0]), BUS_V)
     assert ours == pytest.approx(exact, rel=1e-8)  # its rotation is found to 1e-9
 
 
-def test_every_node_has_the_power_of_the_exact_chain(flown: ClimbPerformance) -> None:
+def test_every_node_has_the_power_of_the_exact_chain(flown):
     day, design = flown.performance, flown.performance.design
     time_h, height_m = day.day.time_h, flown.altitude_m[0]
     weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
@@ -112,7 +112,7 @@ def test_every_node_has_the_power_of_the_exact_chain(flown: ClimbPerformance) ->
 
 
 @pytest.mark.parametrize("thermal", [0.0, 0.3])
-def test_without_height_it_is_the_day_of_level_flight(thermal: float) -> None:
+def test_without_height_it_is_the_day_of_level_flight(thermal):
     found = climb_performance(TWIN, mission(536.0, 0.1, thermal))
     ours, theirs = found.performance.cycle, found.constant.cycle
     # 1e-4 of the table in thermals.
@@ -120,14 +120,14 @@ def test_without_height_it_is_the_day_of_level_flight(thermal: float) -> None:
     assert found.performance.load_w == pytest.approx(found.constant.load_w, rel=5e-4)
 
 
-def test_no_more_is_climbed_with_than_the_parts_can_do() -> None:
+def test_no_more_is_climbed_with_than_the_parts_can_do():
     weak = sizing.load_aircraft("twin-boom-design", {"airframe.propulsion.maximum_tip_mach": 0.1})
     found = climb_performance(weak, mission(1536.0))
     strong = climb_performance(TWIN, mission(1536.0))
     assert found.performance.load_w.max() < strong.performance.load_w.max() - 1.0
 
 
-def test_a_design_does_not_depend_on_its_batch() -> None:
+def test_a_design_does_not_depend_on_its_batch():
     own = TWIN
     spans, day = np.array([4.6, 5.0, 5.4]), solar_day(own, HIGH)
 

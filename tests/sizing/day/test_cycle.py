@@ -191,7 +191,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_metrics_equal_the_slow_simulation(name: str) -> None:
+def test_metrics_equal_the_slow_simulation(name):
     solar, load, pack = CASES[name]
     nominal = float(load.min())
     expected = slow_cycle(TIME, solar, load, nominal, pack)
@@ -216,7 +216,7 @@ def test_metrics_equal_the_slow_simulation(name: str) -> None:
     assert float(found.charge_margin_h) == pytest.approx(expected.charge_margin_h, abs=0.02)
 
 
-def test_cases_of_the_slow_simulation_are_what_they_are_called() -> None:
+def test_cases_of_the_slow_simulation_are_what_they_are_called():
     found = {
         name: simulate_cycle(TIME, solar, load, Store.of(pack))
         for name, (solar, load, pack) in CASES.items()
@@ -232,7 +232,7 @@ def test_cases_of_the_slow_simulation_are_what_they_are_called() -> None:
 # ---- limits
 
 
-def test_always_lit_is_infinite() -> None:
+def test_always_lit_is_infinite():
     cycle = simulate_cycle(TIME, sun(85.0, 172), constant_load(25.0), Store.of(battery(700.0)))
     assert cycle.excess_time_h == inf
     assert cycle.status == Status.always_lit
@@ -245,7 +245,7 @@ def test_always_lit_is_infinite() -> None:
 
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit(), MEASURED])
-def test_never_lit_lacks_all_hours(limit: ChargeLimit) -> None:
+def test_never_lit_lacks_all_hours(limit):
     store = Store.of(battery(700.0, limit))
     cycle = simulate_cycle(TIME, np.zeros_like(TIME), constant_load(40.0), store)
     # 24 hours, summed from 288 intervals: rounding.
@@ -256,7 +256,7 @@ def test_never_lit_lacks_all_hours(limit: ChargeLimit) -> None:
     assert not bool(cycle.perpetual)
 
 
-def test_sun_that_never_reaches_the_load_lacks_all_hours() -> None:
+def test_sun_that_never_reaches_the_load_lacks_all_hours():
     cycle = simulate_cycle(TIME, sun(47.6, 355), constant_load(400.0), Store.of(battery(700.0)))
     # All day is a deficit and the battery is empty for ever.
     assert float(cycle.excess_time_h) == pytest.approx(-24.0, abs=1e-9)
@@ -272,7 +272,7 @@ SQUARE_DAY = (
 )
 
 
-def test_square_day_by_hand() -> None:
+def test_square_day_by_hand():
     cycle = simulate_cycle(*SQUARE_DAY, Store.of(battery(1000.0)))
     left = 1000.0 - 600.0 / 0.97
     # By hand, but for the width of the edges: 1e-7 h times 200 W.
@@ -292,7 +292,7 @@ def test_square_day_by_hand() -> None:
     assert float(small.missing_h) == pytest.approx(4.24, abs=1e-5)
 
 
-def test_equal_power_is_of_the_nominal_load_which_is_the_least_load_by_default() -> None:
+def test_equal_power_is_of_the_nominal_load_which_is_the_least_load_by_default():
     solar, rough, store = sun(47.6, 196), with_thermals(40.0, 0.8), Store.of(battery(732.0))
     plain = simulate_cycle(TIME, solar, constant_load(40.0), store)
     told = simulate_cycle(TIME, solar, rough, store, nominal_load_w=40.0)
@@ -301,7 +301,7 @@ def test_equal_power_is_of_the_nominal_load_which_is_the_least_load_by_default()
     assert simulate_cycle(TIME, solar, rough, store).excess_time_h == told.excess_time_h
 
 
-def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall() -> None:
+def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall():
     time = np.array([0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0])
     net = np.array([-1.0, -1.0, 3.0, -1.0, 1.0, -3.0, -1.0])
     found = equal_power(time, net[:, np.newaxis])

@@ -93,7 +93,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_longest_flight_equals_brute_force_over_launch_times(name: str) -> None:
+def test_longest_flight_equals_brute_force_over_launch_times(name):
     solar, load, pack = CASES[name]
     launches = np.arange(0.0, 24.0, 0.02)
     tried = plain_flights(solar, load, pack, launches)
@@ -111,7 +111,7 @@ def test_longest_flight_equals_brute_force_over_launch_times(name: str) -> None:
     )
 
 
-def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_rounding_does() -> None:
+def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_rounding_does():
     # An October night: launched between 18.9 and 20.4 h a flight of AS-2 ends in the dark of the
     # third night, at the same load.
     store, load = Store.of(battery(732.0)), np.full_like(TIME, 42.0)
@@ -131,7 +131,7 @@ def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_roun
 
 
 @pytest.mark.parametrize("energy_wh", [3e-7, 1e-5, 1e-3])
-def test_next_to_no_battery_flies_from_the_first_surplus_to_the_last(energy_wh: float) -> None:
+def test_next_to_no_battery_flies_from_the_first_surplus_to_the_last(energy_wh):
     solar, load = sun(47.6, 196), 43.0
     lit = np.flatnonzero(solar > load)
     assert np.all(np.diff(lit) == 1)
@@ -147,14 +147,14 @@ def test_next_to_no_battery_flies_from_the_first_surplus_to_the_last(energy_wh: 
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 @pytest.mark.parametrize("power", [17.0, 40.0])
-def test_polar_night_is_the_battery_alone(limit: ChargeLimit, power: float) -> None:
+def test_polar_night_is_the_battery_alone(limit, power):
     pack = battery(732.0, limit)
     found = longest_flight(TIME, sun(80.0, 355), np.full_like(TIME, power), Store.of(pack))
     # Energy over power; rounding of up to 700 summed intervals.
     assert float(found.endurance_h) == pytest.approx(732.0 * 0.97 / power, rel=1e-9)
 
 
-def test_perpetual_flight_has_no_end() -> None:
+def test_perpetual_flight_has_no_end():
     solar = np.stack((sun(47.6, 196, HOURLY), sun(85.0, 172, HOURLY)))
     load = np.array([[43.0], [20.0]]) * np.ones_like(HOURLY)
     store = Store.of(battery(1.0), np.array([732.0, 10.0]))
@@ -162,7 +162,7 @@ def test_perpetual_flight_has_no_end() -> None:
 
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
-def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: ChargeLimit) -> None:
+def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit):
     rng = np.random.default_rng(5)
     count = 8
     energies = np.array([50.0, 150.0, 400.0, 401.0, 900.0, 2000.0])
@@ -188,7 +188,7 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
     assert np.all(np.diff(hours, axis=1) >= -1e-3)
 
 
-def test_batch_equals_scalars() -> None:
+def test_batch_equals_scalars():
     loads = np.array([30.0, 43.0, 60.0, 43.0])
     energies = np.array([200.0, 300.0, 900.0, 250.0])
     places = ((47.6, 355), (47.6, 196), (0.0, 80), (47.6, 196))
@@ -202,7 +202,7 @@ def test_batch_equals_scalars() -> None:
         np.testing.assert_allclose(batch.launch_h[i], one.launch_h, atol=1e-9)
 
 
-def test_whole_days_that_lose_the_same_are_skipped_without_effect() -> None:
+def test_whole_days_that_lose_the_same_are_skipped_without_effect():
     # A loss of 0.4 % of the battery a day: some 250 days until it is empty. What a plain
     # sum of days gives: the deficit of a day divides the battery.
     solar = sun(47.6, 196)
@@ -250,7 +250,7 @@ def rough_days(count: int) -> tuple[FloatArray, FloatArray]:
 
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
-def test_flights_over_broken_days_are_those_marched_step_by_step(limit: ChargeLimit) -> None:
+def test_flights_over_broken_days_are_those_marched_step_by_step(limit):
     solar, load = rough_days(12)
     energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
     nodes = np.arange(24)
@@ -272,7 +272,7 @@ def test_flights_over_broken_days_are_those_marched_step_by_step(limit: ChargeLi
 
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
-def test_no_tried_launch_flies_longer_on_broken_days(limit: ChargeLimit) -> None:
+def test_no_tried_launch_flies_longer_on_broken_days(limit):
     solar, load = rough_days(12)
     energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
     store = Store.of(battery(1.0, limit), energies)
@@ -288,7 +288,7 @@ def test_no_tried_launch_flies_longer_on_broken_days(limit: ChargeLimit) -> None
     assert np.all(found.endurance_h[ended] >= tried[ended] - 3e-3)
 
 
-def test_a_day_that_begins_with_its_only_surplus_charges() -> None:
+def test_a_day_that_begins_with_its_only_surplus_charges():
     # Light from midnight to noon: no deficit lies before the surplus.
     solar = np.interp(HOURLY, [0.0, 12.0, 13.0, 24.0], [100.0, 100.0, 0.0, 0.0])
     found = longest_flight(HOURLY, solar, np.full_like(HOURLY, 40.0), Store.of(battery(2000.0)))

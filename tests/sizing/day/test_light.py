@@ -17,7 +17,7 @@ from sizing.day.light import (
 from sizing.day.module_power import clear_daylight
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from solar.names import CORRECTION_NAMES, MODEL_NAMES
 from solar.systematic_errors import REPORTED_ERRORS
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -26,7 +26,7 @@ LOITER = load_mission("rafz-loiter")
 SUMMER = load_mission("central-europe-summer").scenarios()
 
 
-def test_axis_spans_the_day_in_steps_no_longer_than_asked() -> None:
+def test_axis_spans_the_day_in_steps_no_longer_than_asked():
     for step in (1.0, 0.7, DEFAULT_STEP_H, 1.0 / 60.0, 1.0 / 3600.0):
         time = day_axis_h(step)
         assert (time[0], time[-1]) == (0.0, 24.0)
@@ -36,12 +36,12 @@ def test_axis_spans_the_day_in_steps_no_longer_than_asked() -> None:
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, 1.0 / 3601.0, 1.01])
-def test_unreasonable_steps_are_refused(step: float) -> None:
+def test_unreasonable_steps_are_refused(step):
     with pytest.raises(ValueError, match="step_h must be from"):
         day_axis_h(step)
 
 
-def test_scaled_day_is_a_larger_module() -> None:
+def test_scaled_day_is_a_larger_module():
     day = solar_day(AS2, RAFZ).scaled(1.1)
     by_day = performance(AS2, RAFZ, day=day)
     larger = load_aircraft("atlantiksolar-as2", ["modules.area_m2=1.485"])
@@ -51,9 +51,7 @@ def test_scaled_day_is_a_larger_module() -> None:
 
 
 @pytest.mark.parametrize("model", MODEL_NAMES)
-def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_model(
-    model: ModelName,
-) -> None:
+def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_model(model):
     sun = Sunlight(AS2, LOITER, SUMMER)
     ours = sun.day(SolarModel(model, "loiter"))
     full = sun.day(SolarModel("FM", "none"))
@@ -64,7 +62,7 @@ def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_m
     np.testing.assert_allclose(energy, expected / (1.0 + REPORTED_ERRORS["FM"].average), rtol=1e-12)
 
 
-def test_days_joined_and_taken_apart() -> None:
+def test_days_joined_and_taken_apart():
     sun = Sunlight(AS2, LOITER, SUMMER)
     days = [sun.day(SolarModel(model)) for model in ("CDM", "CAM")]
     joined = SolarDay.joined(days)
@@ -76,7 +74,7 @@ def test_days_joined_and_taken_apart() -> None:
     np.testing.assert_array_equal(again.sunset_h, days[1].sunset_h)
 
 
-def test_margin_takes_errors_of_the_model_off_its_power() -> None:
+def test_margin_takes_errors_of_the_model_off_its_power():
     wary = RAFZ.model_copy(
         update={"uncertainty_margins": UncertaintyMargins(solar_model_sigmas=1.5)}
     )
@@ -86,7 +84,7 @@ def test_margin_takes_errors_of_the_model_off_its_power() -> None:
 
 
 @pytest.mark.parametrize("correction", CORRECTION_NAMES)
-def test_a_day_on_the_calendar_is_the_day_of_the_cycle(correction: CorrectionName) -> None:
+def test_a_day_on_the_calendar_is_the_day_of_the_cycle(correction):
     solar = SolarModel("CAM", correction)
     day = solar_day(AS2, LOITER, solar)
     noon = np.full(len(day.time_h), day.scenarios.noon_day[0])

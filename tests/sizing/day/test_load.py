@@ -1,7 +1,6 @@
 """Tests of the propulsion over load and voltage, against the exact chain point by point."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -73,7 +72,7 @@ def half_charged_v(own: sizing.Aircraft) -> FloatArray:
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))
-def test_the_table_is_the_exact_chain(name: str) -> None:
+def test_the_table_is_the_exact_chain(name):
     own, mission = AIRCRAFT[name], rough(0.1, 0.5)
     design, rng = design_of(own, mission), np.random.default_rng(7)
     part = part_load_of(own, mission, design)
@@ -85,7 +84,7 @@ def test_the_table_is_the_exact_chain(name: str) -> None:
 
 
 @pytest.mark.parametrize("all_day", [0.0, 0.2])
-def test_a_constant_voltage_and_load_leave_the_result_as_it_is(all_day: float) -> None:
+def test_a_constant_voltage_and_load_leave_the_result_as_it_is(all_day):
     flat = VOLTAGE | {"state_of_charge": [0.0, 1.0], "cell_voltage_v": [3.7, 3.7]}
     own, mission = atlantiksolar(flat), rough(all_day)
     flown = performance(own, mission)
@@ -105,7 +104,7 @@ def test_a_constant_voltage_and_load_leave_the_result_as_it_is(all_day: float) -
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))
-def test_the_load_is_that_of_the_exact_chain(name: str) -> None:
+def test_the_load_is_that_of_the_exact_chain(name):
     own, mission = AIRCRAFT[name], rough(0.05, 0.3)
     flown = performance(own, mission)
     hour, day = flown.day.time_h, flown.day
@@ -119,7 +118,7 @@ def test_the_load_is_that_of_the_exact_chain(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))
-def test_the_excess_time_is_how_long_the_battery_lasts(name: str) -> None:
+def test_the_excess_time_is_how_long_the_battery_lasts(name):
     own, mission = AIRCRAFT[name], rough(0.1)
     flown = performance(own, mission)
     energy_wh, constant_w = float(flown.design.battery_energy_wh), flown.design.constant_power_w
@@ -139,7 +138,7 @@ def test_the_excess_time_is_how_long_the_battery_lasts(name: str) -> None:
     assert float(flown.cycle.excess_time_h[0]) == pytest.approx(float(lasts.t[-1]), abs=2e-3)
 
 
-def test_a_design_does_not_depend_on_its_batch() -> None:
+def test_a_design_does_not_depend_on_its_batch():
     own, mission = AIRCRAFT["twin-boom"], rough(0.1, 0.3)
     spans = np.array([4.4, 4.8, 5.2])
     day = solar_day(own, mission)
@@ -156,7 +155,7 @@ def test_a_design_does_not_depend_on_its_batch() -> None:
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))
-def test_what_is_sized_flies_as_its_own_file(name: str) -> None:
+def test_what_is_sized_flies_as_its_own_file(name):
     mission = rough(0.05, 0.3).model_copy(update={"required_excess_time_h": 1.0})
     study = sizing.size(AIRCRAFT[name], mission, objective="min_mass")
     assert study.feasible
@@ -166,7 +165,7 @@ def test_what_is_sized_flies_as_its_own_file(name: str) -> None:
     assert analysis.total_mass_kg == pytest.approx(float(study.design.total_mass_kg), rel=1e-4)
 
 
-def test_the_analysis_tells_what_the_efficiency_of_the_moment_changes() -> None:
+def test_the_analysis_tells_what_the_efficiency_of_the_moment_changes():
     own, mission = AIRCRAFT["atlantiksolar"], rough(0.0, 0.5)
     analysis = sizing.analyse(own, mission)
     found = varying_efficiency(own, analysis.performance)
@@ -184,13 +183,13 @@ def test_the_analysis_tells_what_the_efficiency_of_the_moment_changes() -> None:
     assert "at the load of the moment" in str(analysis.at_level(2))
 
 
-def test_constants_have_no_efficiency_of_the_moment() -> None:
+def test_constants_have_no_efficiency_of_the_moment():
     analysis = sizing.analyse(sizing.load_aircraft("atlantiksolar-design"), MISSION)
     assert "varying_efficiency" not in analysis.to_dict()
     assert "of the moment" not in str(analysis.at_level(2))
 
 
-def test_thermals_beyond_the_propeller_have_a_reason(tmp_path: Path) -> None:
+def test_thermals_beyond_the_propeller_have_a_reason(tmp_path):
     # Thrust of one curve up to an advance ratio whose speed level flight just needs.
     table = tmp_path / "narrow.csv"
     table.write_text(
@@ -203,7 +202,7 @@ def test_thermals_beyond_the_propeller_have_a_reason(tmp_path: Path) -> None:
         performance(own, rough(0.0, 5.0))
 
 
-def test_parts_beyond_their_limits_are_told() -> None:
+def test_parts_beyond_their_limits_are_told():
     motor = {
         "speed_constant_rpm_per_v": 317.0,
         "resistance_ohm": 0.299,
@@ -215,7 +214,7 @@ def test_parts_beyond_their_limits_are_told() -> None:
     assert "Beyond the parts: motor current" in " ".join(text.split())
 
 
-def test_a_flight_on_the_calendar_has_the_load_of_the_exact_chain() -> None:
+def test_a_flight_on_the_calendar_has_the_load_of_the_exact_chain():
     own = AIRCRAFT["twin-boom"]
     noon = {"date": "06-21", "time_local": "12:00", "utc_offset_h": 2.0}
     launch = noon | {"state_of_charge": 0.8, "duration_h": 24.0}
@@ -226,7 +225,7 @@ def test_a_flight_on_the_calendar_has_the_load_of_the_exact_chain() -> None:
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))
-def test_a_record_has_the_load_of_its_air(name: str) -> None:
+def test_a_record_has_the_load_of_its_air(name):
     own, record = AIRCRAFT[name], clear_record(2, first="2001-07-14", interval_s=600.0)
     record = replace(record, temperature_c=12.0 + 14.0 * np.linspace(0.0, 1.0, len(record.start_s)))
     mission, _ = mission_at_site(rough(0.05, 0.3), record, chosen=False)
@@ -255,7 +254,7 @@ def test_a_record_has_the_load_of_its_air(name: str) -> None:
         assert heater_w == pytest.approx(0.0, abs=3e-5 * power_w)
 
 
-def test_a_climb_begins_with_the_load_of_the_moment() -> None:
+def test_a_climb_begins_with_the_load_of_the_moment():
     own = AIRCRAFT["atlantiksolar"]
     climb = {"ceiling_m": 1500.0}
     mission = load_mission("rafz-july", {"climb": climb})

@@ -110,7 +110,7 @@ def test_ramp_fraction_is_where_the_share_is_reached(
     assert reached == pytest.approx(share * (left + right) / 2.0, abs=1e-9 * (1.0 + left + right))
 
 
-def test_battery_that_empties_in_a_falling_power_is_found_by_hand() -> None:
+def test_battery_that_empties_in_a_falling_power_is_found_by_hand():
     # Deficit of 100 t W over two hours, one that empties 50 Wh of a lossless battery: t = 1 h.
     balance = balance_of(np.array([0.0, 2.0]), np.array([0.0, 0.0]), np.array([0.0, 200.0]))
     store = Store.of(
@@ -131,7 +131,7 @@ def test_battery_that_empties_in_a_falling_power_is_found_by_hand() -> None:
     assert day.hour_of_deficit(flown.empty_at_wh, np.zeros(1, int)) == pytest.approx(1.0)
 
 
-def test_efficiencies_act_once_on_each_way() -> None:
+def test_efficiencies_act_once_on_each_way():
     # 100 W surplus for 1 h, then 50 W deficit for 1 h, by hand.
     time = np.array([0.0, 1.0, 1.0 + 1e-9, 2.0])
     balance = balance_of(time, np.array([150.0, 150.0, 0.0, 0.0]), np.full(4, 50.0))
@@ -148,7 +148,7 @@ def test_efficiencies_act_once_on_each_way() -> None:
     assert found == pytest.approx(10.0 + 90.0 - 62.5, abs=1e-6)
 
 
-def test_time_must_increase_and_be_the_first_axis() -> None:
+def test_time_must_increase_and_be_the_first_axis():
     with pytest.raises(ValueError, match="increase strictly"):
         PowerBalance.of(np.array([0.0, 1.0, 1.0]), np.zeros((3, 1)))
     with pytest.raises(ValueError, match="has length 4, not 3"):
@@ -176,7 +176,7 @@ def test_energy_account_closes(case: Case) -> None:
 
 
 @pytest.mark.parametrize("limit", LIMITS)
-def test_a_thousand_random_cycles_conserve_energy_but_for_rounding(limit: ChargeLimit) -> None:
+def test_a_thousand_random_cycles_conserve_energy_but_for_rounding(limit):
     rng = np.random.default_rng(9)
     time, shape = np.linspace(0.0, 24.0, 97), (1000, 97)
     solar = 100.0 * np.maximum(rng.normal(0.3, 1.0, shape), 0.0)

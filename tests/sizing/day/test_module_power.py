@@ -32,7 +32,7 @@ def cold_modules(where: Mission) -> Mission:
     )
 
 
-def test_no_height_is_special() -> None:
+def test_no_height_is_special():
     """Heat is balanced at every height: no leap of energy, nor a bend as of a blend at 3 km."""
     heights = np.arange(2000.0, 5001.0, 250.0)
     energy_wh = [
@@ -44,7 +44,7 @@ def test_no_height_is_special() -> None:
 
 
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
-def test_near_the_ground_modules_of_a_flight_are_warm_at_noon_as_measured(model: str) -> None:
+def test_near_the_ground_modules_of_a_flight_are_warm_at_noon_as_measured(model):
     """12 K at most insolation, at cruise speed: the report on the solar power models."""
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 9.5}
     where = mission(flight_path=path, dates={"on": "06-21"}, air={"ambient_temperature_c": 27.0})
@@ -61,7 +61,7 @@ def test_near_the_ground_modules_of_a_flight_are_warm_at_noon_as_measured(model:
         assert warmer_k == pytest.approx(12.0, abs=4.5)
 
 
-def test_modules_high_up_are_warmer_than_the_air_and_colder_than_near_the_ground() -> None:
+def test_modules_high_up_are_warmer_than_the_air_and_colder_than_near_the_ground():
     warm, cold = (solar_day(STRATOSPHERE, one) for one in (HIGH, cold_modules(HIGH)))
     noon = len(warm.time_h) // 2
     ratio = warm.specific_power_w_per_m2[0, noon] / cold.specific_power_w_per_m2[0, noon]
@@ -77,9 +77,7 @@ def test_modules_high_up_are_warmer_than_the_air_and_colder_than_near_the_ground
     [(18.0, HIGH), (35.0, HIGH), (35.0, HIGH.model_copy(update=LOW_SUN))],
     ids=["small", "large", "low sun"],
 )
-def test_a_design_of_another_flow_has_its_own_temperature(
-    model: str, span_m: float, where: Mission
-) -> None:
+def test_a_design_of_another_flow_has_its_own_temperature(model, span_m, where):
     path = {"kind": "circle", "radius_m": 1000.0, "airspeed_m_per_s": 28.0}
     where = where.model_copy(update={"flight_path": mission(flight_path=path).flight_path})
     solar = SolarModel(model)  # type: ignore[arg-type]
@@ -95,7 +93,7 @@ def test_a_design_of_another_flow_has_its_own_temperature(
     assert found == pytest.approx(exact, rel=2e-4 if model in ("VM", "FM") else 5e-5)
 
 
-def test_a_sized_design_is_analysed_as_it_was_sized() -> None:
+def test_a_sized_design_is_analysed_as_it_was_sized():
     study = size(STRATOSPHERE, mission(**SUMMER), "min_mass")
     again = analyse(study.sized_aircraft(), mission(**SUMMER))
     sized_h = float(np.min(study.result.simulated.cycle.excess_time_h))
@@ -112,13 +110,13 @@ SUMMER = {
 }
 
 
-def test_a_first_guess_that_cannot_fly_has_a_flow() -> None:
+def test_a_first_guess_that_cannot_fly_has_a_flow():
     heavy = aircraft("stratosphere-design", "airframe.other_mass_kg=100000")
     assert not np.isfinite(closed_design(heavy, HIGH, variables_of(heavy)).total_mass_kg)
     assert 1.0 < convection_in_flight(heavy, HIGH) < 30.0
 
 
-def test_the_heater_of_an_insulated_pack_grows_with_its_faces() -> None:
+def test_the_heater_of_an_insulated_pack_grows_with_its_faces():
     foam = Insulation(thickness_m=0.02, conductivity_w_per_m_k=0.03, density_kg_per_m3=2000.0)
     # A cube of 16 kg is 0.2 m wide: 0.24 m2 of 1.5 W/(m2 K).
     assert foam.heat_loss_w_per_k(16.0) == pytest.approx(0.36)
@@ -130,7 +128,7 @@ def test_the_heater_of_an_insulated_pack_grows_with_its_faces() -> None:
     assert pack.pack_c(20.0) == 20.0
 
 
-def test_a_battery_without_temperature_is_heated_high_up() -> None:
+def test_a_battery_without_temperature_is_heated_high_up():
     for craft in (AS2, DESIGN):
         where = mission(altitude_m=10000.0, dates={"on": "06-21"})
         result = analyse(craft, where)
@@ -143,7 +141,7 @@ def test_a_battery_without_temperature_is_heated_high_up() -> None:
         assert same.excess_time_h == pytest.approx(result.excess_time_h, abs=1e-9)
 
 
-def test_a_sized_battery_has_the_heater_of_its_mass() -> None:
+def test_a_sized_battery_has_the_heater_of_its_mass():
     study = size(STRATOSPHERE, mission(**SUMMER), "min_mass")
     design = study.result.simulated.design
     told_w = study.to_dict()["battery_condition"]["heater_power_w"]
@@ -151,7 +149,7 @@ def test_a_sized_battery_has_the_heater_of_its_mass() -> None:
     assert told_w == pytest.approx(loads_w, rel=1e-9)
 
 
-def test_a_climbing_design_is_cooled_as_in_its_own_file() -> None:
+def test_a_climbing_design_is_cooled_as_in_its_own_file():
     night = {"latitude_deg": 25.0, "dates": {"on": "08-15"}}
     where = load_mission("stratosphere-mission", night | {"climb": {"ceiling_m": 22000.0}})
     sizes = {
@@ -175,7 +173,7 @@ def test_a_climbing_design_is_cooled_as_in_its_own_file() -> None:
     assert np.all(energy_wh(warm) > 1.02 * expected_wh)
 
 
-def test_a_path_is_flown_at_the_design_s_airspeed() -> None:
+def test_a_path_is_flown_at_the_design_s_airspeed():
     calm = load_mission("central-europe-summer")
     own = float(np.asarray(design_of(DESIGN, calm).airspeed_m_per_s))
     assert on_path(DESIGN, calm).flight_path.airspeed_m_per_s == own  # type: ignore[union-attr]

@@ -29,7 +29,7 @@ def launch(**changes: Any) -> dict[str, Any]:
     }
 
 
-def test_run_equals_an_euler_march_with_its_own_sun() -> None:
+def test_run_equals_an_euler_march_with_its_own_sun():
     flown = mission(launch(), air={"module_temperature_c": 20.0})
     found = calendar_run(UNLIMITED_AS2, flown)
     # Clock to sun by hand: 2 h to UTC, 4 min per degree of longitude, equation of time.
@@ -63,7 +63,7 @@ def test_run_equals_an_euler_march_with_its_own_sun() -> None:
     np.testing.assert_allclose(found.load_w, load_w, rtol=1e-9)
 
 
-def test_time_axes_are_consistent() -> None:
+def test_time_axes_are_consistent():
     found = calendar_run(AS2, mission(launch()))
     assert found.clock_h[0] == 9.5
     # Rounding of the axis.
@@ -78,7 +78,7 @@ def test_time_axes_are_consistent() -> None:
     assert noon == pytest.approx(13.0 + 32.0 / 60.0, abs=2.0 / 60.0)
 
 
-def test_settled_run_is_close_to_the_repeated_day() -> None:
+def test_settled_run_is_close_to_the_repeated_day():
     run = calendar_run(AS2, mission(launch(duration_h=86.0)))
     cycle = performance(AS2, mission(None)).cycle
     # The sun's declination falls by 0.15 degrees a day: the nights of the run are up to 5 min
@@ -88,7 +88,7 @@ def test_settled_run_is_close_to_the_repeated_day() -> None:
     )
 
 
-def test_battery_that_runs_empty_ends_the_run() -> None:
+def test_battery_that_runs_empty_ends_the_run():
     small = builders.aircraft("atlantiksolar-as2", "battery.mass_kg=0.8")
     run = calendar_run(small, mission(launch(time_local="20:00", state_of_charge=0.9)))
     assert run.empty_clock_h is not None
@@ -102,7 +102,7 @@ def test_battery_that_runs_empty_ends_the_run() -> None:
     assert {len(values) for values in axes} == {len(run.clock_h)}
 
 
-def test_dark_run_lasts_as_long_as_the_battery() -> None:
+def test_dark_run_lasts_as_long_as_the_battery():
     polar = mission(
         launch(date="12-21", state_of_charge=1.0, time_local="00:00", utc_offset_h=0.0),
         latitude_deg=80.0,
@@ -111,7 +111,7 @@ def test_dark_run_lasts_as_long_as_the_battery() -> None:
     assert run.empty_clock_h == pytest.approx(2.918 * 251.0 * 0.97 / float(run.load_w[0]), rel=1e-9)
 
 
-def test_full_charge_is_noted_once_a_day() -> None:
+def test_full_charge_is_noted_once_a_day():
     run = calendar_run(AS2, mission(launch(duration_h=81.0)))
     assert [int(h // 24.0) for h in run.full_charge_clock_h] == [0, 1, 2, 3]
     for instant in run.full_charge_clock_h:
@@ -124,7 +124,7 @@ def test_full_charge_is_noted_once_a_day() -> None:
         assert minute_before < 1.0
 
 
-def test_aged_battery_holds_what_the_margin_leaves_of_it() -> None:
+def test_aged_battery_holds_what_the_margin_leaves_of_it():
     run = calendar_run(
         AS2, mission(launch(duration_h=30.0), uncertainty_margins={"battery_capacity": 0.7})
     )
@@ -134,7 +134,7 @@ def test_aged_battery_holds_what_the_margin_leaves_of_it() -> None:
     assert run.energy_wh[0] == pytest.approx(0.5 * 0.7 * 2.918 * 251.0, rel=1e-12)
 
 
-def test_shorter_steps_change_nothing() -> None:
+def test_shorter_steps_change_nothing():
     flown = mission(launch())
     coarse, fine = calendar_run(AS2, flown), calendar_run(AS2, flown, step_h=1.0 / 120.0)
     # Half a thousandth, as for the minimum of the repeated day.
@@ -145,7 +145,7 @@ def test_shorter_steps_change_nothing() -> None:
     )
 
 
-def test_launch_at_the_turn_of_the_year() -> None:
+def test_launch_at_the_turn_of_the_year():
     run = calendar_run(AS2, mission(launch(date="12-31", duration_h=12.0), latitude_deg=-30.0))
     again = calendar_run(AS2, mission(launch(date="12-30", duration_h=12.0), latitude_deg=-30.0))
     # The sun of two midsummer days differs by less than 0.3 % of a day's energy.
@@ -153,6 +153,6 @@ def test_launch_at_the_turn_of_the_year() -> None:
     assert run.day_of_year[-1] > 365.0
 
 
-def test_mission_without_launch_cannot_be_flown_on_the_calendar() -> None:
+def test_mission_without_launch_cannot_be_flown_on_the_calendar():
     with pytest.raises(ValueError, match="no launch date and time"):
         calendar_run(AS2, mission(None))

@@ -7,7 +7,6 @@ from missions.dates import date_code
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from missions.mission.scenarios import Dates
-from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs
@@ -25,12 +24,12 @@ CELLS = Scenarios(np.repeat(LATITUDES, len(DAYS)), np.tile(DAYS, len(LATITUDES))
 
 
 @pytest.fixture(scope="module")
-def aircraft() -> Aircraft:
+def aircraft():
     return load_aircraft("atlantiksolar-design", ["design_space.wingspan_m.maximum=7"])
 
 
 @pytest.fixture(scope="module")
-def mission() -> Mission:
+def mission():
     return load_mission("central-europe-summer", ["required_excess_time_h=2.0"])
 
 
@@ -41,9 +40,7 @@ def at(mission: Mission, cell: int) -> Mission:
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
-def test_cells_are_sized_as_one_by_one(
-    aircraft: Aircraft, mission: Mission, objective: Objective
-) -> None:
+def test_cells_are_sized_as_one_by_one(aircraft, mission, objective):
     found = size_cells(aircraft, mission, CELLS, objective)
     feasible = 0
     for cell in range(0, len(CELLS), 5):
@@ -62,9 +59,7 @@ def test_cells_are_sized_as_one_by_one(
     assert 0 < feasible < len(range(0, len(CELLS), 5))
 
 
-def test_a_cell_without_design_says_what_a_sizing_alone_says(
-    aircraft: Aircraft, mission: Mission
-) -> None:
+def test_a_cell_without_design_says_what_a_sizing_alone_says(aircraft, mission):
     cell = CELLS.label(place := int(np.argmax(LATITUDES == 60.0)) * len(DAYS))
     found = size_cells(aircraft, mission, CELLS, Objective.min_wingspan)
     alone = size_aircraft(aircraft, at(mission, place), Objective.min_wingspan)
@@ -74,9 +69,7 @@ def test_a_cell_without_design_says_what_a_sizing_alone_says(
     assert found.message[place].partition(" short by ")[0] == text.partition(" short by ")[0]
 
 
-def test_no_cell_is_left_open_and_all_optima_are_cross_checked(
-    aircraft: Aircraft, mission: Mission
-) -> None:
+def test_no_cell_is_left_open_and_all_optima_are_cross_checked(aircraft, mission):
     found = size_cells(aircraft, mission, CELLS, Objective.min_wingspan)
     counted = np.bincount(found.status, minlength=5)
     assert counted[SizingStatus.not_converged] == 0
@@ -85,7 +78,7 @@ def test_no_cell_is_left_open_and_all_optima_are_cross_checked(
     assert counted[SizingStatus.infeasible] > 3
 
 
-def test_reported_numbers_are_the_simulators(aircraft: Aircraft, mission: Mission) -> None:
+def test_reported_numbers_are_the_simulators(aircraft, mission):
     found = size_cells(aircraft, mission, CELLS, Objective.min_mass)
     for cell in np.flatnonzero(found.status == SizingStatus.cross_checked)[::4]:
         variables = found.variables.mapped(lambda v, cell=cell: float(v[cell]))
@@ -99,7 +92,7 @@ def test_reported_numbers_are_the_simulators(aircraft: Aircraft, mission: Missio
         )
 
 
-def test_payload_of_each_cell_counts(aircraft: Aircraft, mission: Mission) -> None:
+def test_payload_of_each_cell_counts(aircraft, mission):
     same = Scenarios(np.full(5, 47.6), np.full(5, 172))
     payload = np.array([0.0, 0.5, 1.0, 2.0, 60.0])
     found = size_cells(aircraft, mission, same, Objective.min_wingspan, payload_mass_kg=payload)
@@ -112,7 +105,7 @@ def test_payload_of_each_cell_counts(aircraft: Aircraft, mission: Mission) -> No
     assert np.all(np.diff(drawing.objective_value[:3]) > 0.0)
 
 
-def test_same_cells_give_the_same_bits(aircraft: Aircraft, mission: Mission) -> None:
+def test_same_cells_give_the_same_bits(aircraft, mission):
     one, other = (size_cells(aircraft, mission, CELLS, Objective.min_wingspan) for _ in range(2))
 
     def columns(found: CellSizings) -> list[np.ndarray]:
@@ -123,15 +116,13 @@ def test_same_cells_give_the_same_bits(aircraft: Aircraft, mission: Mission) -> 
         np.testing.assert_array_equal(a, b)
 
 
-def test_polar_night_and_midnight_sun_are_ordinary_cells(
-    aircraft: Aircraft, mission: Mission
-) -> None:
+def test_polar_night_and_midnight_sun_are_ordinary_cells(aircraft, mission):
     found = size_cells(aircraft, mission, Scenarios(np.array([80.0, 80.0]), np.array([355, 172])))
     assert found.status[0] == SizingStatus.infeasible
     assert found.status[1] in (SizingStatus.cross_checked, SizingStatus.optimal)
 
 
-def test_best_of_designs_without_end_is_cross_checked(aircraft: Aircraft, mission: Mission) -> None:
+def test_best_of_designs_without_end_is_cross_checked(aircraft, mission):
     # All neighbours of such an optimum are without end as well: none is better.
     pole = Scenarios(np.array([90.0]), np.array([172]))
     with np.errstate(invalid="raise"):
@@ -140,14 +131,14 @@ def test_best_of_designs_without_end_is_cross_checked(aircraft: Aircraft, missio
     assert np.isposinf(cells.excess_time_h[0])
 
 
-def test_ranges_and_measured_aircraft_are_refused(aircraft: Aircraft, mission: Mission) -> None:
+def test_ranges_and_measured_aircraft_are_refused(aircraft, mission):
     with pytest.raises(ValueError, match="is a range"):
         size_cells(aircraft, mission, CELLS, Objective.longest_season)
     with pytest.raises(TypeError, match="measured aircraft"):
         size_cells(load_aircraft("atlantiksolar-as2"), mission, CELLS)
 
 
-def test_payload_of_cells_that_differ_much_from_their_neighbours() -> None:
+def test_payload_of_cells_that_differ_much_from_their_neighbours():
     # Wide bounds: the design runs from 4 to 21 kg of payload, and a low penalty on what is missed
     # leaves the solver without an end at 48° S in January.
     aircraft = load_aircraft("atlantiksolar-design")
@@ -165,7 +156,7 @@ def test_payload_of_cells_that_differ_much_from_their_neighbours() -> None:
     assert found.objective_value[0] > found.objective_value[2] > found.objective_value[3]
 
 
-def test_high_up_the_modules_of_each_cell_are_cooled_by_its_own_design() -> None:
+def test_high_up_the_modules_of_each_cell_are_cooled_by_its_own_design():
     # From 8 km up the optima have other chords than the file, and a quarter of the light's warmth.
     design = load_aircraft("atlantiksolar-design")
     high = load_mission("rafz-july", {"air": {}, "altitude_m": 8000.0})
@@ -180,7 +171,7 @@ def test_high_up_the_modules_of_each_cell_are_cooled_by_its_own_design() -> None
 
 
 @pytest.mark.parametrize(("worse", "checked"), [(0.0, True), (0.02, False)])
-def test_a_span_that_neighbours_undercut_is_not_cross_checked(worse: float, checked: bool) -> None:
+def test_a_span_that_neighbours_undercut_is_not_cross_checked(worse, checked):
     aircraft, mission = load_aircraft("atlantiksolar-design"), load_mission("rafz-july")
     day = solar_day(aircraft, mission)
     goal = Objective.min_wingspan, UNCORRECTED_CAM, day, 2.0

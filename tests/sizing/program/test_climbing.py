@@ -29,7 +29,7 @@ def sized(objective: Objective, ceiling_m: float, date: str = "07-15") -> Sizing
 
 
 @pytest.mark.parametrize("objective", [Objective.min_mass, Objective.max_excess_time])
-def test_a_ceiling_at_the_floor_is_level_flight(objective: Objective) -> None:
+def test_a_ceiling_at_the_floor_is_level_flight(objective):
     level = size_aircraft(DESIGN, mission(), objective)
     ours = size_aircraft(DESIGN, climbing(mission().altitude_m), objective)
     assert ours.objective_value == pytest.approx(level.objective_value, rel=2e-3)
@@ -39,7 +39,7 @@ def test_a_ceiling_at_the_floor_is_level_flight(objective: Objective) -> None:
 @pytest.mark.parametrize(
     "objective", [Objective.min_mass, Objective.max_excess_time, Objective.max_payload_mass]
 )
-def test_no_design_nearby_is_better(objective: Objective) -> None:
+def test_no_design_nearby_is_better(objective):
     result, there = sized(objective, 2536.0), climbing(2536.0)
     assert result.design is not None
     rng, own = np.random.default_rng(5), result.design.variables
@@ -53,14 +53,14 @@ def test_no_design_nearby_is_better(objective: Objective) -> None:
     assert best <= result.merit + 0.01 * abs(result.merit)
 
 
-def test_a_higher_ceiling_takes_less_mass() -> None:
+def test_a_higher_ceiling_takes_less_mass():
     level = size_aircraft(DESIGN, mission(), Objective.min_mass)
     results = [level, *(sized(Objective.min_mass, ceiling_m) for ceiling_m in (1536.0, 3536.0))]
     masses = [one.objective_value or 0.0 for one in results]
     assert masses[0] > 1.005 * masses[1] > 1.01 * masses[2]
 
 
-def test_turbulence_above_the_rated_power_leaves_level_flight() -> None:
+def test_turbulence_above_the_rated_power_leaves_level_flight():
     # Level flight is not held to the rated power, which such air exceeds; so a climb has nothing
     # to take from, and the ceiling changes nothing.
     rough = {"turbulence": {"all_day": 0.6}}
@@ -70,7 +70,7 @@ def test_turbulence_above_the_rated_power_leaves_level_flight() -> None:
     assert ours.objective_value == pytest.approx(level.objective_value, rel=2e-3)
 
 
-def test_what_is_sized_flies_as_analysed() -> None:
+def test_what_is_sized_flies_as_analysed():
     study = sizing.size(DESIGN, climbing(3536.0), required_excess_time_h=1.0)
     again = sizing.analyse(study.sized_aircraft(), study.sized_mission())
     # The analysis has the best schedule of this design, the sizing one that is enough.
@@ -86,7 +86,7 @@ def test_what_is_sized_flies_as_analysed() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_asked_of_a_sizing_knows_climbs() -> None:
+def test_what_is_asked_of_a_sizing_knows_climbs():
     study = sizing.size(DESIGN, climbing(2536.0), with_sensitivities=True)
     assert study.sensitivities
     failed = sizing.size(DESIGN, climbing(2536.0, dates={"on": "12-21"}))
@@ -95,7 +95,7 @@ def test_what_is_asked_of_a_sizing_knows_climbs() -> None:
 
 
 @pytest.mark.slow
-def test_cells_are_the_sizings_of_each() -> None:
+def test_cells_are_the_sizings_of_each():
     days = np.array([166, 196, 226])
     there = climbing(2536.0)
     cells = size_cells(
@@ -109,7 +109,7 @@ def test_cells_are_the_sizings_of_each() -> None:
 
 
 @pytest.mark.long
-def test_climbs_of_a_large_aircraft_do_no_worse_than_level_flight() -> None:
+def test_climbs_of_a_large_aircraft_do_no_worse_than_level_flight():
     plane = sizing.load_aircraft("stratosphere-design")
     # The longest night of the mission.
     night = {"latitude_deg": 25.0, "dates": {"on": "08-15"}}

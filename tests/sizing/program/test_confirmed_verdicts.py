@@ -73,7 +73,7 @@ NARROW = builders.aircraft(
 
 
 @pytest.mark.parametrize("objective", [Objective.min_mass, Objective.max_payload_mass])
-def test_optimum_keeps_its_requirement_with_steps_of_a_minute(objective: Objective) -> None:
+def test_optimum_keeps_its_requirement_with_steps_of_a_minute(objective):
     best = size_aircraft(HEAVY, HIGH, objective, CDM, required_excess_time_h=2.0)
     assert best.design is not None
     day = solar_day(HEAVY, HIGH, CDM, step_h=1.0 / 60.0)
@@ -82,7 +82,7 @@ def test_optimum_keeps_its_requirement_with_steps_of_a_minute(objective: Objecti
     assert np.min(fine.cycle.excess_time_h) >= 2.0 - 0.003
 
 
-def test_payload_of_grams_is_the_largest_to_a_part_of_itself() -> None:
+def test_payload_of_grams_is_the_largest_to_a_part_of_itself():
     best = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.0)
     # A search by simulation alone has a feasible design with 0.2251 kg of 11 kg.
     assert best.objective_value is not None
@@ -101,7 +101,7 @@ def test_payload_of_grams_is_the_largest_to_a_part_of_itself() -> None:
     "more, less than the 0.5 % that a cross-check tolerates",
     strict=True,
 )
-def test_payload_that_is_short_by_grams_is_not_cross_checked() -> None:
+def test_payload_that_is_short_by_grams_is_not_cross_checked():
     more = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.017)
     claimed = replace(more, required_excess_time_h=2.0)
     assert not cross_check(HEAVY, HIGH, claimed, CDM).cross_checked
@@ -110,7 +110,7 @@ def test_payload_that_is_short_by_grams_is_not_cross_checked() -> None:
 @pytest.mark.parametrize(
     ("share", "status"), [(0.995, SizingStatus.optimal), (1.005, SizingStatus.infeasible)]
 )
-def test_verdict_next_to_the_largest_payload(share: float, status: SizingStatus) -> None:
+def test_verdict_next_to_the_largest_payload(share, status):
     place = builders.mission(
         latitude_deg={"from_deg": -61.25783210261999, "to_deg": -46.88770106591673, "count": 3},
         dates={"on": "11-27"},
@@ -138,8 +138,8 @@ def test_verdict_next_to_the_largest_payload(share: float, status: SizingStatus)
     ],
 )
 def test_no_design_in_the_dark_season_is_infeasible_for_command_and_map(
-    latitude_deg: float, day: int, date: str, objective: Objective, required_h: float
-) -> None:
+    latitude_deg, day, date, objective, required_h
+):
     plane = builders.DESIGN
     place = builders.shipped_mission(latitude_deg=latitude_deg, dates={"on": date})
     found = size_aircraft(plane, place, objective, required_excess_time_h=required_h)

@@ -40,7 +40,7 @@ def energy_wh(day: Day, power_w: FloatArray) -> float:
 
 
 @pytest.mark.parametrize("date", ["01-15", "06-21"])
-def test_a_day_begins_at_sunrise_and_loses_no_light(date: str) -> None:
+def test_a_day_begins_at_sunrise_and_loses_no_light(date):
     day, _ = day_of(dates={"on": date})
     light = solar_day(DESIGN, mission(dates={"on": date}))
     midnight_w = light.specific_power_w_per_m2[0] * float(DESIGN.modules.area_m2)
@@ -54,7 +54,7 @@ def test_a_day_begins_at_sunrise_and_loses_no_light(date: str) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("date", ["01-15", "06-21"])
-def test_nodes_lie_where_light_and_surplus_begin_and_end(date: str, form: Form) -> None:
+def test_nodes_lie_where_light_and_surplus_begin_and_end(date, form):
     day, nominal_w = day_of(dates={"on": date})
     nodes, steps = cut(day, nominal_w, form), len(day.time_h) - 1
     assert len(nodes) == form.intervals + 1
@@ -77,7 +77,7 @@ def test_nodes_lie_where_light_and_surplus_begin_and_end(date: str, form: Form) 
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_intervals_hold_light_and_storage_of_their_day(form: Form) -> None:
+def test_intervals_hold_light_and_storage_of_their_day(form):
     day, nominal_w = day_of()
     means = day_means(day, cut(day, nominal_w, form), INTO, OUT_OF)
     assert means.hours.sum() == pytest.approx(24.0)
@@ -92,7 +92,7 @@ def test_intervals_hold_light_and_storage_of_their_day(form: Form) -> None:
     assert stored_wh == pytest.approx(float(charged_w[:-1].mean()) * 24.0, rel=1e-6)
 
 
-def test_light_of_all_heights_is_that_of_the_flight_at_its_heights() -> None:
+def test_light_of_all_heights_is_that_of_the_flight_at_its_heights():
     day, nominal_w = day_of()
     form = Form(1, climbs=True)
     nodes = cut(day, nominal_w, form)
@@ -110,7 +110,7 @@ def test_light_of_all_heights_is_that_of_the_flight_at_its_heights() -> None:
     assert ratios == pytest.approx(np.repeat(factors[:, np.newaxis], bright.sum(), 1), rel=1e-12)
 
 
-def test_weights_are_those_of_the_polynomial_through_the_levels() -> None:
+def test_weights_are_those_of_the_polynomial_through_the_levels():
     place = np.linspace(-0.1, 1.1, 13)
     for degree in range(LEVELS):
         nodes = np.linspace(0.0, 1.0, LEVELS) ** degree

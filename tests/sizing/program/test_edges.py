@@ -71,9 +71,7 @@ def largest(name: str) -> tuple[Aircraft, Mission, SizingResult]:
 
 @pytest.mark.parametrize("objective", [Objective.min_mass, Objective.min_wingspan])
 @pytest.mark.parametrize("name", CASES)
-def test_next_to_the_largest_excess_time_there_is_an_optimum(
-    name: str, objective: Objective
-) -> None:
+def test_next_to_the_largest_excess_time_there_is_an_optimum(name, objective):
     plane, flown, best = largest(name)
     assert best.objective_value is not None
     assert best.design is not None
@@ -90,7 +88,7 @@ def test_next_to_the_largest_excess_time_there_is_an_optimum(
 
 
 @pytest.mark.parametrize("objective", [Objective.min_mass, Objective.max_payload_mass])
-def test_mass_is_not_bounded_unless_the_design_space_says_so(objective: Objective) -> None:
+def test_mass_is_not_bounded_unless_the_design_space_says_so(objective):
     """Under a midnight sun a battery of 0.1 kg flies an aircraft of 50 kg."""
     plane = builders.aircraft(
         "atlantiksolar-design",
@@ -112,7 +110,7 @@ def test_mass_is_not_bounded_unless_the_design_space_says_so(objective: Objectiv
     ("objective", "size_of"),
     [(Objective.max_payload_mass, 100.0), (Objective.max_payload_power, 1000.0)],
 )
-def test_map_of_large_payloads_leaves_no_cell_open(objective: Objective, size_of: float) -> None:
+def test_map_of_large_payloads_leaves_no_cell_open(objective, size_of):
     plane = builders.aircraft(
         "atlantiksolar-design",
         STRONG,

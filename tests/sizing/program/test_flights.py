@@ -69,7 +69,7 @@ def hand_flown(flown: Aircraft, one: Mission) -> tuple[float, float, float]:
         (SMALL_BATTERY, {"launch": "sunrise", "hours": 27.0}),
     ],
 )
-def test_a_flight_is_that_of_a_loop_over_minutes(flown: Aircraft, flight: dict[str, Any]) -> None:
+def test_a_flight_is_that_of_a_loop_over_minutes(flown, flight):
     one = flying(flight)
     found = performance(flown, one).cycle
     excess_h, least, missing_h = hand_flown(flown, one)
@@ -80,7 +80,7 @@ def test_a_flight_is_that_of_a_loop_over_minutes(flown: Aircraft, flight: dict[s
     assert found.status[0] == (Status.limited if missing_h else Status.lands)
 
 
-def test_scenarios_of_flights_do_not_depend_on_each_other() -> None:
+def test_scenarios_of_flights_do_not_depend_on_each_other():
     season = {"latitude_deg": {"from_deg": 0.0, "to_deg": 66.0, "count": 3}}
     every = flying(DAYLIGHT, **season, dates={"from": "01-15", "to": "07-15", "count": 4})
     together = performance(SMALL_BATTERY, every)
@@ -90,7 +90,7 @@ def test_scenarios_of_flights_do_not_depend_on_each_other() -> None:
         assert alone.excess_time_h[0] == pytest.approx(together.cycle.excess_time_h[i], abs=1e-9)
 
 
-def test_a_flight_by_the_clock_is_that_by_the_sun_it_stands_for() -> None:
+def test_a_flight_by_the_clock_is_that_by_the_sun_it_stands_for():
     """At 15 degrees east the clock of UTC+1 is off by the equation of time alone: 6 min in July."""
     local = flying(
         {"launch": "07:30", "hours": 10.0, "utc_offset_h": 1.0}, longitude_deg=15.0
@@ -99,13 +99,13 @@ def test_a_flight_by_the_clock_is_that_by_the_sun_it_stands_for() -> None:
     assert local[0][0] == pytest.approx(7.5 - 6.0 / 60.0, abs=0.02)
 
 
-def test_no_flight_begins_with_a_sunrise_that_there_is_not() -> None:
+def test_no_flight_begins_with_a_sunrise_that_there_is_not():
     dark = flying({"land": "sunset"}, latitude_deg=80.0, dates={"on": "12-21"})
     found = performance(AS2, dark).cycle
     assert (found.status[0], found.excess_time_h[0]) == (Status.limited, 0.0)
 
 
-def test_the_reserve_is_the_required_excess_time_by_another_name() -> None:
+def test_the_reserve_is_the_required_excess_time_by_another_name():
     by_either = flying(DAYLIGHT), flying({"land": "sunset"}, required_excess_time_h=0.5)
     assert [one.required_excess_time_h for one in by_either] == [0.5, 0.5]
 
@@ -124,7 +124,7 @@ def test_the_reserve_is_the_required_excess_time_by_another_name() -> None:
         ({"flight": DAYLIGHT, "required_excess_time_h": 2.0}, "by another name: leave one"),
     ],
 )
-def test_a_wrong_flight_is_refused(changes: dict[str, Any], words: str) -> None:
+def test_a_wrong_flight_is_refused(changes, words):
     with pytest.raises(ValidationError) as told:
         mission(**changes)
     assert words in str(told.value)
@@ -162,7 +162,7 @@ def flown_batch(one: Mission, variables: DesignVariables, day: SolarDay) -> Perf
     "flight",
     [DAYLIGHT, {"launch": "12:00", "hours": 14.0}, {"hours": 14.0}, {"hours": 30.0}],
 )
-def test_the_lightest_aircraft_of_a_flight_is_that_of_a_search(flight: dict[str, Any]) -> None:
+def test_the_lightest_aircraft_of_a_flight_is_that_of_a_search(flight):
     one = flying(flight)
 
     def lightest(perf: Performance) -> FloatArray:
@@ -178,7 +178,7 @@ def test_the_lightest_aircraft_of_a_flight_is_that_of_a_search(flight: dict[str,
     assert found.objective_value == pytest.approx(-best, rel=5e-3)
 
 
-def test_a_flight_that_no_design_makes_is_told_with_what_the_nearest_lacks() -> None:
+def test_a_flight_that_no_design_makes_is_told_with_what_the_nearest_lacks():
     found = size_aircraft(DESIGN, flying({"hours": 70.0}, dates={"on": "12-21"}))
     assert found.status is SizingStatus.infeasible
     assert [one.requirement for one in found.violations] == ["excess_time"]
@@ -186,7 +186,7 @@ def test_a_flight_that_no_design_makes_is_told_with_what_the_nearest_lacks() -> 
 
 
 @pytest.mark.slow
-def test_the_longest_flight_of_all_designs_is_longer_than_that_of_a_search() -> None:
+def test_the_longest_flight_of_all_designs_is_longer_than_that_of_a_search():
     one = mission(dates={"on": "12-21"})
     found = longest_flight_of_all(DESIGN, one)
     assert found.simulated is not None
@@ -197,5 +197,5 @@ def test_the_longest_flight_of_all_designs_is_longer_than_that_of_a_search() -> 
     assert found.objective_value == pytest.approx(best, rel=0.1)  # of a coarse search
 
 
-def test_where_an_aircraft_flies_perpetually_the_longest_flight_is_unlimited() -> None:
+def test_where_an_aircraft_flies_perpetually_the_longest_flight_is_unlimited():
     assert longest_flight_of_all(DESIGN, mission()).objective_value == math.inf

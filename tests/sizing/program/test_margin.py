@@ -49,7 +49,7 @@ class Known(MarginSearch):
 
 @pytest.mark.parametrize("least", [0.01, 0.3, 0.5, 1.7, 6.0, 11.9])
 @pytest.mark.parametrize("curved", [1.0, 3.0])
-def test_the_least_sufficient_margin_is_reached(least: float, curved: float) -> None:
+def test_the_least_sufficient_margin_is_reached(least, curved):
     verdicts = Known(lambda margin: math.inf if margin >= least else -math.inf)
     assert 0.0 <= verdicts.found((0.0, 12.0)).reached - least <= TOLERANCE
     amounts = Known(lambda margin: (margin**curved - least**curved) / least ** (curved - 1.0))
@@ -60,7 +60,7 @@ def test_the_least_sufficient_margin_is_reached(least: float, curved: float) -> 
         assert amounts.count <= 6
 
 
-def test_a_margin_out_of_reach_gives_the_design_that_reaches_most() -> None:
+def test_a_margin_out_of_reach_gives_the_design_that_reaches_most():
     never = Known(lambda margin: margin - 20.0)
     assert never.found((0.0, 12.0), -20.0).reached == 12.0
     # Where no design has so large a margin, the largest that one has.

@@ -138,7 +138,7 @@ KNOWN = {
 
 
 @pytest.mark.parametrize("known", KNOWN.values(), ids=KNOWN)
-def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known: Known) -> None:
+def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known):
     result = known.sized()
     assert result.status is SizingStatus.optimal
     assert result.objective_value is not None
@@ -150,7 +150,7 @@ def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known: Known)
     )
 
 
-def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing() -> None:
+def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing():
     known = KNOWN["thermals at noon, one day"]
     cells = size_cells(
         known.plane,
@@ -163,9 +163,7 @@ def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing() -> None:
 
 
 @pytest.mark.parametrize("climb", [None, {"ceiling_m": 12300.0}], ids=["level", "climbs"])
-def test_modules_cooled_otherwise_than_the_first_guess_s_still_carry_the_load(
-    climb: dict[str, float] | None,
-) -> None:
+def test_modules_cooled_otherwise_than_the_first_guess_s_still_carry_the_load(climb):
     # The first guess has 5.6 m of span, the optimum 12 m: its modules are warmer by a degree or so.
     plane = aircraft("design_space.wingspan_m.maximum=40", LIGHT_BATTERY)
     high = mission(climb=climb).model_copy(update={"altitude_m": 12000.0})
@@ -180,7 +178,7 @@ def test_modules_cooled_otherwise_than_the_first_guess_s_still_carry_the_load(
     assert cells.objective_value == pytest.approx([result.objective_value], rel=1e-3)
 
 
-def test_dates_with_and_without_a_night_are_sized_together() -> None:
+def test_dates_with_and_without_a_night_are_sized_together():
     # The sun sets at 76° N from the middle of August on; until then it may do without a battery.
     ranged = mission(dates={"from": "06-21", "to": "08-18", "count": 3})
     ranged = ranged.model_copy(update={"latitude_deg": 76.0})
@@ -190,7 +188,7 @@ def test_dates_with_and_without_a_night_are_sized_together() -> None:
     assert cross_check(plane, ranged, result).cross_checked
 
 
-def test_only_requirements_that_limit_are_named() -> None:
+def test_only_requirements_that_limit_are_named():
     result = KNOWN["a range of latitudes"].sized()
     assert result.active_constraints == (
         "always_lit (76.8° N, 15 Jul)",
@@ -199,7 +197,7 @@ def test_only_requirements_that_limit_are_named() -> None:
     )
 
 
-def test_later_cell_of_two_midnight_suns_has_the_design_of_a_single_sizing() -> None:
+def test_later_cell_of_two_midnight_suns_has_the_design_of_a_single_sizing():
     known = KNOWN["thermals at noon, one day"]
     days = mission(dates={"from": "07-05", "to": "07-15", "count": 2})
     polar = days.scenarios()

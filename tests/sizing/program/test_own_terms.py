@@ -1,7 +1,6 @@
 """Objectives and constraints of the user's own, against shipped ones and a grid of simulations."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import pytest
 
 import missions
 import sizing
-from sizing.aircraft import Aircraft
 from sizing.program.own_terms import NAMES
 
 REQUIRED_H = 3.0
@@ -19,7 +17,7 @@ JULY = missions.load_mission("rafz-july", {"required_excess_time_h": REQUIRED_H}
 
 
 @pytest.fixture(scope="module")
-def design() -> Aircraft:
+def design():
     return sizing.load_aircraft("atlantiksolar-design")
 
 
@@ -31,9 +29,7 @@ def design() -> Aircraft:
         ("min_wingspan", lambda design: design.wingspan_m**2 - 30.0),  # negative at the optimum
     ],
 )
-def test_a_shipped_objective_written_as_a_function(
-    design: Aircraft, shipped: str, own: Callable[[Any], Any]
-) -> None:
+def test_a_shipped_objective_written_as_a_function(design, shipped, own):
     expected, found = (sizing.size(design, MISSION, one) for one in (shipped, own))
     assert found.feasible
     assert found.variables is not None
@@ -50,7 +46,7 @@ def test_a_shipped_objective_written_as_a_function(
         )
 
 
-def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircraft) -> None:
+def test_a_weighted_objective_against_a_grid_of_simulated_designs(design):
     found = sizing.size(design, MISSION, lambda it: it.battery_mass_kg + 0.8 * it.wingspan_m)
     best = found.variables
     assert best is not None
@@ -90,9 +86,7 @@ def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircra
         ),
     ],
 )
-def test_a_constraint_is_a_bound_of_the_design_space(
-    design: Aircraft, key: str, limit: float, constraint: Callable[[Any], Any]
-) -> None:
+def test_a_constraint_is_a_bound_of_the_design_space(design, key, limit, constraint):
     bounded = sizing.load_aircraft("atlantiksolar-design", {f"design_space.{key}": limit})
     expected = sizing.size(bounded, MISSION)
     found = sizing.size(design, MISSION, constraints=[constraint])
@@ -104,7 +98,7 @@ def test_a_constraint_is_a_bound_of_the_design_space(
 
 
 @pytest.mark.long
-def test_an_infeasible_answer_names_the_constraint(design: Aircraft) -> None:
+def test_an_infeasible_answer_names_the_constraint(design):
     def fits_the_van(it: Any) -> Any:
         return it.wingspan_m <= 3.0
 
@@ -118,7 +112,7 @@ def test_an_infeasible_answer_names_the_constraint(design: Aircraft) -> None:
         assert found.to_dict()["violated_requirements"]
 
 
-def test_what_is_asked_of_a_sizing_knows_own_terms(design: Aircraft) -> None:
+def test_what_is_asked_of_a_sizing_knows_own_terms(design):
     found = sizing.size(
         design,
         JULY,
@@ -137,7 +131,7 @@ def test_what_is_asked_of_a_sizing_knows_own_terms(design: Aircraft) -> None:
         assert worth[one.parameter] == pytest.approx(2.0 * one.derivative, rel=0.03)
 
 
-def test_the_function_counts_as_it_is_when_it_is_given(design: Aircraft) -> None:
+def test_the_function_counts_as_it_is_when_it_is_given(design):
     weight = 0.0
 
     def weighted(it: Any) -> Any:
@@ -158,14 +152,14 @@ def test_the_function_counts_as_it_is_when_it_is_given(design: Aircraft) -> None
         (lambda d: None, r"must return one number .* \(got None\)"),
     ],
 )
-def test_wrong_functions(design: Aircraft, wrong: Callable[[Any], Any], said: str) -> None:
+def test_wrong_functions(design, wrong, said):
     with pytest.raises(ValueError, match=f"the objective:? {said}"):
         sizing.size(design, MISSION, wrong)
     with pytest.raises(ValueError, match=f"a constraint:? {said}"):
         sizing.size(design, MISSION, constraints=[wrong])
 
 
-def test_wrong_comparisons(design: Aircraft) -> None:
+def test_wrong_comparisons(design):
     with pytest.raises(ValueError, match="the objective is a comparison"):
         sizing.size(design, MISSION, lambda d: d.wingspan_m <= 3.0)
     for wrong in (lambda d: d.wingspan_m, lambda d: d.wingspan_m == 4.0):
@@ -179,14 +173,14 @@ def test_wrong_comparisons(design: Aircraft) -> None:
         sizing.size(design, MISSION, constraints=[excess_time])
 
 
-def test_the_documented_names_are_those_that_there_are() -> None:
+def test_the_documented_names_are_those_that_there_are():
     page = (Path(__file__).parents[3] / "docs" / "python-api.md").read_text(encoding="utf-8")
     table = page.split("| quantity of a design | names |")[1].split("\n\n")[0]
     assert set(re.findall(r"`(\w+)`", table)) == set(NAMES)
 
 
 @pytest.mark.slow
-def test_a_reliability_knows_own_terms(design: Aircraft) -> None:
+def test_a_reliability_knows_own_terms(design):
     bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 5.0})
     expected = sizing.size(bounded, MISSION, "min_mass", reliability=0.9)
     found = sizing.size(

@@ -58,7 +58,7 @@ def neighbours_excess_h(
         pytest.param("max_excess_time", 0.0, 10.5, id="longest", marks=pytest.mark.long),
     ],
 )
-def test_parts_hold_a_sizing_back_or_not(objective: str, required_h: float, least: float) -> None:
+def test_parts_hold_a_sizing_back_or_not(objective, required_h, least):
     goal = Objective(objective)
     result = size_aircraft(TWIN, MISSION, goal, required_excess_time_h=required_h)
     assert result.design is not None
@@ -77,7 +77,7 @@ def test_parts_hold_a_sizing_back_or_not(objective: str, required_h: float, leas
         pytest.param(tuple(CHOSEN), marks=pytest.mark.long),
     ],
 )
-def test_no_neighbour_is_lighter(names: tuple[str, ...]) -> None:
+def test_no_neighbour_is_lighter(names):
     own = ranged(*names)
     result = size_aircraft(own, MISSION, Objective.min_mass)
     assert result.design is not None
@@ -89,7 +89,7 @@ def test_no_neighbour_is_lighter(names: tuple[str, ...]) -> None:
 
 
 @pytest.mark.long
-def test_a_limit_of_the_motor_is_kept() -> None:
+def test_a_limit_of_the_motor_is_kept():
     own = ranged(*list(CHOSEN)[:3], motor=WEAK)
     result = size_aircraft(own, MISSION, Objective.min_mass)
     assert result.design is not None
@@ -100,13 +100,13 @@ def test_a_limit_of_the_motor_is_kept() -> None:
 
 
 @pytest.mark.long
-def test_what_the_parts_cannot_do_has_a_reason() -> None:
+def test_what_the_parts_cannot_do_has_a_reason():
     fast = aircraft(gear=PARTS["gear"] | {"ratio": 9.0})
     with pytest.raises(ImpossibleDesignError, match=r"level flight .* bus voltage 18 V is below"):
         size_aircraft(fast, MISSION, Objective.min_mass)
 
 
-def test_propulsors_of_a_batch_have_sizes_of_their_own() -> None:
+def test_propulsors_of_a_batch_have_sizes_of_their_own():
     design = sizing.design_of(aircraft(), MISSION)
     parts = aircraft().propulsion_by_parts
     assert parts is not None

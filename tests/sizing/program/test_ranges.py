@@ -27,7 +27,7 @@ def range_of_span(span_m: float, objective: Objective) -> WidestRange:
     return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
 
 
-def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
+def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design():
     plane = aircraft(*SMALL_WINGS)
     found = range_of_span(4.0, Objective.longest_season)
     assert found.first is not None
@@ -55,9 +55,7 @@ def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() ->
     ("name", "span_m", "latitude_deg", "altitude_m", "required_h"),
     [("atlantiksolar-design", 4.0, 20.5, 0.0, 2.0), ("sky-sailor", 6.0, -8.5, 3000.0, 1.9)],
 )
-def test_no_run_one_day_longer_is_kept_up(
-    name: str, span_m: float, latitude_deg: float, altitude_m: float, required_h: float
-) -> None:
+def test_no_run_one_day_longer_is_kept_up(name, span_m, latitude_deg, altitude_m, required_h):
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
     bound = f"design_space.wingspan_m.maximum={span_m}"
     plane = builders.aircraft(name, bound, *small)
@@ -74,7 +72,7 @@ def test_no_run_one_day_longer_is_kept_up(
         assert sized.objective_value is None or sized.objective_value < required_h
 
 
-def test_season_near_the_equator_spans_both_of_its_peaks() -> None:
+def test_season_near_the_equator_spans_both_of_its_peaks():
     # The sun stands in the zenith twice a year, in April and in September: days sized each on its
     # own have 3.17 h and 3.11 h then, and 2.99 h early in June. A run of both is kept up together.
     bound = "design_space.wingspan_m.maximum=5"
@@ -84,7 +82,7 @@ def test_season_near_the_equator_spans_both_of_its_peaks() -> None:
     assert found.extent >= 270
 
 
-def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
+def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude():
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
     plane = builders.aircraft("sky-sailor", *small)
     june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
@@ -96,7 +94,7 @@ def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
     assert found.last == 90.0
 
 
-def test_season_wraps_the_years_end_in_the_south() -> None:
+def test_season_wraps_the_years_end_in_the_south():
     plane = aircraft(*SMALL_WINGS)
     found = widest_range(plane, mission(latitude_deg=-47.6), Objective.longest_season)
     assert found.first is not None
@@ -105,13 +103,13 @@ def test_season_wraps_the_years_end_in_the_south() -> None:
     assert {355, 1} <= set(found.members.astype(int))
 
 
-def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
+def test_wider_span_means_a_longer_season_and_a_wider_band():
     for objective in (Objective.longest_season, Objective.widest_latitude_band):
         extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
         assert 0.0 < extents[0] < extents[1]
 
 
-def test_range_that_is_empty_is_infeasible() -> None:
+def test_range_that_is_empty_is_infeasible():
     found = widest_range(
         aircraft(*SMALL_WINGS), mission(), Objective.longest_season, required_excess_time_h=40.0
     )

@@ -15,7 +15,7 @@ from sizing.mass_budget import design_of
 from sizing.program.schedule import flown_along
 
 
-def test_heights_of_another_aircraft_are_reached_as_far_as_power_and_ceiling_allow() -> None:
+def test_heights_of_another_aircraft_are_reached_as_far_as_power_and_ceiling_allow():
     where = mission(climb={"ceiling_m": 3536.0}, dates={"on": "06-21"})
     day = solar_day(AS2, where)
     levels = flight_levels(AS2, where, design_of(AS2, where), day).select(np.zeros(4, int))

@@ -10,7 +10,7 @@ from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.battery.battery import ChargeLimit, RuleChargeLimit, charge_rate_per_h
+from sizing.battery.battery import RuleChargeLimit, charge_rate_per_h
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance_of_designs
@@ -134,7 +134,7 @@ def size(case: Case) -> SizingResult:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_optimum_is_as_good_as_a_dense_grid(name: str) -> None:
+def test_optimum_is_as_good_as_a_dense_grid(name):
     case = CASES[name]
     result = size(case)
     assert result.status is SizingStatus.optimal
@@ -150,7 +150,7 @@ def test_optimum_is_as_good_as_a_dense_grid(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_optimum_is_confirmed_by_the_simulator_and_keeps_its_bounds(name: str) -> None:
+def test_optimum_is_confirmed_by_the_simulator_and_keeps_its_bounds(name):
     case = CASES[name]
     result = size(case)
     assert result.feasible
@@ -190,7 +190,7 @@ def test_optimum_is_confirmed_by_the_simulator_and_keeps_its_bounds(name: str) -
     assert float(result.design.airspeed_m_per_s) * near >= case.mission.wind_m_per_s
 
 
-def test_active_constraints_name_what_binds() -> None:
+def test_active_constraints_name_what_binds():
     windy = size(CASES["rule, wind, mass"])
     assert any("airspeed_above_wind" in text for text in windy.active_constraints)
     assert windy.design is not None
@@ -202,7 +202,7 @@ def test_active_constraints_name_what_binds() -> None:
     assert any("module_coverage" in text for text in spans.active_constraints)
 
 
-def test_wing_loading_and_mass_limits_are_kept() -> None:
+def test_wing_loading_and_mass_limits_are_kept():
     plane = aircraft(
         "atlantiksolar-design",
         "design_space.maximum_wing_loading_kg_per_m2=3.5",
@@ -220,7 +220,7 @@ def test_wing_loading_and_mass_limits_are_kept() -> None:
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
-def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> None:
+def test_result_does_not_depend_on_the_starting_design(objective):
     starts: Sequence[tuple[float, float, float]] = (
         (5.65, 2.918, 1.35),
         (2.1, 0.3, 0.12),
@@ -265,8 +265,8 @@ def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> 
     ids=["payload", "60 h", "wind", "winter", "polar night"],
 )
 def test_infeasible_is_said_with_the_requirement_that_is_missed(
-    changes: dict[str, Any], objective: Objective, required_h: float | None, blamed: str | None
-) -> None:
+    changes, objective, required_h, blamed
+):
     result = size(Case(DESIGN, mission(**changes), objective, required_h))
     assert result.status is SizingStatus.infeasible
     assert not result.feasible
@@ -280,7 +280,7 @@ def test_infeasible_is_said_with_the_requirement_that_is_missed(
     assert result.nearest is not None
 
 
-def test_shortfall_of_the_excess_time_is_in_hours() -> None:
+def test_shortfall_of_the_excess_time_is_in_hours():
     plane = DESIGN
     best = size(Case(plane, mission(), MAX_EXCESS)).objective_value
     assert best is not None
@@ -291,7 +291,7 @@ def test_shortfall_of_the_excess_time_is_in_hours() -> None:
     assert shortfall["excess_time"] == pytest.approx(100.0 - best, rel=0.05)
 
 
-def test_span_below_what_the_mission_needs_is_infeasible_and_above_it_is_not() -> None:
+def test_span_below_what_the_mission_needs_is_infeasible_and_above_it_is_not():
     case = CASES["rule, range, span"]
     least = size(case).objective_value
     assert least is not None
@@ -306,14 +306,14 @@ def test_span_below_what_the_mission_needs_is_infeasible_and_above_it_is_not() -
         assert size(case._replace(plane=plane)).status == status
 
 
-def test_harder_requirements_cost_span_and_mass() -> None:
+def test_harder_requirements_cost_span_and_mass():
     for objective in (MIN_SPAN, MIN_MASS):
         values = [size(Case(DESIGN, mission(), objective, h)).objective_value for h in (1.0, 8.0)]
         assert None not in values
         assert np.all(np.diff(np.asarray(values, float)) > 0.0)
 
 
-def test_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+def test_solver_prints_nothing(capfd):
     size(CASES["rule, one day, excess"])
     size(Case(DESIGN, mission(), MIN_MASS, 60.0))
     captured = capfd.readouterr()
@@ -321,12 +321,12 @@ def test_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     assert captured.err == ""
 
 
-def test_measured_aircraft_is_not_sized() -> None:
+def test_measured_aircraft_is_not_sized():
     with pytest.raises(TypeError, match="measured aircraft"):
         size_aircraft(AS2, mission())
 
 
-def test_a_start_may_hold_arrays() -> None:
+def test_a_start_may_hold_arrays():
     """As the optimum of a search with margins does, from which the next one starts."""
     start = variables_of(DESIGN)
     found = [
@@ -337,7 +337,7 @@ def test_a_start_may_hold_arrays() -> None:
 
 
 @pytest.mark.parametrize("limit", [RuleChargeLimit(), AS2.battery.charge_limit])
-def test_charge_limit_goes_on_beyond_full(limit: ChargeLimit) -> None:
+def test_charge_limit_goes_on_beyond_full(limit):
     """The solver tries charges above full, many times as much with next to no battery."""
     soc = np.array([0.99, 1.0, 1.01, 2.0, 1e4])
     hours = np.asarray(charge_clock(limit, ca.DM(soc))).ravel()
@@ -346,7 +346,7 @@ def test_charge_limit_goes_on_beyond_full(limit: ChargeLimit) -> None:
     assert 0.0 < hours[1] - hours[0] <= 0.01 * at_full_h * (1.0 + 1e-9)
 
 
-def test_a_given_light_is_that_of_search_and_simulation() -> None:
+def test_a_given_light_is_that_of_search_and_simulation():
     day = solar_day(DESIGN, mission()).scaled(0.8)
     result, bright = (
         size_aircraft(DESIGN, mission(), MIN_MASS, day=light, required_excess_time_h=4.0)

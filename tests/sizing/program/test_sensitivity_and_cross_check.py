@@ -70,9 +70,7 @@ def without_excess(result: SizingResult) -> float:
         (Objective.min_mass, 3.0, "rafz-july"),
     ],
 )
-def test_sensitivities_equal_sizing_again(
-    objective: Objective, required_h: float, mission: str
-) -> None:
+def test_sensitivities_equal_sizing_again(objective, required_h, mission):
     result = sized(objective, required_h, mission=mission)
     found = {
         s.parameter: s for s in sensitivities(load_aircraft(DESIGN), load_mission(mission), result)
@@ -108,9 +106,7 @@ def test_sensitivities_equal_sizing_again(
 @pytest.mark.parametrize(
     ("module_temperature", "tolerance"), [("of the air", 0.005), ("by heat balance", 0.04)]
 )
-def test_sensitivities_hold_where_the_charger_takes_over(
-    module_temperature: str, tolerance: float
-) -> None:
+def test_sensitivities_hold_where_the_charger_takes_over(module_temperature, tolerance):
     # Random mission 37 of benchmarks.random_missions: with modules as warm as the air its optimum
     # sits where, in one interval of the day, the charger takes over from the sun. A thousandth more
     # light returns 0.45 thousandths of the capacity, a thousandth less takes 0.56.
@@ -138,7 +134,7 @@ def test_sensitivities_hold_where_the_charger_takes_over(
         assert here[name].derivative == pytest.approx(difference, rel=tolerance), name
 
 
-def test_sensitivities_are_sorted_and_consistent() -> None:
+def test_sensitivities_are_sorted_and_consistent():
     result = sized(Objective.min_wingspan, 4.0, "mission.payload.mass_kg=0.3")
     mission = load_mission("rafz-july", ["payload.mass_kg=0.3"])
     found = sensitivities(load_aircraft(DESIGN), mission, result)
@@ -163,7 +159,7 @@ def test_sensitivities_are_sorted_and_consistent() -> None:
         )
 
 
-def test_parameter_of_zero_has_a_derivative_and_no_elasticity() -> None:
+def test_parameter_of_zero_has_a_derivative_and_no_elasticity():
     overrides = ["power.avionics_w=0", "modules.mass_kg_per_m2=0"]
     result = sized(Objective.min_wingspan, 4.0, *overrides)
     aircraft, mission = load_aircraft(DESIGN, overrides), load_mission("rafz-july")
@@ -178,7 +174,7 @@ def test_parameter_of_zero_has_a_derivative_and_no_elasticity() -> None:
     )
 
 
-def test_free_aspect_ratio_is_no_parameter() -> None:
+def test_free_aspect_ratio_is_no_parameter():
     freed = "design_space.aspect_ratio={minimum: 10, maximum: 24}"
     result = sized(Objective.min_wingspan, 4.0, freed)
     aircraft = load_aircraft(DESIGN, [freed])
@@ -187,7 +183,7 @@ def test_free_aspect_ratio_is_no_parameter() -> None:
     assert "battery.specific_energy_wh_per_kg" in names
 
 
-def test_infeasible_sizing_has_neither() -> None:
+def test_infeasible_sizing_has_neither():
     result = sized(Objective.min_wingspan, 900.0)
     aircraft, mission = load_aircraft(DESIGN), load_mission("rafz-july")
     with pytest.raises(ValueError, match="only an optimum"):
@@ -198,7 +194,7 @@ def test_infeasible_sizing_has_neither() -> None:
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
 @pytest.mark.parametrize("aircraft", [DESIGN, "sky-sailor"])
-def test_optimum_passes_the_cross_check(objective: Objective, aircraft: str) -> None:
+def test_optimum_passes_the_cross_check(objective, aircraft):
     craft, mission = load_aircraft(aircraft), load_mission("rafz-july")
     result = size_aircraft(craft, mission, objective, required_excess_time_h=2.0)
     check = cross_check(craft, mission, result)
@@ -207,7 +203,7 @@ def test_optimum_passes_the_cross_check(objective: Objective, aircraft: str) -> 
     assert check.designs_tried > 1000
 
 
-def test_random_neighbours_are_half_within_and_half_beyond_what_a_program_resolves() -> None:
+def test_random_neighbours_are_half_within_and_half_beyond_what_a_program_resolves():
     names = ["wingspan_m", "battery_mass_kg"]
     factors = random_factors(names, 4000, np.random.default_rng(1))
     assert list(factors) == names
@@ -219,7 +215,7 @@ def test_random_neighbours_are_half_within_and_half_beyond_what_a_program_resolv
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
-def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
+def test_spoiled_optimum_is_found_out(objective):
     aircraft, mission = load_aircraft(DESIGN), load_mission("rafz-july")
     result = size_aircraft(aircraft, mission, objective, required_excess_time_h=2.0)
     assert result.design is not None
@@ -239,7 +235,7 @@ def test_spoiled_optimum_is_found_out(objective: Objective) -> None:
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.004, "none is better"), (0.006, "better by")])
-def test_only_more_than_half_a_per_cent_is_told_to_be_better(share: float, told: str) -> None:
+def test_only_more_than_half_a_per_cent_is_told_to_be_better(share, told):
     # As documented: less may be the time steps' and the solver's tolerances.
     check = CrossCheck(
         cross_checked=share < 0.005,
@@ -253,7 +249,7 @@ def test_only_more_than_half_a_per_cent_is_told_to_be_better(share: float, told:
     assert told in cross_check_line(check, Objective.min_wingspan)
 
 
-def test_grid_finds_designs_that_need_no_battery() -> None:
+def test_grid_finds_designs_that_need_no_battery():
     # 80° N in July: light wings with little battery fly on sunlight alone, day and night.
     aircraft = load_aircraft(DESIGN)
     mission = load_mission("rafz-july", ["latitude_deg=80"])
@@ -276,7 +272,7 @@ def test_grid_finds_designs_that_need_no_battery() -> None:
 # ---- multipliers of constraints
 
 
-def test_multiplier_of_the_required_time_is_what_another_hour_costs() -> None:
+def test_multiplier_of_the_required_time_is_what_another_hour_costs():
     result = sized(Objective.min_wingspan, 4.0)
     multipliers = {p.constraint.split(" (")[0]: p for p in constraint_multipliers(result)}
     per_hour = sum(
@@ -290,7 +286,7 @@ def test_multiplier_of_the_required_time_is_what_another_hour_costs() -> None:
     assert multipliers["excess_time"].step == "1 h"
 
 
-def test_multiplier_of_a_bound_is_what_widening_it_gains() -> None:
+def test_multiplier_of_a_bound_is_what_widening_it_gains():
     bound = "design_space.wingspan_m.maximum"
     narrow, wide = (
         sized(
@@ -312,13 +308,13 @@ def test_multiplier_of_a_bound_is_what_widening_it_gains() -> None:
     assert multiplier.step == "1 % of the bound"
 
 
-def test_no_optimum_has_no_multipliers() -> None:
+def test_no_optimum_has_no_multipliers():
     with pytest.raises(ValueError, match="only an optimum has multipliers"):
         constraint_multipliers(sized(Objective.min_wingspan, 900.0))
 
 
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
-def test_every_objective_with_sensitivities_has_a_chart(objective: Objective) -> None:
+def test_every_objective_with_sensitivities_has_a_chart(objective):
     worth = [
         Sensitivity("battery.specific_energy_wh_per_kg", "Wh/kg", 100.0, 0.25, 0.5),
         Sensitivity("airframe.avionics_mass_kg", "kg", 100.0, -0.12, -0.5),

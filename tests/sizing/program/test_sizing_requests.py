@@ -49,9 +49,7 @@ aircraft = partial(builders.aircraft, "atlantiksolar-design")
         (Objective.max_payload_power, "power_w"),
     ],
 )
-def test_largest_payload_is_carried_and_a_little_more_is_not(
-    objective: Objective, key: str
-) -> None:
+def test_largest_payload_is_carried_and_a_little_more_is_not(objective, key):
     plane = aircraft("design_space.wingspan_m.maximum=5.65")
     found = size_aircraft(plane, mission(), objective, required_excess_time_h=3.0)
     assert found.objective_value is not None
@@ -62,14 +60,14 @@ def test_largest_payload_is_carried_and_a_little_more_is_not(
 
 
 @pytest.mark.parametrize("mass_kg", [0.0, 0.3])
-def test_payload_that_is_held_is_that_of_the_mission_to_the_last_bit(mass_kg: float) -> None:
+def test_payload_that_is_held_is_that_of_the_mission_to_the_last_bit(mass_kg):
     there = mission(payload={"mass_kg": mass_kg})
     found = size_aircraft(builders.DESIGN, there, Objective.max_payload_power)
     assert found.design is not None
     assert found.design.masses.payload == mass_kg
 
 
-def test_payload_and_wingspan_are_two_sides_of_one_optimum() -> None:
+def test_payload_and_wingspan_are_two_sides_of_one_optimum():
     plane = aircraft()
     loaded = mission(payload={"mass_kg": 1.5})
     span = size_aircraft(plane, loaded, Objective.min_wingspan, required_excess_time_h=3.0)
@@ -82,7 +80,7 @@ def test_payload_and_wingspan_are_two_sides_of_one_optimum() -> None:
     assert payload.objective_value == pytest.approx(1.5, abs=0.03)
 
 
-def test_payload_that_cannot_be_carried_at_all_is_infeasible() -> None:
+def test_payload_that_cannot_be_carried_at_all_is_infeasible():
     found = size_aircraft(
         aircraft(), mission(), Objective.max_payload_mass, required_excess_time_h=90.0
     )
@@ -95,7 +93,7 @@ def test_payload_that_cannot_be_carried_at_all_is_infeasible() -> None:
     "feasible design exists",
     strict=True,
 )
-def test_verdicts_do_not_depend_on_the_objective() -> None:
+def test_verdicts_do_not_depend_on_the_objective():
     # Next to the edge the least missed requirements have a local minimum in which much is missing.
     plane = aircraft(
         "airframe.wingspan_m=33",
@@ -128,7 +126,7 @@ def test_verdicts_do_not_depend_on_the_objective() -> None:
     assert {one.status for one in found.values()} == {SizingStatus.optimal}
 
 
-def test_infeasible_verdict_is_held_against_a_grid_of_designs() -> None:
+def test_infeasible_verdict_is_held_against_a_grid_of_designs():
     # From the small aircraft of the file the requirements are least missed at its own size, by
     # 31 % of the battery; wings of more than 74 m do what is asked.
     plane = builders.aircraft(
@@ -165,7 +163,7 @@ def test_infeasible_verdict_is_held_against_a_grid_of_designs() -> None:
     reason="there are two local optima; the search ends at the one with 7 % less payload",
     strict=True,
 )
-def test_margin_on_the_recharge_costs_no_payload_that_counts() -> None:
+def test_margin_on_the_recharge_costs_no_payload_that_counts():
     # A payload of 12 W beside 40 W of level flight: a thousandth more charge is half a percent.
     plane = builders.aircraft(
         "sky-sailor",
@@ -203,7 +201,7 @@ def test_margin_on_the_recharge_costs_no_payload_that_counts() -> None:
 # ---- lift, stall and limits
 
 
-def test_free_lift_is_never_worse_and_keeps_its_range() -> None:
+def test_free_lift_is_never_worse_and_keeps_its_range():
     fixed = size_aircraft(aircraft(), mission(), Objective.min_mass, required_excess_time_h=3.0)
     free_plane = aircraft("design_space.lift_coefficient={minimum: 0.4, maximum: 1.2}")
     free = size_aircraft(free_plane, mission(), Objective.min_mass, required_excess_time_h=3.0)
@@ -215,7 +213,7 @@ def test_free_lift_is_never_worse_and_keeps_its_range() -> None:
     assert 0.4 <= free.design.variables.lift_coefficient <= 1.2
 
 
-def test_free_lift_flies_faster_where_the_wind_asks_for_it() -> None:
+def test_free_lift_flies_faster_where_the_wind_asks_for_it():
     plane = aircraft("design_space.lift_coefficient={minimum: 0.3, maximum: 1.2}")
     calm, windy = (
         size_aircraft(
@@ -241,7 +239,7 @@ def test_free_lift_flies_faster_where_the_wind_asks_for_it() -> None:
         ("cruise_discharge_rate_per_h", "maximum"),
     ],
 )
-def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) -> None:
+def test_limits_are_kept_and_cost_something(name, side):
     ratio = "design_space.aspect_ratio={minimum: 10, maximum: 25}"
 
     def sized(plane: Aircraft) -> tuple[SizingResult, float]:
@@ -265,7 +263,7 @@ def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) ->
     assert held.objective_value >= free.objective_value * (1.0 - 1e-3)
 
 
-def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
+def test_every_quantity_has_a_formula_and_a_sound_value():
     plane, where = aircraft(), mission(payload={"mass_kg": 0.5})
     perf = performance(plane, where)
     it = DesignInFlight(plane, perf.design)
@@ -279,7 +277,7 @@ def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
     assert float(it.stall_margin) == pytest.approx(expected, rel=1e-12)
 
 
-def test_equal_limits_in_either_order_make_equal_keys() -> None:
+def test_equal_limits_in_either_order_make_equal_keys():
     chord, speed = "chord_m: {minimum: 0.1}", "airspeed_m_per_s: {maximum: 20}"
     first = aircraft(f"design_space.limits={{{chord}, {speed}}}")
     second = aircraft(f"design_space.limits={{{speed}, {chord}}}")
@@ -298,12 +296,12 @@ def test_equal_limits_in_either_order_make_equal_keys() -> None:
         ("design_space.lift_coefficient={minimum: 0.5, maximum: 1.4}", "must be below the maximum"),
     ],
 )
-def test_wrong_limits_are_told(override: str, told: str) -> None:
+def test_wrong_limits_are_told(override, told):
     with pytest.raises(InputError, match=told):
         aircraft(override)
 
 
-def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
+def test_range_of_lift_keeps_the_stall_margin_of_a_polar():
     polar = "{model: wing_polar, airfoil: fx60126, design_aspect_ratio: 18.5, "
     polar += "design_reynolds: 158000, stall_margin: 1.1}"
     wing = f"airframe.aerodynamics={polar}"
@@ -320,7 +318,7 @@ def test_range_of_lift_keeps_the_stall_margin_of_a_polar() -> None:
 # ---- uncertainty margins
 
 
-def test_performance_is_that_at_the_worst_of_every_margin() -> None:
+def test_performance_is_that_at_the_worst_of_every_margin():
     plane = AS2
     ends = {
         "solar_model_sigmas": (0.0, 1.0),
@@ -337,7 +335,7 @@ def test_performance_is_that_at_the_worst_of_every_margin() -> None:
     assert excess[-1] < excess[0]
 
 
-def test_margins_act_as_the_numbers_they_stand_for() -> None:
+def test_margins_act_as_the_numbers_they_stand_for():
     plane = AS2
     solar = SolarModel("CAM", "report")
     aged = performance(plane, mission(uncertainty_margins={"battery_capacity": 0.8}), solar)
@@ -363,7 +361,7 @@ def test_margins_act_as_the_numbers_they_stand_for() -> None:
     )
 
 
-def test_robust_design_is_larger_and_flies_at_both_ends() -> None:
+def test_robust_design_is_larger_and_flies_at_both_ends():
     plane = aircraft()
     uncertain = mission(uncertainty_margins={"solar_model_sigmas": 1.0, "battery_capacity": 0.85})
     robust = size_aircraft(plane, uncertain, Objective.min_mass, required_excess_time_h=2.0)
@@ -380,7 +378,7 @@ def test_robust_design_is_larger_and_flies_at_both_ends() -> None:
         assert bool(np.min(perf.cycle.excess_time_h) >= 2.0) is enough
 
 
-def test_band_above_the_clearness_is_refused() -> None:
+def test_band_above_the_clearness_is_refused():
     text = """
 name: hazy
 latitude_deg: 47.6
@@ -395,7 +393,7 @@ uncertainty_margins: {clearness_minimum: 0.9}
 # ---- relaxations
 
 
-def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not() -> None:
+def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not():
     plane = aircraft("design_space.wingspan_m.maximum=5.0", *SMALL_WINGS[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-05"})
     result = size_aircraft(plane, hard, Objective.min_mass, required_excess_time_h=1.0)
@@ -415,7 +413,7 @@ def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not()
             assert again.feasible is feasible, (key, value)
 
 
-def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
+def test_wider_bound_and_other_latitude_are_told_where_they_help():
     plane = aircraft("design_space.wingspan_m.maximum=5.65", *SMALL_WINGS[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-15"})
     result = size_aircraft(plane, hard, Objective.max_excess_time)
@@ -431,7 +429,7 @@ def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
     assert size_aircraft(plane, moved, Objective.max_excess_time).feasible
 
 
-def test_limit_is_relaxed_no_further_than_another_aspect_ratio_needs() -> None:
+def test_limit_is_relaxed_no_further_than_another_aspect_ratio_needs():
     """A mass limit and a Reynolds number contradict each other.
 
     Along the aspect ratio there is more than one design from which no small step asks for less.
@@ -481,7 +479,7 @@ def test_limit_is_relaxed_no_further_than_another_aspect_ratio_needs() -> None:
     assert not sized(1.01 * told.value).feasible
 
 
-def test_less_required_time_is_no_relaxation_for_another_requirement() -> None:
+def test_less_required_time_is_no_relaxation_for_another_requirement():
     # No wing is covered to more than maximum_module_coverage, 0.85, however short the flight.
     plane = aircraft("design_space.limits={module_coverage: {minimum: 0.9}}")
     result = size_aircraft(plane, mission(), required_excess_time_h=50.0)
@@ -502,7 +500,7 @@ def test_less_required_time_is_no_relaxation_for_another_requirement() -> None:
         ("aircraft", "design_space.minimum_climb_rate_m_per_s", "m/s"),
     ],
 )
-def test_wind_and_limits_in_the_way_are_told(where: str, key: str, unit: str) -> None:
+def test_wind_and_limits_in_the_way_are_told(where, key, unit):
     of_mission = where == "mission"
     asked = 15.0 if of_mission else (0.9 if "coverage" in key else 5.0)
 
@@ -533,7 +531,7 @@ MIDNIGHT_SUN = {"latitude_deg": 85.0, "dates": {"on": "07-15"}}
         (Objective.max_payload_mass, 2.0),
     ],
 )
-def test_midnight_sun_needs_no_battery(objective: Objective, required_h: float) -> None:
+def test_midnight_sun_needs_no_battery(objective, required_h):
     plane, flight = aircraft(), mission(**MIDNIGHT_SUN)
     result = size_aircraft(plane, flight, objective, required_excess_time_h=required_h)
     assert result.feasible
@@ -548,7 +546,7 @@ def test_midnight_sun_needs_no_battery(objective: Objective, required_h: float) 
     assert cells.objective_value == pytest.approx([result.objective_value], rel=1e-3)
 
 
-def test_battery_is_no_way_to_fly_for_longer_than_the_sun_shines_all_day() -> None:
+def test_battery_is_no_way_to_fly_for_longer_than_the_sun_shines_all_day():
     # 40 h of battery are out of reach, and at 85° N in July nobody needs them.
     flight = mission(**MIDNIGHT_SUN)
     assert size_aircraft(aircraft(), flight, required_excess_time_h=40.0).feasible
@@ -556,7 +554,7 @@ def test_battery_is_no_way_to_fly_for_longer_than_the_sun_shines_all_day() -> No
     assert not size_aircraft(aircraft(), later, required_excess_time_h=40.0).feasible
 
 
-def test_sensitivities_without_battery_equal_sizing_again() -> None:
+def test_sensitivities_without_battery_equal_sizing_again():
     flight = mission(**MIDNIGHT_SUN)
 
     def sized(*overrides: str) -> SizingResult:
@@ -574,7 +572,7 @@ def test_sensitivities_without_battery_equal_sizing_again() -> None:
         assert found[key].derivative == pytest.approx(slope, rel=0.01)
 
 
-def test_hopeless_mission_has_no_relaxations_and_a_feasible_one_is_refused() -> None:
+def test_hopeless_mission_has_no_relaxations_and_a_feasible_one_is_refused():
     plane = aircraft()
     result = size_aircraft(plane, mission(latitude_deg=66.0, dates={"on": "12-21"}))
     assert result.status is SizingStatus.infeasible
@@ -594,7 +592,7 @@ def test_hopeless_mission_has_no_relaxations_and_a_feasible_one_is_refused() -> 
 # ---- programs that are used again
 
 
-def test_unexplained_failure_is_quick_and_says_so() -> None:
+def test_unexplained_failure_is_quick_and_says_so():
     plane = aircraft()
     result = size_aircraft(
         plane, mission(), Objective.min_mass, required_excess_time_h=80.0, explain=False
@@ -614,7 +612,7 @@ def relaxed(plane: Aircraft, flight: Mission, key: str) -> Relaxation:
     return found
 
 
-def test_a_largest_value_in_the_way_is_told() -> None:
+def test_a_largest_value_in_the_way_is_told():
     # The upper ends of limits are eased upwards; as for the lower ones above.
     key = "design_space.limits.wing_area_m2.maximum"
 
@@ -629,7 +627,7 @@ def test_a_largest_value_in_the_way_is_told() -> None:
     assert not short.feasible
 
 
-def test_the_nearest_latitude_that_helps_is_told() -> None:
+def test_the_nearest_latitude_that_helps_is_told():
     def at(place: float) -> Mission:
         return mission(latitude_deg=place, dates={"on": "10-01"})
 
@@ -643,7 +641,7 @@ def test_the_nearest_latitude_that_helps_is_told() -> None:
     assert not sized(found.value + 0.25).feasible
 
 
-def test_the_end_of_a_band_that_holds_back_is_moved() -> None:
+def test_the_end_of_a_band_that_holds_back_is_moved():
     # In northern summer the nights are longest at the southern end.
     def over(from_deg: float) -> Mission:
         band = {"from_deg": from_deg, "to_deg": 50.0, "count": 3}
@@ -658,16 +656,14 @@ def test_the_end_of_a_band_that_holds_back_is_moved() -> None:
     assert not sized(found.value - 0.25).feasible
 
 
-def test_a_relaxed_value_has_three_digits_on_the_safe_side() -> None:
+def test_a_relaxed_value_has_three_digits_on_the_safe_side():
     assert [rounded(v, "at least") for v in (286.4, 0.012341, 99999.0)] == [287.0, 0.0124, 1e5]
     assert [rounded(v, "at most") for v in (286.6, 0.012349, 1.0)] == [286.0, 0.0123, 1.0]
     assert rounded(-3.0, "at most") == rounded(0.0, "at least") == 0.0
 
 
 @pytest.mark.parametrize(("present", "found", "edge"), [(200.0, 300.0, 250.2), (10.0, 5.0, 8.004)])
-def test_value_that_the_program_overshot_is_bisected(
-    present: float, found: float, edge: float
-) -> None:
+def test_value_that_the_program_overshot_is_bisected(present, found, edge):
     tried: list[float] = []
 
     def suffices(value: float) -> bool:
@@ -680,7 +676,7 @@ def test_value_that_the_program_overshot_is_bisected(
     assert len(tried) <= 12  # from half of the value to a thousandth are ten halvings
 
 
-def test_relaxations_in_words_and_by_their_size() -> None:
+def test_relaxations_in_words_and_by_their_size():
     found = Relaxation("battery.specific_energy_wh_per_kg", "Wh/kg", 250.0, "at least", 287.0, 1.0)
     assert found.text == "battery.specific_energy_wh_per_kg >= 287 Wh/kg (now 250)"
     assert found.relative_change == pytest.approx(37.0 / 250.0, rel=1e-12)

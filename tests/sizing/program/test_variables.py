@@ -11,7 +11,7 @@ from sizing.program.variables import WIND, Role, chosen_variables, eased_row, sc
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 3.0])
-def test_a_limit_that_is_eased_is_the_row_of_the_limit_times_the_factor(factor: float) -> None:
+def test_a_limit_that_is_eased_is_the_row_of_the_limit_times_the_factor(factor):
     quantity, limit = 7.0, 4.0
     eased = factor * limit
     assert eased_row(quantity / limit - 1.0, "minimum", factor) == pytest.approx(
@@ -22,7 +22,7 @@ def test_a_limit_that_is_eased_is_the_row_of_the_limit_times_the_factor(factor: 
     )
 
 
-def test_values_return_from_the_program_and_bounds_without_end_are_kept() -> None:
+def test_values_return_from_the_program_and_bounds_without_end_are_kept():
     variables = chosen_variables(DESIGN, eased=True)
     values = {variable.name: 0.7 for variable in variables}
     scales = scales_of(variables, values)

@@ -72,7 +72,7 @@ def least_span_m(aircraft: Aircraft, per_half: int, parallel: int, spans: Any) -
     return float(np.min(spans[holds & enough & sound], initial=np.inf))
 
 
-def test_best_design_is_that_of_a_scan() -> None:
+def test_best_design_is_that_of_a_scan():
     study = halves()
     cells, spans = study.whole_cells, np.arange(4.24, 4.40, 0.004)
     assert cells is not None
@@ -89,7 +89,7 @@ def test_best_design_is_that_of_a_scan() -> None:
     assert found[chosen] == pytest.approx(min(found.values()), abs=0.006)
 
 
-def test_every_neighbour_is_that_of_a_scan() -> None:
+def test_every_neighbour_is_that_of_a_scan():
     study = halves()
     assert study.whole_cells is not None
     some = [one for one in study.whole_cells.tried if one.value is not None][:6]
@@ -101,7 +101,7 @@ def test_every_neighbour_is_that_of_a_scan() -> None:
         assert one.value == pytest.approx(scanned, abs=0.008)
 
 
-def test_loss_is_against_the_sizing_without_cells() -> None:
+def test_loss_is_against_the_sizing_without_cells():
     study = halves()
     aircraft = plane(HALF_CELLS)
     relaxed = sizing.size(aircraft, MISSION, "min_wingspan", required_excess_time_h=REQUIRED_H)
@@ -114,7 +114,7 @@ def test_loss_is_against_the_sizing_without_cells() -> None:
     assert 0.0 < cells.loss < 0.1
 
 
-def test_sized_aircraft_is_a_file_with_its_cells_that_flies_as_told() -> None:
+def test_sized_aircraft_is_a_file_with_its_cells_that_flies_as_told():
     study = halves()
     aircraft = study.sized_aircraft()
     again = Aircraft.model_validate(aircraft.model_dump(mode="json", exclude_unset=True))
@@ -132,7 +132,7 @@ def test_sized_aircraft_is_a_file_with_its_cells_that_flies_as_told() -> None:
     assert excess_h == pytest.approx(float(np.min(simulated.cycle.excess_time_h)), rel=1e-6)
 
 
-def test_relaxed_sizing_of_such_an_aircraft_leaves_the_cells_out() -> None:
+def test_relaxed_sizing_of_such_an_aircraft_leaves_the_cells_out():
     aircraft = plane(WHOLE_CELLS)
     study = sizing.size(aircraft, MISSION, "min_mass", required_excess_time_h=REQUIRED_H)
     written = study.sized_aircraft()
@@ -143,7 +143,7 @@ def test_relaxed_sizing_of_such_an_aircraft_leaves_the_cells_out() -> None:
     assert flown.design.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-9)
 
 
-def test_wing_that_holds_the_cells_limits() -> None:
+def test_wing_that_holds_the_cells_limits():
     study = sized(plane(WHOLE_CELLS))
     assert study.variables is not None
     # Two rows of 0.125 m with 2 mm between them are 0.252 m of chord, at an aspect ratio of 18.5.
@@ -153,7 +153,7 @@ def test_wing_that_holds_the_cells_limits() -> None:
 
 
 @pytest.mark.slow
-def test_payload_is_sized_beside_whole_cells_that_fit() -> None:
+def test_payload_is_sized_beside_whole_cells_that_fit():
     study = sized(
         plane(WHOLE_CELLS, **{"design_space.wingspan_m.maximum": 5.65}), "max_payload_mass"
     )
@@ -169,7 +169,7 @@ def test_payload_is_sized_beside_whole_cells_that_fit() -> None:
 
 
 @pytest.mark.slow
-def test_free_aspect_ratio_keeps_rows_on_the_chord() -> None:
+def test_free_aspect_ratio_keeps_rows_on_the_chord():
     free = {"design_space.aspect_ratio": {"minimum": 10.0, "maximum": 25.0}}
     study = sized(plane(WHOLE_CELLS, **free), "min_mass")
     assert study.feasible
@@ -182,7 +182,7 @@ def test_free_aspect_ratio_keeps_rows_on_the_chord() -> None:
 
 
 @pytest.mark.long
-def test_strings_leave_numbers_of_cells_out() -> None:
+def test_strings_leave_numbers_of_cells_out():
     strings = {
         "cells_in_series": 18,
         "coldest_c": -20.0,
@@ -209,7 +209,7 @@ def test_strings_leave_numbers_of_cells_out() -> None:
     assert any("do not divide into strings of 17 to 19" in one.reason for one in cells.tried)
 
 
-def test_no_whole_cells_at_all_is_infeasible_with_reasons() -> None:
+def test_no_whole_cells_at_all_is_infeasible_with_reasons():
     small = {"design_space.module_area_m2": {"minimum": 0.1, "maximum": 0.6}}
     wide = WHOLE_CELLS | {"cell_span_m": 2.5, "cell_area_m2": 0.3125}
     aircraft = plane(
@@ -230,19 +230,19 @@ def test_no_whole_cells_at_all_is_infeasible_with_reasons() -> None:
         ({"objective": "longest_season"}, "no whole cells"),
     ],
 )
-def test_what_does_not_go_together_is_refused(options: dict[str, Any], words: str) -> None:
+def test_what_does_not_go_together_is_refused(options, words):
     with pytest.raises(ValueError, match=words):
         sizing.size(plane(WHOLE_CELLS), MISSION, whole_cells=True, **options)
 
 
-def test_an_aircraft_without_cells_is_refused() -> None:
+def test_an_aircraft_without_cells_is_refused():
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     with pytest.raises(ValueError, match=r"need modules\.layout"):
         sizing.size(aircraft, MISSION, whole_cells=True)
 
 
 @pytest.mark.slow
-def test_unlimited_excess_time_is_no_loss_and_no_failure() -> None:
+def test_unlimited_excess_time_is_no_loss_and_no_failure():
     polar = sizing.load_aircraft(
         "atlantiksolar-design",
         {

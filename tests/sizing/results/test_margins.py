@@ -20,7 +20,7 @@ def margins(aircraft: sizing.Aircraft, **mission: Any) -> dict[str, Any]:
     return {one.name: one for one in requirement_margins(aircraft, flown.performance, 3.0)}
 
 
-def test_every_requirement_has_its_margin() -> None:
+def test_every_requirement_has_its_margin():
     limits = {"airspeed_m_per_s": {"maximum": 12.0}}
     own = sizing.load_aircraft("atlantiksolar-design", {"design_space.limits": limits})
     found, analysis = margins(own), sizing.analyse(own, MISSION)
@@ -39,7 +39,7 @@ def test_every_requirement_has_its_margin() -> None:
     assert "stall_margin" not in margins(given)
 
 
-def test_the_wind_of_a_percentile_has_its_margin() -> None:
+def test_the_wind_of_a_percentile_has_its_margin():
     design = sizing.load_aircraft("stratosphere-design")
     for held in (False, True):
         windy = {"wind": {"percentile": 95, "hold_station": held}}
@@ -52,7 +52,7 @@ def test_the_wind_of_a_percentile_has_its_margin() -> None:
             assert (one.limit, one.margin) == (strongest, one.value / strongest - 1.0)
 
 
-def test_climb_is_that_of_the_highest_altitude() -> None:
+def test_climb_is_that_of_the_highest_altitude():
     low = margins(DESIGN)["climb_rate_at_highest_altitude_m_per_s"]
     own = sizing.design_of(DESIGN, MISSION)
     chain: Any = own.chain
@@ -66,7 +66,7 @@ def test_climb_is_that_of_the_highest_altitude() -> None:
     assert 0.0 < aloft.value < low.value
 
 
-def test_an_empty_battery_climbs_with_what_its_voltage_allows() -> None:
+def test_an_empty_battery_climbs_with_what_its_voltage_allows():
     empty, full = (
         VOLTAGE | {"state_of_charge": [0.0, 1.0], "cell_voltage_v": [least_v, 4.2]}
         for least_v in (3.2, 3.6)
@@ -91,12 +91,12 @@ def test_an_empty_battery_climbs_with_what_its_voltage_allows() -> None:
         assert bool(point.feasible) is able
 
 
-def test_a_measured_aircraft_has_what_is_known_of_it() -> None:
+def test_a_measured_aircraft_has_what_is_known_of_it():
     assert {"excess_time_h", "minimum_state_of_charge"} <= margins(AS2).keys()
     assert "module_coverage" not in margins(AS2)
 
 
-def test_a_sizing_tells_its_margins() -> None:
+def test_a_sizing_tells_its_margins():
     study = sizing.size(DESIGN, MISSION)
     assert "margins of the requirements" in str(study.at_level(2))
     record = {one["name"]: one for one in study.to_dict()["margins"]}
@@ -104,7 +104,7 @@ def test_a_sizing_tells_its_margins() -> None:
     assert "recommended" in requirement_table(study.margins).to_text()
 
 
-def test_mass_growth_is_a_share_of_what_is_built() -> None:
+def test_mass_growth_is_a_share_of_what_is_built():
     plain = sizing.design_of(DESIGN, MISSION)
     grown = sizing.load_aircraft("atlantiksolar-design", {"airframe.mass_growth": 0.1})
     same = parametric_design(grown, MISSION, plain.variables, plain.total_mass_kg)

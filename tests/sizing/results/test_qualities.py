@@ -21,7 +21,7 @@ def study(changes: dict[str, Any] | None = None, **options: Any) -> SizingStudy:
 
 
 @pytest.mark.parametrize("objective", ["min_mass", "max_excess_time"])
-def test_rows_are_the_sizings_of_each_class(objective: str) -> None:
+def test_rows_are_the_sizings_of_each_class(objective):
     found = study(objective=objective)
     assert [(one.build, one.of_file) for one in found.builds] == [
         ("record", True),
@@ -34,7 +34,7 @@ def test_rows_are_the_sizings_of_each_class(objective: str) -> None:
         assert one.objective_value == pytest.approx(alone.result.objective_value, rel=0.005)
 
 
-def test_rows_say_where_there_is_no_design_and_stand_below_a_failure_too() -> None:
+def test_rows_say_where_there_is_no_design_and_stand_below_a_failure_too():
     found = study({BUILD: "ordinary"}, required_excess_time_h=8.0)
     assert not found.feasible
     assert [one.design is not None for one in found.builds] == [True, True, False]
@@ -43,7 +43,7 @@ def test_rows_say_where_there_is_no_design_and_stand_below_a_failure_too() -> No
     assert text.index("feasible with one of these") < text.index("build quality")
 
 
-def test_a_calibration_without_build_may_hold_its_own_aircraft() -> None:
+def test_a_calibration_without_build_may_hold_its_own_aircraft():
     own = study({BUILD: None, "airframe.structure.calibration": 2.0})
     shipped = study()
     for one, other in zip(own.builds, shipped.builds, strict=True):
@@ -58,9 +58,7 @@ def test_a_calibration_without_build_may_hold_its_own_aircraft() -> None:
         pytest.param({}, {"objective": "longest_season"}, marks=pytest.mark.slow),
     ],
 )
-def test_no_rows_of_a_structure_of_ones_own_and_of_ranges(
-    changes: dict[str, Any], options: dict[str, Any]
-) -> None:
+def test_no_rows_of_a_structure_of_ones_own_and_of_ranges(changes, options):
     found = study(changes, **options)
     assert found.builds == ()
     assert "builds" not in found.to_dict()

@@ -3,11 +3,9 @@
 import json
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from command_line import Run
 
 from missions.library import load_mission
 from sizing.day.light import SolarModel
@@ -29,7 +27,7 @@ AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
 
 
 @pytest.fixture(scope="module")
-def designs() -> study.Comparison:
+def designs():
     models = [SolarModel("CDM"), SolarModel("CAM", "report"), SolarModel("FM", "report")]
     return study.compare(AIRCRAFT, MISSION, models=models, required_excess_time_h=3.0)
 
@@ -37,7 +35,7 @@ def designs() -> study.Comparison:
 # ---- Python
 
 
-def test_predictions_are_those_of_single_analyses(designs: study.Comparison) -> None:
+def test_predictions_are_those_of_single_analyses(designs):
     for case in designs.cases:
         single = performance(AIRCRAFT, MISSION, case.solar)
         worst = single.worst_scenario()
@@ -53,9 +51,7 @@ def test_predictions_are_those_of_single_analyses(designs: study.Comparison) -> 
         assert p.excess_time_low_h < p.excess_time_h < p.excess_time_high_h
 
 
-def test_designs_are_those_of_single_sizings_judged_by_the_reference(
-    designs: study.Comparison,
-) -> None:
+def test_designs_are_those_of_single_sizings_judged_by_the_reference(designs):
     reference = SolarModel("FM", "report")
     assert designs.reference.solar == reference
     for case in designs.cases:
@@ -78,9 +74,7 @@ def test_designs_are_those_of_single_sizings_judged_by_the_reference(
         assert built.judged.endurance_h == pytest.approx(expected, rel=1e-3)
 
 
-def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(
-    designs: study.Comparison,
-) -> None:
+def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(designs):
     cdm, cam, full = (case.built for case in designs.cases)
     spans_m = [b.sizing.design.variables.wingspan_m for b in (cdm, full, cam) if b.sizing.design]
     # Uncorrected CDM takes most sun, CAM with the report's error least.
@@ -89,7 +83,7 @@ def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(
     assert full.judged.excess_time_h >= 3.0
 
 
-def test_headline_where_the_reference_is_the_only_case() -> None:
+def test_headline_where_the_reference_is_the_only_case():
     only = [SolarModel("FM", "report")]
     built = study.compare(AIRCRAFT, MISSION, models=only, required_excess_time_h=3.0)
     assert built.headline().startswith(f"Sized with corrected FM, {DESIGN} has a span of 4.")
@@ -100,7 +94,7 @@ def test_headline_where_the_reference_is_the_only_case() -> None:
     )
 
 
-def test_headline_where_nothing_is_feasible() -> None:
+def test_headline_where_nothing_is_feasible():
     aircraft = load_aircraft(DESIGN, ["design_space.wingspan_m.maximum=4.1"])
     both = study.compare(aircraft, MISSION, models=[SolarModel("CDM")], required_excess_time_h=3.0)
     built = both.cases[0].built
@@ -118,7 +112,7 @@ def test_headline_where_nothing_is_feasible() -> None:
     assert "no design" in str([t.get_text() for t in plot_comparison(none).axes[3].texts])
 
 
-def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Comparison) -> None:
+def test_figure_names_its_axes_and_marks_who_comes_down(designs):
     figure = plot_comparison(designs)
     labels = [axes.get_xlabel().split()[0] for axes in figure.axes]
     assert labels == ["solar", "excess", "perpetual", "design:"]
@@ -128,12 +122,12 @@ def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Compariso
     assert len(crosses) == len(down) == 1
 
 
-def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
+def test_season_over_the_years_end_is_drawn_in_two_parts():
     assert spans(Season(126, 126, 300, 60)) == [(1, 60), (300, 365)]
     assert spans(Season(3, 0, None, None)) == []
 
 
-def test_rows_of_a_report_belong_to_the_scenario_they_name(designs: study.Comparison) -> None:
+def test_rows_of_a_report_belong_to_the_scenario_they_name(designs):
     worst, every = designs.scenario_tables()
     for case, row in zip(designs.cases, worst.rows, strict=True):
         model, correction, scenario, solar_wh, excess_h, *_ = row
@@ -149,7 +143,7 @@ def test_rows_of_a_report_belong_to_the_scenario_they_name(designs: study.Compar
     )
 
 
-def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison) -> None:
+def test_models_that_deny_perpetual_flight_are_counted(designs):
     by_model = solar_models.perpetual_by_model(designs.aircraft, designs.mission)
     assert [by_model[c.solar] for c in designs.cases] == [
         c.prediction.perpetual for c in designs.cases
@@ -160,7 +154,7 @@ def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison
     assert solar_models.perpetual_line([True, True], designs.mission).startswith("All 2 pairs")
 
 
-def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:
+def test_result_prints_itself_and_gives_its_numbers(designs):
     shown, told = (" ".join(str(text).split()) for text in (designs, designs.headline()))
     assert shown.startswith(f"{DESIGN} on {SUMMER}: 3 models, reference: corrected FM ")
     assert told in shown
@@ -192,7 +186,7 @@ def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -
         ],
     ],
 )
-def test_wrong_names_are_refused_at_the_call(options: dict[str, Any], said: str) -> None:
+def test_wrong_names_are_refused_at_the_call(options, said):
     with pytest.raises(ValueError, match=said):
         study.compare(options.pop("aircraft", AIRCRAFT), MISSION, **options)
 
@@ -200,7 +194,7 @@ def test_wrong_names_are_refused_at_the_call(options: dict[str, Any], said: str)
 # ---- Command
 
 
-def test_whole_comparison_as_json(run: Run) -> None:
+def test_whole_comparison_as_json(run):
     record = run("compare", AS2, "--json").json()
     assert record["reference"] == {"model": "FM", "correction": "report"}
     cases = {(c["model"], c["correction"]): c for c in record["cases"]}
@@ -218,7 +212,7 @@ def test_whole_comparison_as_json(run: Run) -> None:
     )
 
 
-def test_table_for_the_terminal(run: Run, tmp_path: Path) -> None:
+def test_table_for_the_terminal(run, tmp_path):
     result = run("compare", AS2, "--models", "cam,CDM", "--corrections", "none")
     assert result.code == 0
     assert result.out.index("CDM") < result.out.index("CAM")
@@ -227,7 +221,7 @@ def test_table_for_the_terminal(run: Run, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_aircraft_without_surfaces_is_compared_without_them(run: Run) -> None:
+def test_aircraft_without_surfaces_is_compared_without_them(run):
     record = run("compare", "sky-sailor", "--no-design", "--json").json()
     cases = [(c["model"], c["correction"]) for c in record["cases"]]
     assert cases == list(product(("CDM", "CAM"), ("none", "report")))
@@ -235,7 +229,7 @@ def test_aircraft_without_surfaces_is_compared_without_them(run: Run) -> None:
     assert "modules.geometry of sky-sailor" in record["notes"][0]
 
 
-def test_midnight_sun_has_no_end(run: Run, tmp_path: Path) -> None:
+def test_midnight_sun_has_no_end(run, tmp_path):
     place = ["--set", "mission.latitude_deg=85.0", "--set", "mission.dates={on: 06-21}"]
     models = ("--models", "CDM,CAM", "--corrections", "none")
     record = run("compare", AS2, *models, *place, "--json").json()
@@ -247,7 +241,7 @@ def test_midnight_sun_has_no_end(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "sun.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_no_design_at_all_ends_with_1(run: Run) -> None:
+def test_no_design_at_all_ends_with_1(run):
     result = run(
         "compare",
         DESIGN,
@@ -276,7 +270,7 @@ def test_no_design_at_all_ends_with_1(run: Run) -> None:
         (["--plot", "figure.doc"], "must end in .png, .svg, .pdf"),
     ],
 )
-def test_wrong_options_end_with_2(run: Run, arguments: list[str], said: str) -> None:
+def test_wrong_options_end_with_2(run, arguments, said):
     result = run("compare", AS2, *arguments)
     assert (result.code, result.out) == (2, "")
     assert said in result.err
@@ -294,16 +288,14 @@ def test_wrong_options_end_with_2(run: Run, arguments: list[str], said: str) -> 
         (["atlantiksolar-as3"], "did you mean 'atlantiksolar-as2'"),
     ],
 )  # fmt: skip
-def test_wrong_input_is_named_with_exit_code_2(
-    arguments: list[str], said: str, tmp_path: Path, run: Run
-) -> None:
+def test_wrong_input_is_named_with_exit_code_2(arguments, said, tmp_path, run):
     (tmp_path / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
     outcome = run("compare", *arguments)
     assert (outcome.code, "Traceback" in outcome.err) == (2, False)
     assert said in outcome.err
 
 
-def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: Run) -> None:
+def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path, run):
     (tmp_path / "taken").write_text("")
     outcome = run("compare", AS2, "--out", "taken")
     assert outcome.code == 1
@@ -314,9 +306,7 @@ def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path: Path, run: R
     ("objective", "name", "unit"),
     [("max_payload_mass", "payload_mass_kg", "kg"), ("max_payload_power", "payload_power_w", "W")],
 )
-def test_payload_is_compared_in_table_headline_and_figure(
-    run: Run, tmp_path: Path, objective: str, name: str, unit: str
-) -> None:
+def test_payload_is_compared_in_table_headline_and_figure(run, tmp_path, objective, name, unit):
     options = ["--models", "CAM", "--corrections", "none", "--objective", objective]
     options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c", "-v"]
     outcome = run("compare", DESIGN, *options)

@@ -1,7 +1,5 @@
 """Tests of the Full Model's component efficiencies over a day."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -23,7 +21,7 @@ AS2 = load_aircraft("atlantiksolar-as2")
         {"solar_model_sigmas": 1.0, "clearness_minimum": 0.8},
     ],
 )
-def test_module_power_is_that_of_every_other_study(margins: dict[str, Any]) -> None:
+def test_module_power_is_that_of_every_other_study(margins):
     """The same light is believed everywhere, uncertainty margins taken off."""
     mission = with_values(load_mission("rafz-loiter"), {"uncertainty_margins": margins})
     data = component_efficiencies(AS2, mission)

@@ -53,7 +53,7 @@ PERPETUAL = {"status": Status.perpetual, "excess_time_h": 3.04, "endurance_h": m
         ({"status": Status.always_lit, "excess_time_h": math.inf}, 6.0, "flies perpetually, as solar power always exceeds the load"),  # noqa: E501
     ],
 )  # fmt: skip
-def test_outcome(changes: dict[str, Any], required_h: float, said: str) -> None:
+def test_outcome(changes, required_h, said):
     assert prediction(**changes).outcome(required_h) == said
 
 
@@ -67,7 +67,7 @@ def test_outcome(changes: dict[str, Any], required_h: float, said: str) -> None:
         (math.inf, "more than a year"),
     ],
 )
-def test_duration(hours: float, said: str) -> None:
+def test_duration(hours, said):
     assert duration(hours) == said
 
 
@@ -86,9 +86,9 @@ def test_duration(hours: float, said: str) -> None:
         (6.0, math.inf, 0),
     ],
 )
-def test_nights_survived(launch_h: float, endurance_h: float, nights: int) -> None:
+def test_nights_survived(launch_h, endurance_h, nights):
     assert nights_survived(launch_h, endurance_h, 6.0) == nights
 
 
-def test_no_night_ends_without_a_morning() -> None:
+def test_no_night_ends_without_a_morning():
     assert nights_survived(12.0, 50.0, math.nan) == 0

@@ -6,14 +6,13 @@ import pytest
 from click.testing import CliRunner
 
 from sizing.day.light import SolarModel, solar_day
-from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from studies.cli.__main__ import cli
 from studies.models import report_reproduction as study
 
 
 @pytest.fixture(scope="module")
-def result() -> study.Reproduction:
+def result():
     return study.reproduce(*study.reference())
 
 
@@ -21,18 +20,18 @@ def result() -> study.Reproduction:
 @pytest.mark.parametrize(
     ("model", "tolerance"), [("CDM", 0.015), ("CAM", 0.015), ("VM", 0.03), ("FM", 0.03)]
 )
-def test_mean_power(result: study.Reproduction, model: ModelName, tolerance: float) -> None:
+def test_mean_power(result, model, tolerance):
     assert result.models_w[model] == pytest.approx(study.PUBLISHED_W[model], rel=tolerance)
 
 
 @pytest.mark.parametrize("index", range(3))
-def test_windows(result: study.Reproduction, index: int) -> None:
+def test_windows(result, index):
     # Means of five minutes each, in whatever wind there was then: 7 %.
     published = study.WINDOWS[index].published_w
     assert result.windows_w[index] == pytest.approx(published, rel=0.07)
 
 
-def test_loiter_truth_reproduces_the_reports_constants(result: study.Reproduction) -> None:
+def test_loiter_truth_reproduces_the_reports_constants(result):
     # FM on the loiter, corrected by its own bias, stands for the flight.
     truth = result.models_w["FM"] / (1.0 + REPORTED_ERRORS["FM"].average)
     for model in ("CDM", "CAM"):
@@ -40,7 +39,7 @@ def test_loiter_truth_reproduces_the_reports_constants(result: study.Reproductio
         assert error == pytest.approx(REPORTED_ERRORS[model].average, abs=0.03)  # 3 points
 
 
-def test_full_model_and_loiter_correction_agree_over_the_day() -> None:
+def test_full_model_and_loiter_correction_agree_over_the_day():
     aircraft, mission = study.reference()
     full = solar_day(aircraft, mission, SolarModel("FM", "report"))
     ours = solar_day(aircraft, mission, SolarModel("CAM", "loiter"))
@@ -48,7 +47,7 @@ def test_full_model_and_loiter_correction_agree_over_the_day() -> None:
     assert energies[1] == pytest.approx(energies[0], rel=0.01)  # must be within 1 %
 
 
-def test_largest_difference_from_the_report_is_the_headline() -> None:
+def test_largest_difference_from_the_report_is_the_headline():
     models = {"CDM": 117.35, "CAM": 104.89, "VM": 97.65, "FM": 97.87 * 1.02}
     result = study.Reproduction(*study.reference(), models, (35.3, 140.5 * 0.95, 204.7))  # type: ignore[arg-type]  # names of models
     assert "within 5.0 % of the report's" in result.headline()
@@ -56,7 +55,7 @@ def test_largest_difference_from_the_report_is_the_headline() -> None:
 
 
 @pytest.mark.long
-def test_command_prints_the_contract() -> None:
+def test_command_prints_the_contract():
     answer = CliRunner().invoke(cli, ["reproduce-report", "--json"])
     assert answer.exit_code == 0
     record = json.loads(answer.output)

@@ -3,14 +3,13 @@
 import pytest
 
 import sizing
-from sizing.aircraft import Aircraft
 from sizing.parameters import catalogue
 from sizing.program.transcription import Form, build_program
 from studies.render.words import constraint_words, parameter_words
 
 
 @pytest.fixture(scope="module")
-def aircraft() -> Aircraft:
+def aircraft():
     plane = sizing.load_aircraft("atlantiksolar-design")
     space = plane.design_space.model_copy(update={"minimum_stall_margin": 1.2})
     return plane.model_copy(update={"design_space": space})
@@ -40,11 +39,11 @@ def aircraft() -> Aircraft:
         ),
     ],
 )
-def test_names_of_the_program_in_words(name: str, words: str, aircraft: Aircraft) -> None:
+def test_names_of_the_program_in_words(name, words, aircraft):
     assert str(constraint_words(name, aircraft)) == words
 
 
-def test_every_requirement_of_the_program_has_words(aircraft: Aircraft) -> None:
+def test_every_requirement_of_the_program_has_words(aircraft):
     for row in build_program(aircraft, Form(1)).constraints:
         words = constraint_words(row.name, aircraft)
         assert "_" not in words.label
@@ -60,9 +59,9 @@ def test_every_requirement_of_the_program_has_words(aircraft: Aircraft) -> None:
         ("nobody.knows_it", "nobody.knows_it"),
     ],
 )
-def test_parameters_in_words(key: str, words: str) -> None:
+def test_parameters_in_words(key, words):
     assert parameter_words(key) == words
 
 
-def test_parameters_of_the_catalogue_have_labels_of_their_own() -> None:
+def test_parameters_of_the_catalogue_have_labels_of_their_own():
     assert all(parameter_words(key) == one.label for key, one in catalogue().items())
