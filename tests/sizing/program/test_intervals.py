@@ -11,7 +11,7 @@ from builders import DESIGN, mission
 from sizing.day.light import solar_day
 from sizing.design import variables_of
 from sizing.performance import performance_of_designs
-from sizing.program.days import Day, day_means, light_at_heights, nodes_of, reserve_nodes
+from sizing.program.intervals import Day, day_means, light_at_heights, nodes_of, reserve_nodes
 from sizing.program.transcription import LEVELS, Form, lagrange
 from solar.types import FloatArray, IntArray
 
