@@ -342,6 +342,7 @@ def test_charge_limit_goes_on_beyond_full(limit):
     soc = np.array([0.99, 1.0, 1.01, 2.0, 1e4])
     hours = np.asarray(charge_clock(limit, ca.DM(soc))).ravel()
     at_full_h = 1.0 / charge_rate_per_h(limit, 1.0)
+    assert float(charge_clock(limit, ca.DM(0.0))) == pytest.approx(0.0, abs=1e-12)
     assert np.diff(hours)[1:] / np.diff(soc)[1:] == pytest.approx(at_full_h, rel=1e-9)
     assert 0.0 < hours[1] - hours[0] <= 0.01 * at_full_h * (1.0 + 1e-9)
 
@@ -360,3 +361,17 @@ def test_a_given_light_is_that_of_search_and_simulation():
     assert excess_h == pytest.approx(float(again.cycle.excess_time_h.min()), abs=1e-9)
     assert excess_h == pytest.approx(4.0, abs=0.012)
     assert result.design.total_mass_kg > 1.02 * bright.design.total_mass_kg
+
+
+def test_a_search_that_may_end_early_ends_with_as_much_in_every_scenario() -> None:
+    far = mission(latitude_deg={"from_deg": 30.0, "to_deg": 60.0, "count": 3})
+    best = size_aircraft(DESIGN, far, MAX_EXCESS)
+    assert best.simulated is not None
+    assert best.objective_value is not None
+    each_h = best.simulated.cycle.excess_time_h
+    assert each_h.max() > 1.05 * each_h.min()
+    for share in (0.9, 0.96, 0.99):
+        early = size_aircraft(DESIGN, far, MAX_EXCESS, stop_at_merit=share * best.objective_value)
+        assert early.objective_value is not None
+        assert early.objective_value >= share * best.objective_value
+        assert early.solver.solves <= best.solver.solves
