@@ -1,0 +1,49 @@
+"""What the nearest design misses: of energy, to the battery's capacity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from builders import DESIGN, mission
+
+from sizing.day.light import UNCORRECTED_CAM, solar_day
+from sizing.design import variables_of
+from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.reasons import missed_by
+from sizing.program.solve import LACKING
+from sizing.program.task import SizingTask
+
+DAY = solar_day(DESIGN, mission())
+TASK = SizingTask(DESIGN, mission(), Objective.min_mass, UNCORRECTED_CAM, DAY, 0.0)
+
+
+def simulated(**changes: float) -> Performance:
+    design = variables_of(DESIGN)._replace(**changes)
+    return performance_of_designs(DESIGN, mission(), design, day=DAY)
+
+
+def test_a_battery_too_small_for_the_night_lacks_what_the_night_takes_beyond_it() -> None:
+    perf = simulated(battery_mass_kg=0.5)
+    net_w = np.ravel(perf.load_w) - np.ravel(perf.solar_power_w)
+    fine_h = np.linspace(0.0, 24.0, 200_001)
+    lacking_w = np.maximum(np.interp(fine_h, DAY.time_h, net_w), 0.0)
+    night_wh = 24.0 * float(lacking_w[:-1].mean()) / DESIGN.battery.mean_discharge_efficiency
+    full_wh = float(np.ravel(perf.design.battery_energy_wh)[0])
+    assert missed_by(TASK, None, perf) == {
+        "battery_capacity": pytest.approx(night_wh / full_wh - 1.0, rel=1e-4)
+    }
+
+
+def test_a_day_that_returns_next_to_enough_lacks_the_least_share_of_its_load() -> None:
+    less_m2, more_m2 = 0.1, 1.35
+    for _ in range(20):
+        area_m2 = (less_m2 + more_m2) / 2.0
+        closes = bool(np.all(simulated(module_area_m2=area_m2).cycle.perpetual))
+        less_m2, more_m2 = (less_m2, area_m2) if closes else (area_m2, more_m2)
+    perf = simulated(module_area_m2=less_m2)
+    load_wh = 24.0 * float(np.ravel(perf.nominal_load_w)[0])
+    full_wh = float(np.ravel(perf.design.battery_energy_wh)[0])
+    assert missed_by(TASK, None, perf) == {
+        "energy_balance": pytest.approx(LACKING * load_wh / full_wh, rel=1e-6)
+    }
