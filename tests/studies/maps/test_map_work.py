@@ -315,9 +315,9 @@ def test_python_warns_of_failed_cells_and_raises_where_all_failed(monkeypatch):
 @pytest.mark.parametrize(
     ("grid", "note"),
     [
-        (["--latitudes", "40:60:7"], "--latitudes 40:60:7 ends at 54"),
+        (["--latitudes", "40:60:7"], "--latitudes 40:60:7 stops at 54"),
         (["--days", "1:365:91"], ""),
-        (["--days", "1:300:90"], "--days 1:300:90 ends at 271"),
+        (["--days", "1:300:90"], "--days 1:300:90 stops at 271"),
     ],
 )
 def test_a_grid_that_does_not_meet_its_end_says_so(run, grid, note):
@@ -325,5 +325,5 @@ def test_a_grid_that_does_not_meet_its_end_says_so(run, grid, note):
     answer = run("map", "atlantiksolar-as2", *small, *grid, "--json")
     assert answer.code == 0
     assert note in answer.err
-    assert bool(note) == ("ends at" in answer.err)
+    assert bool(note) == ("stops at" in answer.err)
     answer.json()
