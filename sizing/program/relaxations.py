@@ -128,7 +128,11 @@ class _Relaxations:
         """Relaxation that moves a variable no further than it must, as sizings confirm it."""
         mission = self.mission.in_wind(freed.present) if freed.name == WIND else self.mission
         task = SizingTask(
-            *(self.aircraft, mission, Objective.min_mass, self.solar, self.nearest.day),
+            self.aircraft,
+            mission,
+            Objective.min_mass,
+            self.solar,
+            self.nearest.day,
             self.required_h,
             bounds={freed.name: freed.ends},
             freed={freed.name: (freed.key, freed.scale)},
@@ -155,8 +159,10 @@ class _Relaxations:
         less = value + (-step if freed.upwards else step)
         if (less > present) is freed.upwards and reached_h(less) is not None:
             less = bisect(
-                *(present, less, lambda value: reached_h(value) is not None),
-                lambda end: _BISECTED * max(end, PERCENT * present),
+                present,
+                less,
+                suffices=lambda value: reached_h(value) is not None,
+                tolerance=lambda end: _BISECTED * max(end, PERCENT * present),
             )
             if reached_h(rounded(less, direction)) is not None:
                 value = rounded(less, direction)
@@ -169,7 +175,10 @@ class _Relaxations:
     ) -> float | None:
         """Worst excess time of a sizing of another aircraft or mission; None if not enough."""
         sizing = size_aircraft(
-            *(aircraft, mission, Objective.max_excess_time, self.solar),
+            aircraft,
+            mission,
+            Objective.max_excess_time,
+            self.solar,
             required_excess_time_h=0.0,
             start=start,
             explain=False,

@@ -148,7 +148,10 @@ def flown_along(
             height_m[short] = share * high
             solar_w[short], load_w[short] = few.powers_along(time_h, height_m[short])
     cycle = simulate_cycle(
-        *(time_h, solar_w, load_w, store),
+        time_h,
+        solar_w,
+        load_w,
+        store,
         nominal_load_w=levels.nominal_load_w,
         keep_trajectory=not of_others,
         climbs=True,
