@@ -8,7 +8,6 @@ tables in the order in which they are read.
 from __future__ import annotations
 
 import csv
-import html
 import io
 import math
 from collections.abc import Iterable, Sequence
@@ -167,6 +166,8 @@ class Table:
 
     def to_html(self) -> str:
         """Return the table as an HTML fragment."""
+        import html  # which a terminal does not need
+
         parts = ["<table>"]
         if self.title:
             parts.append(f"<caption>{html.escape(self.title)}</caption>")
@@ -248,6 +249,8 @@ class Summary:
 
     def to_html(self) -> str:
         """Return the summary as an HTML fragment."""
+        import html  # likewise
+
         parts = []
         for block in self.blocks:
             for part in block if isinstance(block, tuple) else (block,):

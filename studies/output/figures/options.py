@@ -13,7 +13,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -204,6 +203,8 @@ def style_settings(style: str) -> dict[str, Any]:
 
 
 def _shipped(name: str) -> str:
+    from importlib import resources  # which a page of help does not need
+
     place = resources.files("studies.output.figures") / "styles" / f"{name}.mplstyle"
     return place.read_text(encoding="utf-8")
 

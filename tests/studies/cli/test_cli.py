@@ -361,13 +361,13 @@ SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
 @pytest.mark.parametrize(
     ("arguments", "needed", "most"),
     [
-        (("--help",), "", 200),
-        (("list",), "", 250),
-        (("analyse", AS2), "numpy pydantic", 600),
-        (("size", DESIGN, "-m", "rafz-july"), "numpy pydantic casadi", 950),
-        (("map", AS2, *SMALL), "numpy pydantic rich", 650),
-        (("map", AS2, *SMALL, "--out", "{folder}/map.nc"), "numpy pydantic rich h5netcdf", 730),
-        (("sweep", DESIGN, "--vary", "wingspan_m=4,5"), "numpy pydantic rich xarray pandas", 1200),
+        (("--help",), "", 170),
+        (("list",), "", 220),
+        (("analyse", AS2), "numpy pydantic", 560),
+        (("size", DESIGN, "-m", "rafz-july"), "numpy pydantic casadi", 900),
+        (("map", AS2, *SMALL), "numpy pydantic rich", 610),
+        (("map", AS2, *SMALL, "--out", "{folder}/map.nc"), "numpy pydantic rich h5netcdf", 680),
+        (("sweep", DESIGN, "--vary", "wingspan_m=4,5"), "numpy pydantic rich xarray pandas", 1150),
     ],
     ids=lambda value: " ".join(value[:1]) if isinstance(value, tuple) else "",
 )
