@@ -143,12 +143,10 @@ CHORD, REYNOLDS_NUMBER, AIR_DENSITY, DRAG, LIFT_TO_DRAG = group(
 EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE, BEST_LAUNCH = group(
     "excess_time_h charge_margin_h minimum_state_of_charge endurance_h best_launch_h"
 )
-STATUS, SUNRISE, SUNSET, EQUAL_POWER_MORNING, EQUAL_POWER_EVENING, FULL_CHARGE = group(
-    "status sunrise_h sunset_h equal_power_morning_h equal_power_evening_h full_charge_h"
+SUNRISE, SUNSET, EQUAL_POWER_MORNING, EQUAL_POWER_EVENING, FULL_CHARGE = group(
+    "sunrise_h sunset_h equal_power_morning_h equal_power_evening_h full_charge_h"
 )
-LOAD, SOLAR_ENERGY, LOAD_ENERGY, CURTAILED_ENERGY, MAXIMUM_ALTITUDE = group(
-    "power_out_w solar_energy_wh load_energy_wh curtailed_energy_wh maximum_altitude_m"
-)
+LOAD, SOLAR_ENERGY, MAXIMUM_ALTITUDE = group("power_out_w solar_energy_wh maximum_altitude_m")
 # Where a negative excess time is shown.
 BELOW_ZERO = "An excess time below 0 is the time of the day without enough power."
 
@@ -179,24 +177,6 @@ MAP = group(
     "equal_power_evening_h full_charge_h solar_energy_wh load_energy_wh day_length_h"
 )
 CHOSEN = (WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA)
-# Where they are chosen.
-CHOSEN_PROPULSION = group(
-    "propeller_diameter_m propeller_pitch_m gear_ratio motor_speed_constant_rpm_per_v"
-)
 DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
-# Frame of the draws of uncertain inputs.
-DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)
-# Table of a sized design.
-SIZED_TABLE = (
-    *CHOSEN,
-    TOTAL_MASS,
-    AIRSPEED,
-    STALL_SPEED,
-    WING_LOADING,
-    TABLE["climb_rate_m_per_s"],
-    LOAD,
-)
-# Level flight of designs whose drag is modelled, as a report tells it.
-MODELLED_FLIGHT = (STALL_SPEED, TABLE["lift_coefficient"], LIFT_TO_DRAG, DRAG)
 # Energy of the design sheet.
 SHEET_ENERGY = (SOLAR_ENERGY, EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE)
