@@ -100,17 +100,17 @@ def _of_climb(
     highest_m = mission.ceiling_m
     there = mission.at_altitude(highest_m) if highest_m > mission.altitude_m else mission
     mass_kg = float(design.total_mass_kg)
-    aloft = parametric_design(aircraft, there, design.variables, mass_kg)
-    assert aloft.chain is not None
+    level = parametric_design(aircraft, there, design.variables, mass_kg)
+    assert level.chain is not None
     weight_n = mass_kg * GRAVITY_M_PER_S2
-    spare_w = (rated_w - float(aloft.propulsion_power_w)) * float(aloft.chain.efficiency)
+    excess_w = (rated_w - float(level.propulsion_power_w)) * float(level.chain.efficiency)
     at = f"at {highest_m:g} m"
     name, text = "climb_rate_at_highest_altitude_m_per_s", f"climb rate at rated power {at}"
-    yield _absolute(name, text, spare_w / weight_n, 0.0, "m/s")._replace(recommended=True)
+    yield _absolute(name, text, excess_w / weight_n, 0.0, "m/s")._replace(recommended=True)
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return
-    thrust_w = float(aloft.thrust_power_w)
-    speed, air = float(aloft.airspeed_m_per_s), aloft.conditions.air
+    thrust_w = float(level.thrust_power_w)
+    speed, air = float(level.airspeed_m_per_s), level.conditions.air
     chosen = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     empty_v, _ = bus_voltage_v(aircraft)
     most, thrusts = np.nan, _THRUSTS[::_COARSE]

@@ -105,7 +105,7 @@ class ChunkStore:
         """Keep a part."""
         buffer, scratch = io.BytesIO(), self._scratch(key)
         # The stub takes every keyword for the flag that may stand among them.
-        np.savez(buffer, **part)  # type: ignore[arg-type]
+        np.savez(buffer, **part)  # type: ignore[arg-type]  # the stubs take an array for a flag
         body = buffer.getvalue()
         try:
             scratch.write_bytes(_head(key, body) + b"\n" + body)
