@@ -204,14 +204,21 @@ class Design(NamedTuple):
         return self.variables.wingspan_m**2 / self.variables.aspect_ratio
 
     def mapped(self, function: Callable[[Value], Value]) -> Design:
-        """Apply a function to all that level flight depends on; the budget of masses stays."""
+        """Apply a function to all that a flight depends on; the budget of masses stays."""
+        speed, chain = self.airspeed_m_per_s, self.chain
         return self._replace(
             variables=self.variables.mapped(function),
             total_mass_kg=function(self.total_mass_kg),
+            battery_energy_wh=function(self.battery_energy_wh),
             propulsion_power_w=function(self.propulsion_power_w),
-            airspeed_m_per_s=function(self.airspeed_m_per_s),
-            chain=None if self.chain is None else self.chain.mapped(function),
+            constant_power_w=function(self.constant_power_w),
+            airspeed_m_per_s=None if speed is None else function(speed),
+            chain=None if chain is None else chain.mapped(function),
         )
+
+    def over_scenarios(self) -> Design:
+        """Return a batch with an axis for scenarios behind its own; numbers stay."""
+        return self.mapped(lambda value: value[..., np.newaxis] if np.ndim(value) else value)
 
     @property
     def thrust_power_w(self) -> Value:

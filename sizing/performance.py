@@ -22,7 +22,7 @@ from sizing.day.launch import Endurance, longest_flight
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.day.load import Load
 from sizing.day.march import ChargingDay
-from sizing.day.metrics import Course, Cycle, joined
+from sizing.day.metrics import Course, Cycle
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
 from solar.types import BoolArray, FloatArray, IntArray
@@ -128,7 +128,7 @@ class Performance:
             load_w=self.load_w[designs],
             nominal_load_w=self.nominal_load_w[designs],
             store=replace(self.store, battery_energy_wh=energy_wh[designs]),
-            cycle=joined([self.cycle], lambda parts: parts[0][designs]),
+            cycle=self.cycle.mapped(lambda values: values[designs]),
             altitude_m=None if self.altitude_m is None else self.altitude_m[designs],
         )
 
@@ -286,17 +286,17 @@ def fly(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design of a batch in every scenario, or ``paired``: each in its own."""
-    solar_w = day.module_power_w(design, mission, paired=paired)
-    energy_wh = np.asarray(design.battery_energy_wh)
-    store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
+    flights = design if paired else design.over_scenarios()
+    solar_w = day.module_power_w(flights, mission)
+    store = Store.of(aircraft.battery, flights.battery_energy_wh)
     if mission.climb is not None:
         from sizing.program.schedule import best_climbs  # likewise
 
-        levels = flight_levels(aircraft, mission, design, day, paired=paired)
+        levels = flight_levels(aircraft, mission, flights, day)
         batch = solar_w.shape[:-1]
         climbs = best_climbs(day.time_h, levels, store.flat(batch))
         return performance_along(design, mission, solar, day, store, levels, climbs, batch)
-    load = Load.of(aircraft, mission, design, day.scenarios, paired=paired)
+    load = Load.of(aircraft, mission, flights, day.scenarios)
     load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
     nominal_w = load.without_thermals(mission)
     cycle = simulate_cycle(

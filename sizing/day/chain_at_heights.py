@@ -44,10 +44,7 @@ class ConstantChain:
         power_w = np.asarray(flights.propulsion_power_w)
         level_w = power_w.reshape(len(power_w), -1)
         level_w = np.where(np.isfinite(level_w).all(axis=0), level_w, NO_FLIGHT_W)
-        shape = power_w.shape[1:]
-        behind = (1,) * (len(shape) - np.ndim(efficiency) if np.ndim(efficiency) else 0)
-        share = np.broadcast_to(np.reshape(efficiency, np.shape(efficiency) + behind), shape)
-        return cls(level_w, level_w * share.ravel())
+        return cls(level_w, level_w * np.broadcast_to(efficiency, power_w.shape[1:]).ravel())
 
     def power_w(self, level: IntArray, design: IntArray, load: FloatArray) -> FloatArray:
         """Return the electric power at thrust ratios to level flight [W]; all broadcast."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,30 +66,22 @@ def simulate_cycle(
         launch_h, land_h = (np.broadcast_to(hour, batch) for hour in window_h)
         return _flights(cells, (launch_h, land_h), keep_trajectory).reshaped(batch)
     # In blocks; elements that do not settle at once come last, together.
-    parts, unsettled, highest_wh = [], [], []
+    parts, late, highest_wh = [], [], []
     for part in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
         block = cells.select(part)
-        first = first_repetition(ChargingDay.of(block.balance), block.store)
-        parts.append(measured(block, first.run, keep_trajectory, climbs))
-        unsettled.append(part.start + first.unsettled)
-        highest_wh.append(first.highest_wh)
-    places, highest = np.concatenate(unsettled), np.concatenate(highest_wh)
-    late_places = []
-    for part in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
-        block = cells.select(places[part])
-        day = ChargingDay.of(block.balance)
-        run = day.run(block.store, repeated_wh(day, block.store, highest[part]))
+        run, unsettled = first_repetition(ChargingDay.of(block.balance), block.store)
         parts.append(measured(block, run, keep_trajectory, climbs))
-        late_places.append(places[part])
-    at_once = len(parts) - len(late_places)
-
-    def put_together(values: list[FloatArray]) -> FloatArray:
-        every = np.concatenate(values[:at_once])
-        for place, late in zip(late_places, values[at_once:], strict=True):
-            every[place] = late
-        return every.reshape(batch + every.shape[1:])
-
-    return joined(parts, put_together)
+        late.append(part.start + unsettled)
+        highest_wh.append(np.maximum(run.start_wh, run.end_wh)[unsettled])
+    if not len(places := np.concatenate(late)):
+        return joined(parts).reshaped(batch)
+    block = cells.select(places)
+    day = ChargingDay.of(block.balance)
+    run = day.run(block.store, repeated_wh(day, block.store, np.concatenate(highest_wh)))
+    parts.append(measured(block, run, keep_trajectory, climbs))
+    index = np.arange(len(cells.nominal_w))
+    index[places] = len(index) + np.arange(len(places))
+    return joined(parts).mapped(lambda values: values[index]).reshaped(batch)
 
 
 def _flights(cells: Cells, window_h: tuple[FloatArray, FloatArray], keep_trajectory: bool) -> Cycle:
@@ -110,20 +101,8 @@ def _flights(cells: Cells, window_h: tuple[FloatArray, FloatArray], keep_traject
     return joined(parts)
 
 
-class Repetition(NamedTuple):
-    """Run of a day, and the elements that do not end it with the energy they started with."""
-
-    run: DayRun
-    unsettled: IntArray
-
-    @property
-    def highest_wh(self) -> FloatArray:
-        """Return the energy above which no unsettled element repeats its day [Wh]."""
-        return np.maximum(self.run.start_wh, self.run.end_wh)[self.unsettled]
-
-
-def first_repetition(day: ChargingDay, store: Store) -> Repetition:
-    """Return the run of a day that, in nearly all cases, ends with the energy it started with.
+def first_repetition(day: ChargingDay, store: Store) -> tuple[DayRun, IntArray]:
+    """Return the run of a day that nearly always ends as it began, and the elements that do not.
 
     The energy after a cycle never falls, and rises by at most as much, when that before it rises
     (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
@@ -150,7 +129,7 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
     # Empty before the first surplus from here and from there, and from then on the same.
     alike = at_first_surplus >= (eta * np.maximum(run.start_wh, end))[moved]
     run.restart(moved[alike], end[moved[alike]])
-    return Repetition(run, moved[~alike])
+    return run, moved[~alike]
 
 
 def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:

@@ -187,24 +187,20 @@ def checked_climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
 
 
 def flight_levels(
-    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
+    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay
 ) -> FlightLevels:
     """Return power and sunlight between a mission's altitude and its ceiling, of known masses.
 
-    ``design``: one, or a batch; ``day``: with the light at altitude. ``paired``: every design flies
-    in its own scenario, else in every one. Elements are in the order of designs, then scenarios.
+    ``design``: one, or a batch whose last axis broadcasts with the scenarios; elements are in this
+    order. ``day``: with the light at altitude.
     """
     assert mission.climb is not None
     altitudes = np.array(mission.climb_levels_m)
     scenarios, batch = np.arange(len(day.scenarios)), np.shape(design.total_mass_kg)
-    shape = batch if paired else (*batch, len(scenarios))
+    shape = np.broadcast_shapes(batch, scenarios.shape)
 
     def each(value: object) -> FloatArray:
-        """Return the value of every element, from those of the designs or of the elements."""
-        array = np.asarray(value, float)
-        if not paired and array.ndim < len(shape):
-            array = np.broadcast_to(array, batch)[..., np.newaxis]
-        return np.broadcast_to(array, shape).ravel()
+        return np.broadcast_to(np.asarray(value, float), shape).ravel()
 
     def each_level(values: Any) -> FloatArray:
         return np.stack([each(value) for value in values])
@@ -215,7 +211,7 @@ def flight_levels(
     flights, held, air = level, np.ones((len(altitudes), *shape), bool), own_air
     if mission.holds_station:
         air = FlightConditions.of_levels(missions, aircraft, len(shape))
-        flights, held = _against_winds(aircraft, missions, air, level, design, day, paired=paired)
+        flights, held = _against_winds(aircraft, missions, air, level, design, day)
     power_w, held = each_level(flights.propulsion_power_w), each_level(held) > 0.0
     weight_n = each(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2)
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(weight_n) & held[0]
@@ -274,23 +270,16 @@ def _against_winds(
     level: Design,
     design: Design,
     day: SolarDay,
-    *,
-    paired: bool,
 ) -> tuple[Design, BoolArray]:
     """Return flights as fast as the winds of all levels, and whether they can, by scenarios.
 
     ``level``: at the levels in calm air; ``design``: its rated power.
     """
-
-    def spread(value: Any) -> Any:
-        return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
-
     winds = np.stack([there.scenario_winds_m_per_s(day.scenarios) for there in missions])
-    axes = np.ndim(design.total_mass_kg) - paired
-    winds = winds.reshape(len(winds), *(1,) * axes, -1)
-    flights, held = against_wind(
-        aircraft, air, level.mapped(spread), winds, spread(design.rated_power_w)
-    )
+    axes = np.ndim(design.total_mass_kg)
+    winds = winds.reshape(len(winds), *(1,) * (axes - 1), -1)
+    calm = level if axes else level.over_scenarios()
+    flights, held = against_wind(aircraft, air, calm, winds, design.rated_power_w)
     # A floor that is not held is no flight, of which a chain of parts knows by its power.
     power_w = np.array(flights.propulsion_power_w)
     power_w[0] = np.where(held[0], power_w[0], np.inf)

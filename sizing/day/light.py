@@ -149,34 +149,20 @@ class SolarDay:
             sunset_h=np.asarray(self.sunset_h)[rows],
         )
 
-    def module_power_w(
-        self, design: Design, mission: Mission, *, paired: bool = False
-    ) -> FloatArray:
-        """Return the power of designs' modules, which the flow of each of them cools.
+    def module_power_w(self, design: Design, mission: Mission) -> FloatArray:
+        """Return the power of designs' modules, which the flow of each of them cools [W].
 
-        Parameters
-        ----------
-        design : Design
-            One, or a batch.
-        mission : Mission
-            With the air.
-        paired : bool
-            Whether every design is simulated in its scenario, else in all of them.
-
-        Returns
-        -------
-        ndarray
-            With the scenarios and the time as last axes [W].
+        The last axis of designs is that of the scenarios, with which they broadcast; the time is
+        behind it.
         """
-        axes = (..., np.newaxis) if paired else (..., np.newaxis, np.newaxis)
         power = self.specific_power_w_per_m2
         if self.cooling is not None:
             floor = self.cooling.mapped(lambda values: values[0])
             flow = convection_of(
                 design, mission.air_state(), floor.transition_reynolds, floor.convection[0]
             )
-            power = power * floor.factor(flow[axes])
-        return np.asarray(np.asarray(design.variables.module_area_m2)[axes] * power)
+            power = power * floor.factor(flow[..., np.newaxis])
+        return np.asarray(np.asarray(design.variables.module_area_m2)[..., np.newaxis] * power)
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:

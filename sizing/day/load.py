@@ -133,31 +133,22 @@ class Load(NamedTuple):
         mission: Mission,
         design: Design,
         scenarios: Scenarios | None = None,
-        *,
-        paired: bool = False,
         part_load: AnyPartLoad | None = None,
     ) -> Load:
-        """Return the load of every design in every scenario, or ``paired``: of each in its own.
+        """Return the load of designs, whose last axis broadcasts with the scenarios.
 
         ``scenarios``: with the winds of a place that is held; flight as fast as they are has the
         efficiency of that airspeed. ``part_load``: where it is known already; it plays no part
         where the place is held.
         """
-
-        def over_scenarios(value: ArrayLike) -> FloatArray:
-            return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
-
-        constant_w = over_scenarios(design.constant_power_w)
         if mission.holds_station:
             winds = mission.scenario_winds_m_per_s(scenarios)
-            design = held_flight(aircraft, mission, design.mapped(over_scenarios), winds)
-            level_w = np.asarray(design.propulsion_power_w)
-            part = part_load_of(aircraft, mission, design).spread(1)
-        else:
-            level_w = over_scenarios(design.propulsion_power_w)
-            part = (part_load or part_load_of(aircraft, mission, design)).spread(2 - paired)
+            design, part_load = held_flight(aircraft, mission, design, winds), None
+        part = (part_load or part_load_of(aircraft, mission, design)).spread(1)
         # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
+        level_w = np.asarray(design.propulsion_power_w)
         level_w = np.where(np.isfinite(level_w), level_w, NO_FLIGHT_W)
+        constant_w = np.asarray(design.constant_power_w)
         return cls(level_w[..., np.newaxis], constant_w[..., np.newaxis], part)
 
     def at(self, thrust_ratio: FloatArray) -> FloatArray:
@@ -167,7 +158,7 @@ class Load(NamedTuple):
     def without_thermals(self, mission: Mission) -> FloatArray:
         """Return the load in the turbulence of all hours [W], ``(..., scenario)``."""
         calm = 1.0 + np.asarray(mission.turbulence.all_day, float)
-        return np.asarray(self.at(calm[..., np.newaxis])[..., 0])
+        return np.atleast_1d(self.at(calm[..., np.newaxis])[..., 0])
 
     def along(
         self, mission: Mission, time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike

@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,30 +53,6 @@ def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray)
         soc = np.minimum(before_charge_wh / store.battery_energy_wh, 1.0)
         hours = np.maximum(hours, store.clock.hours_to_full(soc))
     return np.minimum(begin + hours, end)
-
-
-class Charging(NamedTuple):
-    """Batteries over the surplus of one interval [Wh].
-
-    ``drained_wh`` is the energy before charging, below zero where the battery ran empty on the
-    way; ``settled_deficit_wh`` is the deficit since midnight that has been taken from the battery.
-    """
-
-    drained_wh: FloatArray
-    after_charge_wh: FloatArray
-    settled_deficit_wh: FloatArray
-
-
-class DayOfFlight(NamedTuple):
-    """Batteries after a day on which they may run empty.
-
-    ``empty_at_wh``: deficit since midnight at which each is empty for the first time [Wh], NaN
-    where it is not. ``midnight_wh``, ``lowest_wh``: at the end of the day, and the least [Wh].
-    """
-
-    empty_at_wh: FloatArray
-    midnight_wh: FloatArray
-    lowest_wh: FloatArray
 
 
 @dataclass(frozen=True)
@@ -143,11 +118,13 @@ class ChargingDay:
 
     def charge(
         self, store: Store, energy_wh: FloatArray, settled_deficit_wh: ArrayLike = 0.0
-    ) -> Iterator[Charging]:
+    ) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
         """March from midnight over the surpluses of the day.
 
         ``energy_wh``: stored at midnight [Wh]. ``settled_deficit_wh``: deficit since midnight that
-        this energy has already met [Wh]. Yields one per interval of :attr:`hours`.
+        this energy has already met [Wh]. Yields for every interval of :attr:`hours` the energy
+        before charging, below zero where the battery ran empty on the way, that after it, and the
+        deficit since midnight that has been taken from the battery [Wh].
         """
         eta = store.discharge_efficiency
         settled = np.asarray(settled_deficit_wh, float)
@@ -160,7 +137,7 @@ class ChargingDay:
                 before = np.maximum(drained, 0.0)
                 settled = np.maximum(settled, deficit)
             energy_wh = store.charged(before, surplus, hours)
-            yield Charging(drained, energy_wh, settled)
+            yield drained, energy_wh, settled
 
     def midnight_wh(
         self, store: Store, energy_wh: FloatArray, settled_deficit_wh: ArrayLike
@@ -177,7 +154,7 @@ class ChargingDay:
         """Return the energy at the end of the day [Wh], zero where the battery is empty by then."""
         settled: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
-            energy_wh, settled = step.after_charge_wh, step.settled_deficit_wh
+            _, energy_wh, settled = step
         return np.maximum(self.midnight_wh(store, energy_wh, settled), 0.0)
 
     def run(self, store: Store, energy_wh: FloatArray) -> DayRun:
@@ -189,8 +166,12 @@ class ChargingDay:
 
     def flight(
         self, store: Store, energy_wh: FloatArray, settled_deficit_wh: FloatArray
-    ) -> DayOfFlight:
-        """March, and note where a flight ends; arguments are those of :meth:`charge`."""
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """March batteries that may run empty; arguments are those of :meth:`charge`.
+
+        Returns the deficit since midnight at which each is empty for the first time, NaN where it
+        is not, and the energy at the end of the day and at the least [Wh].
+        """
         eta, least = store.discharge_efficiency, -SHORT * store.battery_energy_wh
         energy, settled, lowest = energy_wh, settled_deficit_wh, energy_wh
         level = np.full(energy.shape, np.nan)
@@ -202,13 +183,13 @@ class ChargingDay:
 
         charges = (self.nightfall_deficit_wh >= settled).any()  # a surplus after the launch
         for step in self.charge(store, energy, settled) if charges else ():
-            energy, settled = step.after_charge_wh, step.settled_deficit_wh
-            lowest = np.minimum(lowest, step.drained_wh)
-            note_ends(step.drained_wh, settled)
+            drained, energy, settled = step
+            lowest = np.minimum(lowest, drained)
+            note_ends(drained, settled)
         midnight = self.midnight_wh(store, energy, settled)
         note_ends(midnight, self.cumulative_deficit_wh[-1])
         lowest = np.maximum(np.minimum(lowest, midnight), 0.0)
-        return DayOfFlight(level, np.maximum(midnight, 0.0), lowest)
+        return level, np.maximum(midnight, 0.0), lowest
 
     def hour_of_deficit(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Return when the deficit since midnight reaches levels, each of one element [h]."""

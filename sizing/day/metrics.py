@@ -107,9 +107,13 @@ class Cycle:
         """Mark the cycles of perpetual flight."""
         return np.isin(self.status, (Status.perpetual, Status.always_lit))
 
+    def mapped(self, function: Callable[[Any], Any]) -> Cycle:
+        """Return the cycle with a function of its arrays, but for the time."""
+        return joined([self], lambda parts: function(parts[0]))
+
     def reshaped(self, batch: tuple[int, ...]) -> Cycle:
         """Return the cycle of a one-dimensional batch in another shape."""
-        return joined([self], lambda parts: parts[0].reshape(batch + parts[0].shape[1:]))
+        return self.mapped(lambda values: values.reshape(batch + values.shape[1:]))
 
 
 class Course(NamedTuple):

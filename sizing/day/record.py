@@ -20,7 +20,7 @@ import numpy as np
 
 from missions.mission import Mission
 from missions.weather.days import DayAxis
-from missions.weather.light import NODE_STEP_S, RecordedLight
+from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, crossing_fraction, running_sum
@@ -28,7 +28,7 @@ from sizing.day.battery import Store
 from sizing.day.flight import Flights
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.march import ChargingDay, DayRun
-from sizing.day.record_conditions import WeatherDays, temperatures_c
+from sizing.day.record_conditions import WeatherDays
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from solar.clearsky import Irradiance
@@ -73,25 +73,12 @@ class WeatherRun:
 
 @dataclass(frozen=True)
 class WeatherPerformance:
-    """An aircraft in a weather record, and under a clear sky in the same air.
+    """An aircraft in the light of a weather record, and under a clear sky in the same air."""
 
-    ``mission``: at the record's site and flight altitude. ``recorded``, ``clear``: in the record's
-    light, and under the clear sky.
-    """
-
-    weather: Weather
-    mission: Mission
+    days: WeatherDays
     design: Design
-    solar: SolarModel
-    light: RecordedLight
     recorded: WeatherRun
     clear: WeatherRun
-
-    @property
-    def air_of_days_c(self) -> FloatArray:
-        """Return the mean temperature of the air of each day [C]."""
-        ambient, _ = temperatures_c(self.mission, self.light)
-        return np.asarray(np.mean(ambient[self.recorded.axis.nodes], axis=1))
 
 
 def weather_performance(
@@ -113,7 +100,7 @@ def weather_performance(
     recorded, clear = (
         weather_run(days, design, load_w, sky) for sky in (days.light.recorded, days.light.clear)
     )
-    return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
+    return WeatherPerformance(days, design, recorded, clear)
 
 
 def weather_run(
@@ -144,11 +131,7 @@ def weather_run(
 
 
 class Dawns(NamedTuple):
-    """Instants of the least charge of each night, where a day begins; arrays of the days.
-
-    ``hour``: hours after the start of the day [h]. ``deficit_wh``: cumulative deficit from the
-    start of the day until then [Wh].
-    """
+    """Where days begin: hours, and the cumulative deficit, from the start of the day [h, Wh]."""
 
     hour: FloatArray
     deficit_wh: FloatArray

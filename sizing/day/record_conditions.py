@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from sizing.day.light import UNCORRECTED_CAM, SolarModel, power_at_instants
 from sizing.day.load import load_shape, power_in_air_w
 from sizing.day.module_power import clear_daylight
 from sizing.design import Design
+from sizing.smooth import Value
 from solar.clearsky import Irradiance
 from solar.sun import declination, sun_times
 from solar.types import FloatArray
@@ -29,11 +32,7 @@ class WeatherDays:
 
     ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
     site; solar power model. ``weather``, ``light``: record, and the light along it at the mission's
-    altitude. ``ambient_c``, ``module_c``: temperature of the air, the record's if it has one, and
-    of the modules along the record [C]. ``wind_m_per_s``: of each day as the airspeed of the same
-    lift coefficient in the mission's air [m/s]; None unless the mission holds its place.
-    ``more_heater_w``: heater of the battery beyond that of the mission's air [W], ``(day, 1)``.
-    ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
+    altitude.
     """
 
     aircraft: Aircraft
@@ -42,11 +41,6 @@ class WeatherDays:
     solar: SolarModel
     light: RecordedLight
     axis: DayAxis
-    ambient_c: FloatArray
-    module_c: FloatArray
-    wind_m_per_s: FloatArray | None
-    more_heater_w: FloatArray
-    capacity_ratio: FloatArray
 
     @classmethod
     def of(
@@ -59,63 +53,81 @@ class WeatherDays:
         step_s: float = NODE_STEP_S,
     ) -> WeatherDays:
         """Cut a record into days for an aircraft on a mission at its site."""
-        altitude_m, battery = mission.altitude_m, aircraft.battery
-        light = light_at_altitude(weather, altitude_m, step_s=step_s)
+        light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
         try:
             axis = DayAxis.of(light)
         except ValueError as error:
             raise file_error(weather.source, str(error)) from error
-        ambient_c, module_c = temperatures_c(mission, light)
-        mean_c = np.mean(ambient_c[axis.nodes], axis=1)
-        assumed_c = mission.air_state().temperature_c
-        more_w = battery.heater_w(mean_c, altitude_m) - battery.heater_w(assumed_c, altitude_m)
-        capacity = battery.capacity_fraction(mean_c, altitude_m)
-        return cls(
-            aircraft=aircraft,
-            mission=mission,
-            weather=weather,
-            solar=solar,
-            light=light,
-            axis=axis,
-            ambient_c=ambient_c,
-            module_c=module_c,
-            wind_m_per_s=_wind_m_per_s(mission, axis, mean_c) if mission.holds_station else None,
-            more_heater_w=(more_w + np.zeros(len(axis)))[:, np.newaxis],
-            capacity_ratio=np.asarray(
-                capacity / battery.capacity_fraction(assumed_c, altitude_m) * np.ones(len(axis))
-            ),
-        )
+        return cls(aircraft, mission, weather, solar, light, axis)
+
+    @cached_property
+    def ambient_c(self) -> FloatArray:
+        """Return the temperature of the air along the record, its own if it has one [C]."""
+        known_c, assumed_c = self.light.temperature_c, float(self.mission.air_state().temperature_c)
+        return np.full(self.light.time_s.shape, assumed_c) if known_c is None else known_c
+
+    @cached_property
+    def mean_air_c(self) -> FloatArray:
+        """Return the mean temperature of the air of each day [C]."""
+        return np.asarray(np.mean(self.ambient_c[self.axis.nodes], axis=1))
+
+    @property
+    def wind_m_per_s(self) -> FloatArray | None:
+        """Return the wind of each day's month as an airspeed in the mission's air [m/s].
+
+        None unless the mission holds its place. With the wind ``v`` in air of the density ``rho``
+        the lift coefficient is that at ``v (rho / rho_0)^0.5`` in the mission's, and the power that
+        at this airspeed times ``(rho_0 / rho)^0.5``, which
+        :func:`~sizing.day.load.power_in_air_w` has.
+        """
+        mission, axis = self.mission, self.axis
+        if not mission.holds_station:
+            return None
+        latitude_deg = np.full(len(axis), mission.latitudes()[0])
+        wind = mission.scenario_winds_m_per_s(Scenarios(latitude_deg, axis.day_of_year))
+        assumed_k = float(mission.air_state().temperature_k)
+        return np.asarray(wind / np.sqrt((self.mean_air_c + ZERO_CELSIUS_K) / assumed_k))
 
     def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
-        """Return the solar power per module area under a sky along the record, ``(day, node)``."""
+        """Return the solar power per module area under a sky along the record, ``(day, node)``.
+
+        Modules are as much warmer than the air as on the mission.
+        """
         mission, days, hours = self.mission, self.light.day_of_year, self.light.time_solar_h
         light = clear_daylight(mission, mission.latitudes()[0], days, hours)
-        light, air = light._replace(irradiance=sky), (self.ambient_c, self.module_c)
+        light, warmer_k = light._replace(irradiance=sky), mission.module_temperature_c()
+        warmer_k -= float(mission.air_state().temperature_c)
+        air = self.ambient_c, self.ambient_c + warmer_k
         power = power_at_instants(self.aircraft, mission, self.solar, light, *air)
         return np.asarray(power[self.axis.nodes])
 
     def load_w(self, design: Design) -> FloatArray:
         """Return the load of a design along the record, with the efficiency of the moment [W]."""
-        range_c = float(np.min(self.ambient_c)), float(np.max(self.ambient_c))
-        air_c, wind = self.ambient_c[self.axis.nodes], self.wind_m_per_s
-        shape = load_of_days(self.mission, self.axis)
-        load_w = power_in_air_w(self.aircraft, self.mission, design, shape, air_c, range_c, wind)
-        return load_w + (float(design.constant_power_w) + self.more_heater_w)
+        mission, air_c, every_day = self.mission, self.ambient_c, np.zeros((len(self.axis), 1))
+        air = air_c[self.axis.nodes], (float(np.min(air_c)), float(np.max(air_c)))
+        shape, wind = load_of_days(mission, self.axis), self.wind_m_per_s
+        load_w = power_in_air_w(self.aircraft, mission, design, shape, *air, wind)
+        # The mission's air has a heater of its own.
+        heater_w, there_w = self._of_battery(self.aircraft.battery.heater_w)
+        more_w = (heater_w - there_w).reshape(-1, 1) + every_day
+        return load_w + (float(design.constant_power_w) + more_w)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Return the battery of each day, from its full energy in the mission's air [Wh]."""
-        return Store.of(self.aircraft.battery, battery_energy_wh * self.capacity_ratio)
+        capacity, there = self._of_battery(self.aircraft.battery.capacity_fraction)
+        ratio = np.asarray(capacity / there * np.ones(len(self.axis)))
+        return Store.of(self.aircraft.battery, battery_energy_wh * ratio)
 
-
-def temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray, FloatArray]:
-    """Return the temperature of the air, the record's if it has one, and of the modules [C].
-
-    Modules are as much warmer as on the mission.
-    """
-    assumed_c, ambient_c = float(mission.air_state().temperature_c), light.temperature_c
-    if ambient_c is None:
-        ambient_c = np.full(light.time_s.shape, assumed_c)
-    return ambient_c, ambient_c + (mission.module_temperature_c() - assumed_c)
+    def _of_battery(
+        self, quantity: Callable[[Value, float], Value]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return a quantity of the battery in the air of each day, and in that of the mission."""
+        assumed_c = self.mission.air_state().temperature_c
+        days, there = (
+            np.asarray(quantity(air_c, self.mission.altitude_m))
+            for air_c in (self.mean_air_c, assumed_c)
+        )
+        return days, there
 
 
 def load_of_days(mission: Mission, axis: DayAxis) -> FloatArray:
@@ -124,16 +136,3 @@ def load_of_days(mission: Mission, axis: DayAxis) -> FloatArray:
     clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
     shape = load_shape(mission, clock_h, times.sunrise_h, times.sunset_h)
     return np.broadcast_to(shape, clock_h.shape)
-
-
-def _wind_m_per_s(mission: Mission, axis: DayAxis, mean_air_c: FloatArray) -> FloatArray:
-    """Return the wind of each day's month as an airspeed in the mission's air [m/s].
-
-    With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
-    ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
-    ``(rho_0 / rho)^0.5``, which :func:`~sizing.day.load.power_in_air_w` has.
-    """
-    latitude_deg = np.full(len(axis), mission.latitudes()[0])
-    wind = mission.scenario_winds_m_per_s(Scenarios(latitude_deg, axis.day_of_year))
-    assumed_k = float(mission.air_state().temperature_k)
-    return np.asarray(wind / np.sqrt((mean_air_c + ZERO_CELSIUS_K) / assumed_k))

@@ -105,7 +105,7 @@ def calendar_run(
     times = sun_times(latitude, declination(day))
     store = Store.of(aircraft.battery, [design.battery_energy_wh])
     times_h = (solar_clock % 24.0)[:, np.newaxis], times.sunrise_h, times.sunset_h
-    load = Load.of(aircraft, mission, design, paired=True).along(mission, *times_h)[:, 0]
+    load = Load.of(aircraft, mission, design).along(mission, *times_h)[:, 0]
     balance = PowerBalance.of(clock, (power - load)[:, np.newaxis])
     stored, full, empty = _charge_until_empty(ChargingDay.of(balance), store, launch)
     nodes = slice(len(stored))

@@ -47,13 +47,13 @@ def simulate(
         aircraft, variables = task.simulated_aircraft, task.stacked(designs)
         return performance_of_designs(aircraft, task.mission, variables, task.solar, day=task.day)
     design = closed_design(task.simulated_aircraft, task.mission, task.stacked(designs))
-    levels = flight_levels(task.simulated_aircraft, task.mission, design, task.day)
+    every = design.over_scenarios()
+    levels = flight_levels(task.simulated_aircraft, task.mission, every, task.day)
     time_h, shape = task.day.time_h, (len(designs), task.count)
     height_m = np.zeros((task.count, len(time_h)))
     for number, profile in profiles.items():
         height_m[number] = profile.at(time_h) * task.climb_height_m
-    energy_wh = np.asarray(design.battery_energy_wh)[:, np.newaxis]
-    store = Store.of(task.aircraft.battery, energy_wh)
+    store = Store.of(task.aircraft.battery, every.battery_energy_wh)
     climbs = flown_along(time_h, levels, store.flat(shape), np.tile(height_m, (len(designs), 1)))
     return performance_along(
         design, task.mission, task.solar, task.day, store, levels, climbs, shape

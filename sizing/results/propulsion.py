@@ -175,7 +175,7 @@ def varying_efficiency(aircraft: Aircraft, performance: Performance) -> VaryingE
         return None
     design, mission, at = performance.design, performance.mission, performance.worst_scenario()
     day = performance.day.at([at])
-    constant = Load.of(aircraft, mission, design, day.scenarios, part_load=PROPORTIONAL)
+    constant = Load.of(aircraft, mission, design, day.scenarios, PROPORTIONAL)
     level = simulate_cycle(
         day.time_h,
         performance.solar_power_w[[at]],

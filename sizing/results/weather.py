@@ -76,12 +76,12 @@ class WeatherAnalysis(Result):
     @property
     def weather(self) -> Weather:
         """Record that is flown through."""
-        return self.performance.weather
+        return self.performance.days.weather
 
     @property
     def mission(self) -> Mission:
         """Mission at the record's site."""
-        return self.performance.mission
+        return self.performance.days.mission
 
     @cached_property
     def years(self) -> tuple[YearInWeather, ...]:
@@ -119,10 +119,10 @@ class WeatherAnalysis(Result):
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What the flight takes from outside the range of a model, each quantity once."""
         done, axis = self.performance, self.performance.recorded.axis
-        aircraft, mission, design = self.aircraft, done.mission, done.design
+        aircraft, mission, design = self.aircraft, done.days.mission, done.design
         always = [
             check
-            for check in design_checks(aircraft, mission, design, done.solar)
+            for check in design_checks(aircraft, mission, design, done.days.solar)
             if check.range.quantity not in _OF_DAYS
         ]
         peak_w = np.max(done.recorded.solar_power_w, axis=1)
@@ -131,11 +131,11 @@ class WeatherAnalysis(Result):
             *(
                 check
                 for check in battery_checks(
-                    aircraft.battery, done.air_of_days_c, mission.altitude_m
+                    aircraft.battery, done.days.mean_air_c, mission.altitude_m
                 )
                 if check.range.quantity in _OF_DAYS
             ),
-            *correction_check(days, done.solar, mission),
+            *correction_check(days, done.days.solar, mission),
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
         always.append(record_check(mission, self.weather.site.altitude_m))
@@ -165,11 +165,11 @@ class WeatherAnalysis(Result):
     def _worth_of_warm_modules(self) -> str:
         """Return the energy of modules as cold as the air beside that of the record, in words."""
         done = self.performance
-        air = done.mission.air.model_copy(
-            update={"module_temperature_c": float(done.mission.air_state().temperature_c)}
+        air = done.days.mission.air.model_copy(
+            update={"module_temperature_c": float(done.days.mission.air_state().temperature_c)}
         )
-        cold = done.mission.model_copy(update={"air": air})
-        colder = weather_performance(self.aircraft, cold, self.weather, done.solar)
+        cold = done.days.mission.model_copy(update={"air": air})
+        colder = weather_performance(self.aircraft, cold, self.weather, done.days.solar)
         cold_w, warm_w = (
             float(np.sum(performance.recorded.solar_power_w)) for performance in (colder, done)
         )
@@ -181,7 +181,7 @@ class WeatherAnalysis(Result):
         done = self.performance
         battery = self.aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
         cold = self.aircraft.model_copy(update={"battery": battery})
-        colder = weather_performance(cold, done.mission, self.weather, done.solar)
+        colder = weather_performance(cold, done.days.mission, self.weather, done.days.solar)
         closes, before = (int(performance.recorded.closes.sum()) for performance in (colder, done))
         return f"unheated {closes} instead of {before} days close"
 
@@ -219,11 +219,13 @@ class WeatherAnalysis(Result):
     def battery_condition(self) -> BatteryCondition | None:
         """Battery in the mean air of the days; None where nothing there changes it."""
         done = self.performance
-        return battery_condition_of_days(self.aircraft, done.air_of_days_c, done.mission.altitude_m)
+        return battery_condition_of_days(
+            self.aircraft, done.days.mean_air_c, done.days.mission.altitude_m
+        )
 
     def share_of_clear_light(self) -> float:
         """Return the light of the record over that of the clear sky, at flight altitude [-]."""
-        light = self.performance.light
+        light = self.performance.days.light
         up = np.maximum(light.cos_zenith, 0.0)
         recorded, clear = (
             float(np.sum(part.dni * up + part.dhi)) for part in (light.recorded, light.clear)
@@ -233,7 +235,7 @@ class WeatherAnalysis(Result):
     def wind_above_airspeed_share(self) -> float | None:
         """Return the share of the time in which the wind exceeds the airspeed [-]."""
         wind, airspeed = (
-            self.performance.light.wind_m_per_s,
+            self.performance.days.light.wind_m_per_s,
             self.performance.design.airspeed_m_per_s,
         )
         if wind is None or airspeed is None:

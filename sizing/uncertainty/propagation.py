@@ -379,7 +379,7 @@ class Propagation:
         day_of_draws = day.at(np.full(case.count, scenario))
         day_of_draws = replace(day_of_draws, power_w_per_m2=np.stack(powers), cooling=None)
         design = case.design._replace(total_mass_kg=case.mass_kg)
-        return flight_levels(case.aircraft, mission, design, day_of_draws, paired=True)
+        return flight_levels(case.aircraft, mission, design, day_of_draws)
 
     def _specific_power(
         self, case: _Case, scenario: int, level: int, altitude_m: float
@@ -449,9 +449,7 @@ class Propagation:
         """Return cycle, solar power and load [W] of all draws in a scenario, ``(sample, time)``."""
         solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
         design, mission, part_load = case.design, case.mission, case.part_load
-        load = Load.of(
-            case.aircraft, mission, design, day.scenarios, paired=True, part_load=part_load
-        )
+        load = Load.of(case.aircraft, mission, design, day.scenarios, part_load)
         load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
         cycle = simulate_cycle(
             day.time_h,

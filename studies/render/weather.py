@@ -33,10 +33,10 @@ def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
     shown += extrapolation_blocks(analysis.extrapolations, level)
     if level >= ALL:
         shown += [Line(f"record: {text}", "faint") for text in analysis.weather.repairs]
-    weather = analysis.weather
+    weather, solar = analysis.weather, analysis.performance.days.solar
     kind = "typical year, months of several years" if weather.typical else "one record"
     text = (
-        f"{analysis.performance.solar.label}; {weather.layout}, {kind}. Dawn is the instant of "
+        f"{solar.label}; {weather.layout}, {kind}. Dawn is the instant of "
         "least charge before noon. A day closes if its flight, from dawn with the charge carried "
         "over, reaches the next dawn before the battery is empty. P90 is exceeded on 90 % of days."
     )

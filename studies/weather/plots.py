@@ -54,7 +54,7 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
         canvas=figure,
         title=analysis.headline(),
         notes=(
-            analysis.performance.solar.label,
+            analysis.performance.days.solar.label,
             analysis.mission.climb_label,
             extrapolation_caption(analysis.extrapolations),
         ),

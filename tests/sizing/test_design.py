@@ -248,7 +248,7 @@ def test_constant_power_goes_through_the_supply():
 def test_load_of_a_day_by_hand():
     rough = mission(turbulence={"all_day": 0.2, "thermal": 0.5})
     design = design_of(AS2, AT_1_10)
-    load, hours = Load.of(AS2, rough, design, paired=True), np.array([2.0, 6.0, 9.0, 12.0, 18.0])
+    load, hours = Load.of(AS2, rough, design), np.array([2.0, 6.0, 9.0, 12.0, 18.0])
     load_w = load.along(rough, hours, 6.0, 18.0)
     # 35.8 W with 20 %, and half of 50 % half-way up the morning; plus 6 W.
     expected = 35.8 * np.array([1.2, 1.2, 1.45, 1.7, 1.2]) + 6.0

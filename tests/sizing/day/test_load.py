@@ -19,7 +19,6 @@ from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day
 from sizing.day.load import interpolation_error, part_load_of
 from sizing.day.record import weather_performance
-from sizing.day.record_conditions import temperatures_c
 from sizing.day.replay import calendar_run
 from sizing.design import DesignVariables, FlightConditions
 from sizing.mass_budget import ImpossibleDesignError, design_of
@@ -235,13 +234,13 @@ def test_a_record_has_the_load_of_its_air(name):
     assert isinstance(parts, OperatingPointPropulsion)
     thrust_w = float(design.propulsion_power_w) * design.chain.efficiency
     assumed = mission.air_state()
-    air_c, _ = temperatures_c(mission, done.light)
+    air_c = done.days.ambient_c
     for node in (20, 150, 200):
         day, at = 1, node
         warm_k = float(air_c[run.axis.nodes[day, at]]) + 273.15
         faster = np.sqrt(warm_k / float(assumed.temperature_k))
         speed = float(design.airspeed_m_per_s) * faster
-        hour, light = run.axis.time_h[at] + run.axis.midnight_h[day], done.light
+        hour, light = run.axis.time_h[at] + run.axis.midnight_h[day], done.days.light
         rise = sun_times(light.site.latitude_deg, declination(run.axis.day_of_year[day] + 0.5))
         half = float(rise.sunset_h - rise.sunrise_h) / 2.0
         load = 1.05 + 0.3 * max(1.0 - abs(hour - 12.0) / half, 0.0)

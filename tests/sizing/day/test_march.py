@@ -127,8 +127,8 @@ def test_battery_that_empties_in_a_falling_power_is_found_by_hand():
     assert step.unserved_h() == pytest.approx(1.0, rel=1e-12)
     assert step.unserved_wh == pytest.approx(150.0, rel=1e-12)
     day = ChargingDay.of(balance)
-    flown = day.flight(store, np.array([50.0]), np.zeros(1))
-    assert day.hour_of_deficit(flown.empty_at_wh, np.zeros(1, int)) == pytest.approx(1.0)
+    empty_at_wh, _, _ = day.flight(store, np.array([50.0]), np.zeros(1))
+    assert day.hour_of_deficit(empty_at_wh, np.zeros(1, int)) == pytest.approx(1.0)
 
 
 def test_efficiencies_act_once_on_each_way():

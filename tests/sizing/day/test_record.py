@@ -88,7 +88,7 @@ def test_a_held_place_is_flown_as_fast_as_the_wind_in_the_air_of_each_day(windy_
     for warm_c in (-10.0, 40.0):
         other = replace(record, temperature_c=np.full(len(record.start_s), warm_c))
         done = weather_performance(design, mission, other)
-        air_c = float(done.air_of_days_c[0])
+        air_c = float(done.days.mean_air_c[0])
         air = mission.model_copy(update={"air": type(mission.air)(ambient_temperature_c=air_c)})
         there = performance(design, air).load_w[0, 0]
         # The structure that is sized in the other air is up to 0.1 % heavier or lighter.
@@ -106,7 +106,7 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
     flown = weather_performance(twin, mission, replace(record, temperature_c=air_c))
     design, own_air = flown.design, mission.air_state()
     chain = twin.airframe.propulsion.sized(*design.variables.of_propulsion)
-    run, warm_k = flown.recorded, flown.light.temperature_c[flown.recorded.axis.nodes] + 273.15
+    run, warm_k = flown.recorded, flown.days.light.temperature_c[flown.recorded.axis.nodes] + 273.15
     assert np.ptp(warm_k) > 15.0
     volts = twin.battery.nominal_voltage_v
     for day, node in ((0, 10), (0, 150), (0, 280), (1, 0), (1, 144), (1, 200)):
@@ -315,6 +315,6 @@ def test_the_heater_of_a_cold_day_is_load():
     ]
     heater_w = done[1].recorded.load_w - done[0].recorded.load_w
     # A little colder than at the site, 45 m below.
-    lacking_k = 10.0 - float(done[0].light.temperature_c.mean())
+    lacking_k = 10.0 - float(done[0].days.light.temperature_c.mean())
     assert 20.0 < lacking_k < 20.5
     assert heater_w == pytest.approx(np.full((3, 49), 0.4 * lacking_k))

@@ -91,7 +91,7 @@ def test_the_battery_and_what_is_outside_of_a_range_are_told_over_the_days():
     craft = load_aircraft("atlantiksolar-as2", keys)
     analysis = sizing.analyse_weather(craft, mission, record, correction="report")
     told = analysis.to_dict()["battery_condition"]
-    days_c = analysis.performance.air_of_days_c
+    days_c = analysis.performance.days.mean_air_c
     capacity = [float(craft.battery.capacity_fraction(day)) for day in days_c]
     assert told["pack_temperature_c"]["lowest"] == pytest.approx(days_c.min() + 1.0)
     assert told["capacity_fraction"] == {
