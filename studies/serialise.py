@@ -104,8 +104,8 @@ RECORDS = {
         share_of_days_that_close=performance.recorded.closes.mean endurance_h flown_to_sunset_share
         launches_that_outlast_the_record windows years year_to_year irradiation_kwh_per_m2
         share_of_clear_sky_light=share_of_clear_light wind_above_airspeed_share battery_condition
-        extrapolations repairs=weather.repairs notes model=performance.solar.model
-        correction=performance.solar.correction
+        extrapolations repairs=weather.repairs notes model=performance.days.solar.model
+        correction=performance.days.solar.correction
         """,
     "YearInWeather": "+ share_of_days_that_close",
     # ---- Altitudes
