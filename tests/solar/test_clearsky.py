@@ -1,11 +1,9 @@
 """Clear-sky irradiance against published values, pvlib and physical bounds."""
 
 from datetime import date
-from functools import cache
 
 import ambiance
 import numpy as np
-import pandas as pd
 import pvlib
 import pytest
 from hypothesis import given
@@ -155,14 +153,6 @@ def test_extraterrestrial_irradiance_is_that_of_spencer(day):
 # ---- Irradiance
 
 
-def test_direct_light_from_overhead_follows_beer_and_lambert():
-    # Mid-July at sea level: A = 1085 W/m2, B = 0.207, C = 0.136, air mass 1.
-    dni, dhi = clear_sky(197.5, 47.6, 1.0)
-    expected = 1085.0 * np.exp(-0.207)
-    assert dni == pytest.approx(expected)
-    assert dhi == pytest.approx(0.136 * expected)
-
-
 @given(days, latitudes, cosines, altitudes)
 def test_irradiance_is_finite_and_within_the_extraterrestrial(day, latitude, cosine, altitude):
     irradiance = clear_sky(day, latitude, cosine, altitude)
@@ -235,41 +225,6 @@ def test_the_sky_of_the_ground_passes_smoothly_into_thin_air(altitude_m, cosine)
         assert slope == pytest.approx(slope[0], abs=1e-4)
 
 
-@pytest.mark.parametrize("altitude_m", [12000.0, 15000.0, 20000.0, 25000.0])
-@pytest.mark.parametrize("elevation_deg", [10.0, 20.0, 40.0, 90.0])
-def test_light_high_up_is_near_that_of_a_spectral_model(altitude_m, elevation_deg):
-    # SPECTRL2 (Bird & Riordan 1984) of dry and clean air. The light below 0.3 um never gets here,
-    # that beyond 4 um, 1 %, is not in it.
-    cosine = np.sin(np.radians(elevation_deg))
-    spectrum = pvlib.spectrum.spectrl2(
-        90.0 - elevation_deg,
-        90.0 - elevation_deg,
-        surface_tilt=0.0,
-        ground_albedo=0.0,
-        surface_pressure=ambiance.Atmosphere(altitude_m).pressure[0],
-        relative_airmass=air_mass(cosine),
-        precipitable_water=1e-6,
-        ozone=0.3,
-        aerosol_turbidity_500nm=1e-6,
-        dayofyear=172,
-    )
-    dni, dhi = (
-        np.trapezoid(np.nan_to_num(spectrum[part][:, 0]), spectrum["wavelength"])
-        for part in ("dni", "dhi")
-    )
-    ours = clear_sky(172.5, 47.6, cosine, altitude_m)
-    assert ours.dni == pytest.approx(dni, rel=0.045)
-    assert ours.dhi == pytest.approx(dhi, abs=2.0)
-    assert global_horizontal(ours, cosine) == pytest.approx(dni * cosine + dhi, rel=0.045)
-
-
-@given(st.floats(0.0, 1.0), cosines)
-def test_global_is_projected_direct_plus_diffuse(share, cosine):
-    irradiance = clear_sky(100.0, 40.0, 0.5)._replace(dni=np.asarray(900.0 * share))
-    expected = 900.0 * share * max(cosine, 0.0) + float(irradiance.dhi)
-    assert global_horizontal(irradiance, cosine) == pytest.approx(expected)
-
-
 def test_published_daily_energy_at_the_summer_solstice():
     irradiance, cosine = irradiance_of_a_day(47.6, 172, 536.0)
     direct = np.trapezoid(irradiance.dni * np.maximum(cosine, 0.0), TIME_H)
@@ -286,38 +241,6 @@ def test_published_daily_energy_at_the_winter_solstice():
     # The sun stands low, so that 0.01 degrees of declination are 0.1 % of the energy: series and
     # conventions for the day differ by that much.
     assert daily_energy(47.6, 355) == pytest.approx(1518.0, rel=0.004)
-
-
-@cache
-def reference_energy(latitude, day, model, **options):
-    """Daily horizontal energy [Wh/m2] by a clear-sky model of pvlib."""
-    site = pvlib.location.Location(latitude, 0.0, altitude=536.0, tz="UTC")
-    midnight = pd.Timestamp("2015-01-01", tz="UTC") + pd.Timedelta(days=day - 1)
-    times = pd.date_range(midnight, periods=96, freq="15min")
-    return float(site.get_clearsky(times, model=model, **options).ghi.sum() / 4.0)
-
-
-PLACES_AND_DAYS = pytest.mark.parametrize(
-    ("latitude", "day"),
-    [(lat, day) for lat in (0.0, 35.0, 47.6, -33.0) for day in (46, 80, 135, 172, 266, 355)],
-)
-
-
-@PLACES_AND_DAYS
-def test_daily_energy_lies_between_clean_and_hazy_air(latitude, day):
-    # Ineichen & Perez (2002): Linke turbidity 2 is very clean cold air, 4 moist warm air. The
-    # monthly coefficients describe a clear day between these two at any place and season.
-    clean = reference_energy(latitude, day, "ineichen", linke_turbidity=2.0)
-    hazy = reference_energy(latitude, day, "ineichen", linke_turbidity=4.0)
-    assert hazy < daily_energy(latitude, day) < clean
-
-
-@PLACES_AND_DAYS
-def test_daily_energy_is_near_simplified_solis(latitude, day):
-    # Solis runs here with one aerosol (0.1) and water content (1 cm) for all seasons; the seasons
-    # of B and C alone move the energy by some 5 %.
-    solis = reference_energy(latitude, day, "simplified_solis")
-    assert daily_energy(latitude, day) == pytest.approx(solis, rel=0.06)
 
 
 # ---- the user's own sky ----

@@ -11,7 +11,7 @@ from solar.horizontal_models import (
     conceptual_design_model,
     horizontal_specific_power,
 )
-from solar.modules import IncidenceTable, SolarCell
+from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, MODEL_NAMES
 from solar.sun import cos_zenith, declination, hour_angle, sun_times
 
@@ -28,8 +28,6 @@ hours = st.floats(0.0, 24.0)
 altitudes = st.floats(-500.0, 32000.0)
 temperatures = st.floats(-100.0, 100.0)
 irradiances = st.floats(0.0, 1400.0)
-cosines = st.floats(-1.0, 1.0)
-fractions = st.floats(0.05, 1.0)  # their product stays above what a cell accepts, 0.001
 models = st.sampled_from(HORIZONTAL_MODEL_NAMES)
 
 
@@ -92,17 +90,6 @@ def test_analysis_model_by_hand():
 # ---- Limits
 
 
-@given(irradiances, irradiances, cosines, temperatures, fractions, fractions)
-def test_analysis_model_never_exceeds_the_design_model(
-    dni, dhi, cosine, temperature, camber, ratio
-):
-    # True wherever diffuse light is not converted better than direct light under the camber.
-    cell = SolarCell(camber_efficiency=camber, diffuse_efficiency=max(camber * ratio, 1e-9))
-    analysis = conceptual_analysis_model(light(dni, dhi), cosine, cell, temperature)
-    design = conceptual_design_model(light(dni, dhi), cosine, cell, temperature)
-    assert analysis <= design * (1.0 + 1e-12)  # rounding only
-
-
 @given(models, irradiances, irradiances, st.floats(-1.0, 0.0), temperatures)
 def test_direct_light_from_behind_adds_nothing(model, dni, dhi, cosine, temperature):
     function = {"CDM": conceptual_design_model, "CAM": conceptual_analysis_model}[model]
@@ -143,39 +130,9 @@ def test_power_is_zero_exactly_by_night(model, latitude, day, time_h):
 # ---- Dependence on each argument
 
 
-@given(models, latitudes, days, hours, st.floats(0.0, 1.0))
-def test_power_is_proportional_to_clearness(model, latitude, day, time_h, clearness):
-    clear = power_at(latitude, day, time_h, model=model)
-    hazy = power_at(latitude, day, time_h, model=model, clearness=clearness)
-    assert hazy == pytest.approx(clearness * float(clear))
-
-
-@MODELS
-def test_power_falls_with_module_temperature(model):
-    cold, hot = power_at(47.6, 172.5, 12.0, model=model, module_temperature_c=[25.0, 45.0])
-    assert hot / cold == pytest.approx(1.0 - 20.0 * 0.003)
-
-
-@MODELS
-def test_correction_is_a_constant_factor(model):
-    time = np.linspace(5.0, 19.0, 29)
-    ratio = power_at(47.6, 182.5, time, model=model, correct="report") / power_at(
-        47.6, 182.5, time, model=model
-    )
-    error = {"CDM": 0.1781, "CAM": 0.0531}[model]
-    assert ratio == pytest.approx(np.full(29, 1.0 / (1.0 + error)))
-
-
 def test_analysis_model_is_the_default_and_scalars_give_a_scalar_array():
     assert power_at(47.6, 182.5, 8.0) == power_at(47.6, 182.5, 8.0, model="CAM", correct="none")
     assert power_at(47.6, 182.5, 12.0).shape == ()
-
-
-def test_user_table_of_incidence_reaches_the_analysis_model():
-    blind = IncidenceTable(aoi_deg=(0.0, 90.0), relative_efficiency=(0.0, 0.0))
-    cell = SolarCell(incidence=blind)
-    power = conceptual_analysis_model(light(900.0, 100.0), 1.0, cell, 25.0)
-    assert power == pytest.approx(0.237 * 0.95 * 0.83 * 100.0)  # the diffuse light alone
 
 
 # ---- Shapes and errors

@@ -308,11 +308,6 @@ def test_multiplier_of_a_bound_is_what_widening_it_gains():
     assert multiplier.step == "1 % of the bound"
 
 
-def test_no_optimum_has_no_multipliers():
-    with pytest.raises(ValueError, match="only an optimum has multipliers"):
-        constraint_multipliers(sized(Objective.min_wingspan, 900.0))
-
-
 @pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
 def test_every_objective_with_sensitivities_has_a_chart(objective):
     worth = [

@@ -12,7 +12,6 @@ from missions.library import load_mission
 from missions.uncertainty import LogNormal
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.library import load_aircraft
-from sizing.results.sizing import size
 from sizing.structures.build import build_qualities
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import Structure
@@ -68,27 +67,6 @@ def test_build_multiplies_every_model_and_has_the_calibration_of_atlantiksolar(k
             )
         expected = plain if factor is None else factor * plain
         assert structure(**keys, build=build).mass_kg(INPUTS) == pytest.approx(expected)
-
-
-@pytest.mark.long
-def test_class_and_calibration_are_one_formula_in_every_study():
-    """Optimiser, simulator and sensitivities take 1.85 in either way."""
-    by_class, by_calibration = (
-        size(load_aircraft("atlantiksolar-design", changes), JULY, with_sensitivities=True)
-        for changes in (
-            {BUILD: "careful"},
-            {BUILD: None, "airframe.structure.calibration": 1.85 * 1.188},
-        )
-    )
-    # Tolerance of the solver.
-    assert by_class.total_mass_kg == pytest.approx(by_calibration.total_mass_kg, rel=1e-6)
-    of_class, of_calibration = (
-        {row.parameter: row.per_percent for row in study.sensitivities}
-        for study in (by_class, by_calibration)
-    )
-    calibration = of_calibration["airframe.structure.calibration"]
-    assert of_class[BUILD] == pytest.approx(calibration, rel=1e-3)
-    assert "airframe.structure.calibration" not in of_class
 
 
 def test_scatter_of_a_class_is_an_input_where_the_file_has_no_other():

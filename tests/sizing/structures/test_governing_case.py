@@ -130,11 +130,3 @@ def test_infeasible_answer_names_the_structure_and_its_keys():
     )
     assert eased.direction == "at least"
     assert eased.value > limit
-
-
-def test_a_record_has_the_torsion_where_there_is_one():
-    stiff, soft = (load_aircraft(DESIGN, overrides) for overrides in ([], [f"{RIB}.torsion=null"]))
-    mission = load_mission("rafz-july")
-    assert sizing.analyse(soft, mission).to_dict()["structure"]["torsion"] is None
-    torsion = sizing.analyse(stiff, mission).to_dict()["structure"]["torsion"]
-    assert torsion["stiffness_nm2"] >= torsion["needed_nm2"] > 0.0

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from arithmetics import assert_alike
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -40,9 +39,3 @@ def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(span, 
     moment = root_bending_moment_nm(span, mass, share * mass, 0.25)
     # The smooth maximum lies above by at most 2 % of the unrelieved moment, as documented.
     assert expected * (1.0 - 1e-6) <= moment <= expected + 0.02 * up * (1.0 + 1e-6)
-
-
-@settings(max_examples=30)
-@given(mass=masses)
-def test_arrays_and_symbols_equal_floats(mass):
-    assert_alike(lambda m: [limit_load_factor(m)], mass)
