@@ -2,8 +2,6 @@
 
 import os
 import sys
-from collections.abc import Iterator
-from pathlib import Path
 from unittest.mock import patch
 
 # Two workers whose matrices take two threads each wait for each other on two cores: tests took four
@@ -12,7 +10,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from browser_pages import chromium, open_page, pytest_collection_modifyitems
-from command_line import Outcome, Run
+from command_line import Outcome
 from computed_once import computed_once
 from hypothesis import settings
 
@@ -28,7 +26,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _full_model_computed_once() -> Iterator[None]:
+def _full_model_computed_once():
     """The Full Model's day on a path, 10 ms: comparisons and seasons ask for the same hundreds.
 
     Tests of the model itself call it where it is defined.
@@ -42,7 +40,7 @@ def _full_model_computed_once() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _coarse_images() -> Iterator[None]:
+def _coarse_images():
     """Figures are drawn with a fifth of their dots: nobody looks at those of tests."""
     with pytest.MonkeyPatch.context() as context:
         context.setattr("studies.output.figures.options.DOTS_PER_INCH", 30)
@@ -50,7 +48,7 @@ def _coarse_images() -> Iterator[None]:
 
 
 @pytest.fixture
-def registries() -> Iterator[None]:
+def registries():
     """Skies and shading models that a test registers are forgotten after it."""
     from solar import clearsky, shading
 
@@ -59,14 +57,14 @@ def registries() -> Iterator[None]:
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+def run(tmp_path, monkeypatch, capfd):
     """Run the command in an empty folder; nothing but an exit may leave it."""
     from studies.cli import __main__ as cli
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
 
-    def call(*arguments: str) -> Outcome:
+    def call(*arguments):
         monkeypatch.setattr(sys, "argv", ["solar-uav", *arguments])
         capfd.readouterr()
         with pytest.raises(SystemExit) as ended:

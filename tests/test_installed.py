@@ -20,14 +20,14 @@ SOURCE_ROOT = Path(__file__).resolve().parents[1]
 must_be_installed = os.environ.get("SOLAR_UAV_TEST_INSTALLED") == "1"
 
 
-def is_editable() -> bool:
+def is_editable():
     direct_url = metadata.distribution(DISTRIBUTION).read_text("direct_url.json")
     return direct_url is not None and json.loads(direct_url).get("dir_info", {}).get(
         "editable", False
     )
 
 
-def shipped_files() -> dict[str, Path]:
+def shipped_files():
     """Return the installed files of the four packages, by their path in the wheel."""
     files = metadata.files(DISTRIBUTION)
     assert files is not None, "the installed distribution has no RECORD"
@@ -38,7 +38,7 @@ def shipped_files() -> dict[str, Path]:
     }
 
 
-def source_files(package: str) -> dict[str, Path]:
+def source_files(package):
     """Return the files of a package in the source tree, by their path in the wheel."""
     return {
         path.relative_to(SOURCE_ROOT).as_posix(): path
@@ -47,7 +47,7 @@ def source_files(package: str) -> dict[str, Path]:
     }
 
 
-def skip_unless_wheel() -> None:
+def skip_unless_wheel():
     if is_editable():
         assert not must_be_installed, "SOLAR_UAV_TEST_INSTALLED=1, but the install is editable"
         pytest.skip("editable install: the source tree is what is installed")

@@ -3,7 +3,6 @@
 import importlib
 import re
 import sys
-from typing import Any
 
 import pytest
 from documented import DOCS, ROOT
@@ -20,7 +19,7 @@ NAMES = sorted(set(re.findall(r"`([a-z_.]+):([A-Za-z_.]+)`", PAGE)))
 def test_name_exists(module, name):
     if module == "module":  # how names are written
         return
-    found: Any = importlib.import_module(module)
+    found = importlib.import_module(module)
     for part in name.split("."):
         found = getattr(found, part)
 
@@ -32,7 +31,7 @@ def test_file_exists(path):
 
 def functions_entered(call):
     """Functions of the project in the order in which they are first entered."""
-    entered: dict[str, None] = {}
+    entered = {}
 
     def watch(frame, event, _):
         module = frame.f_globals.get("__name__", "")

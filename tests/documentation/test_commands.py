@@ -68,7 +68,7 @@ def test_commands_of_the_page_print_what_it_says(page, run, made_in, tmp_path, m
             return run(*words)
 
     monkeypatch.chdir(tmp_path)
-    wrong: list[str] = []
+    wrong = []
     for block in blocks_that(is_run, [page]):
         done = list(played(block, call, made_in))
         wrong += [mistake for one in done for mistake in mistakes(block, one)]

@@ -33,7 +33,7 @@ OPTIONS = {"SUMMER": SUMMER, "CELLS": CELLS, "CLIMB": CLIMB, "HIGH": HIGH, "WIND
 
 # Calls that together show every key of a command, and keys that only other calls show. Words in
 # capitals are the options above.
-CASES: dict[str, tuple[str, list[str], set[str]]] = {
+CASES = {
     "analyse": (
         "cli.md",
         [
@@ -166,7 +166,7 @@ def test_keys_of_what_lies_outside_a_range_are_those_of_its_page(run):
 @pytest.mark.parametrize("command", CASES)
 def test_keys_of_the_json_are_those_of_the_page(command, run):
     page, calls, elsewhere = CASES[command]
-    printed: set[str] = set()
+    printed = set()
     verb, _, option = command.partition(" --")
     for call in calls:
         words = (word for one in call.split() for word in OPTIONS.get(one, (one,)))

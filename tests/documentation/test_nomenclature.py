@@ -75,7 +75,7 @@ def test_every_symbol_that_is_listed_is_used():
 
 def keys():
     """Keys of files and JSON in the tables of the pages."""
-    found: set[str] = set()
+    found = set()
     for page in DOCS.glob("*.md"):
         rows = re.findall(r"^\| (`[^|]*) \|", without_code(page), re.M)
         found |= {key for row in rows for key in re.findall(r"`[\w.\[\]]*?(\w+)`", row)}

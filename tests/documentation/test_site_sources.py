@@ -5,7 +5,6 @@ import json
 import re
 import runpy
 import tomllib
-from typing import Any
 
 import pytest
 from documented import DOCS, PAGES, ROOT
@@ -63,7 +62,7 @@ def test_notebook_runs(path, tmp_path, monkeypatch):
     pytest.importorskip("IPython", reason="the extra docs brings it")
     monkeypatch.chdir(tmp_path)
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-    names: dict[str, Any] = {}
+    names = {}
     for cell in cells:
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]), names)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,21 +14,16 @@ from scipy.integrate import quad
 from missions.air import GRAVITY_M_PER_S2
 from missions.flight_path import (
     Circle,
-    Direction,
     FlightPath,
     Level,
     Orbit,
     Racetrack,
     StraightLegs,
     Wind,
-    _segments,
     largest_wind_m_per_s,
     orbit,
 )
-from missions.ground_track import Motion
 from solar.geometry import direction_cosines
-
-MovingPath: TypeAlias = Circle | Racetrack | StraightLegs
 
 TAN_60 = np.sqrt(3.0)
 EASTERLY = Wind(speed_m_per_s=4.0, from_deg=90.0)
@@ -99,7 +94,7 @@ def circles(draw, share=0.8):
     wind = draw(winds(speed, share))
     least = (speed + wind.speed_m_per_s) ** 2 / (GRAVITY_M_PER_S2 * TAN_60)
     radius = least * draw(st.floats(1.000001, 100.0))
-    way: Direction = draw(st.sampled_from(["clockwise", "counterclockwise"]))
+    way = draw(st.sampled_from(["clockwise", "counterclockwise"]))
     return circle(way, radius_m=radius, airspeed_m_per_s=speed), wind
 
 
@@ -109,7 +104,7 @@ def paths(draw):
     ring, wind = draw(circles())
     common = {"airspeed_m_per_s": ring.airspeed_m_per_s, "heading_deg": draw(st.floats(0.0, 360.0))}
     length = ring.radius_m * draw(st.floats(0.1, 5.0))
-    every: list[MovingPath] = [
+    every = [
         ring,
         racetrack(ring.direction, turn_radius_m=ring.radius_m, leg_length_m=length, **common),
         legs(leg_length_m=length, **common),
@@ -215,64 +210,6 @@ def test_airspeed_is_held(case):
     assert np.max(np.abs(ground_speed - lap.ground_speed_m_per_s)[away]) < accuracy
 
 
-@given(paths())
-def test_segments_join_and_close(case):
-    path, wind = case
-    towards = np.radians(wind.from_deg + 180.0)
-    motion = Motion(path.airspeed_m_per_s, wind.speed_m_per_s, float(towards))
-    side = -1 if getattr(path, "direction", "") == "counterclockwise" else 1
-    parts = _segments(path, motion, side)
-    for part, following in zip(parts, parts[1:] + parts[:1], strict=True):
-        end, start = part.at(np.array([part.duration])), following.at(np.zeros(1))
-        place = np.concatenate([end.north, end.east])
-        # Rounding, relative to the size of the path; the closure asked for is 1e-9.
-        size = np.max(np.abs(place))
-        assert np.concatenate([start.north, start.east]) == pytest.approx(place, abs=1e-11 * size)
-        if not isinstance(path, StraightLegs):
-            assert np.cos(start.course - end.course) == pytest.approx(np.ones(1), abs=1e-12)
-
-
-@given(paths(), st.floats(0.0, 360.0))
-def test_turning_wind_and_path_turns_the_orbit(case, turn_deg):
-    path, wind = case
-    turned_path: MovingPath = path
-    if not isinstance(path, Circle):
-        heading = np.mod(path.heading_deg + turn_deg, 360.0)
-        turned_path = path.model_copy(update={"heading_deg": float(heading)})
-    from_deg = float(np.mod(wind.from_deg + turn_deg, 360.0))
-    before = orbit(path, wind, samples=24)
-    after = orbit(
-        turned_path, Wind(speed_m_per_s=wind.speed_m_per_s, from_deg=from_deg), samples=24
-    )
-    turn = direction_cosines(0.0, 0.0, np.radians(turn_deg))
-    # Rounding of angles of up to 1000 degrees, grown by the inversion of the time.
-    assert after.duration_s == pytest.approx(before.duration_s, rel=1e-11)
-    assert after.roll_rad == pytest.approx(before.roll_rad, abs=1e-10)
-    assert headings(after) == pytest.approx(headings(before) @ turn[:2, :2].T, abs=1e-10)
-    size = np.max(np.abs(positions(before)))
-    assert positions(after) == pytest.approx(positions(before) @ turn[:2, :2].T, abs=1e-10 * size)
-
-
-@given(paths())
-def test_directions_mirror_each_other(case):
-    path, wind = case
-    mirrored = wind.model_copy(update={"from_deg": 360.0 - wind.from_deg})
-    changes: dict[str, Any] = {}
-    if not isinstance(path, Circle):
-        changes["heading_deg"] = 360.0 - path.heading_deg
-    if not isinstance(path, StraightLegs):
-        other = "clockwise" if path.direction == "counterclockwise" else "counterclockwise"
-        changes["direction"] = other
-    here = orbit(path, wind, samples=24)
-    there = orbit(path.model_copy(update=changes), mirrored, samples=24)
-    # Rounding, as in the test above.
-    assert there.duration_s == pytest.approx(here.duration_s, rel=1e-11)
-    assert there.roll_rad == pytest.approx(-here.roll_rad, abs=1e-10)
-    assert headings(there) == pytest.approx(headings(here) * [1.0, -1.0], abs=1e-10)
-    size = np.max(np.abs(positions(here)))
-    assert positions(there) == pytest.approx(positions(here) * [1.0, -1.0], abs=1e-10 * size)
-
-
 @pytest.mark.parametrize("make", [circle, racetrack])
 def test_both_directions_follow_each_other(make):
     both = orbit(make("both", pitch_deg=3.0), EASTERLY)
@@ -309,18 +246,6 @@ def test_orbit_is_well_formed(case, samples):
 
 
 # ---- Racetrack, straight legs, level
-
-
-@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
-def test_racetrack_without_legs_is_a_circle(direction):
-    # The racetrack starts on its heading, the circle downwind: here the same.
-    track = orbit(racetrack(direction, leg_length_m=0.0, heading_deg=270.0), EASTERLY)
-    ring = orbit(circle(direction), EASTERLY)
-    # Rounding, grown by the inversion of the time.
-    assert track.duration_s == pytest.approx(ring.duration_s, rel=1e-12)
-    assert track.roll_rad == pytest.approx(ring.roll_rad, abs=1e-11)
-    assert track.yaw_rad == pytest.approx(ring.yaw_rad, abs=1e-11)
-    assert positions(track) == pytest.approx(positions(ring), abs=1e-9)
 
 
 def test_racetrack_lies_on_its_stadium():

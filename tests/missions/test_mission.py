@@ -168,14 +168,6 @@ def test_required_keys(key):
 # ---- Air
 
 
-def test_air_is_standard_by_default():
-    reference = ambiance.Atmosphere(536.0)
-    air = mission(altitude_m=536.0).air_state()
-    # Pressures printed with six digits in the reference.
-    assert air.density_kg_per_m3 == pytest.approx(reference.density[0], rel=1e-5)
-    assert air.temperature_k == pytest.approx(reference.temperature[0])
-
-
 def test_temperature_offset_thins_the_air():
     reference = ambiance.Atmosphere(500.0)
     warm = mission(altitude_m=500.0, air={"temperature_offset_k": 15.0})

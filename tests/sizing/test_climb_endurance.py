@@ -1,7 +1,5 @@
 """The longest flight with climbs: against plain marching, level flight, and bounds by hand."""
 
-from typing import Any
-
 import builders
 import numpy as np
 import pytest
@@ -10,24 +8,22 @@ from plain_climb import DISCHARGE, FLOOR_M, FULL_WH, PlainClimb
 
 from missions.air import standard_air
 from missions.dates import day_of_year
-from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import RuleChargeLimit
 from sizing.climb import climb_performance
-from sizing.day.launch import Endurance
 from sizing.day.light import UNCORRECTED_CAM
-from sizing.performance import Performance, performance
+from sizing.performance import performance
 from sizing.results.analysis import analyse
 from sizing.uncertainty.propagation import Propagation
 from studies.maps.study import feasibility_map
 
 
-def mission(ceiling_m: float, **changes: Any) -> Mission:
+def mission(ceiling_m, **changes):
     climb = {"ceiling_m": ceiling_m}
     return builders.mission(**{"dates": {"on": "12-21"}, "climb": climb} | changes)
 
 
-def longest(perf: Performance) -> Endurance:
+def longest(perf):
     (flight,) = perf.endurances()
     assert flight is not None
     return flight
@@ -53,7 +49,7 @@ def test_no_launch_by_a_rule_flies_longer(aircraft, date, ceiling_m):
     limited = limit if isinstance(limit, RuleChargeLimit) else None
     best = 0.0
     for surplus in (False, True):
-        options: dict[str, Any] = {"surplus": surplus, "limit": limited, "step_s": 20.0}
+        options = {"surplus": surplus, "limit": limited, "step_s": 20.0}
         plain = PlainClimb(day_of_year(date), ceiling_m, **options)
         hours = plain.flight_h(np.arange(0.0, 24.0, 1.0 / 6.0))
         assert not np.isnan(hours).any()
@@ -87,7 +83,7 @@ def test_propulsion_that_cannot_climb_gives_level_flight():
     data["airframe"]["level_flight"] |= {"maximum_electric_power_w": 35.8}
     weak = Aircraft.model_validate(data)
     # At 1500 m level flight takes 36.5 W already.
-    high: dict[str, Any] = {"altitude_m": 1500.0, "air": {}, "dates": {"on": "12-21"}}
+    high = {"altitude_m": 1500.0, "air": {}, "dates": {"on": "12-21"}}
     ours = longest(performance(weak, mission(3536.0, **high)))
     theirs = longest(performance(weak, builders.mission(**high)))
     # It has no power to go down and up again with either, but for a minute.
@@ -131,7 +127,6 @@ def test_analysis_gives_the_flight_with_climbs():
     assert analysis.endurance_h == pytest.approx(expected.endurance_h, rel=1e-12)
     assert analysis.to_dict()["endurance_h"] == pytest.approx(expected.endurance_h, rel=1e-12)
     limited = analysis.limited_flight
-    assert limited is not None
     assert limited.endurance_h == pytest.approx(expected.endurance_h)
     assert limited.from_noon_h < limited.endurance_h
     assert f"{expected.endurance_h:.2f} h" in str(analysis)

@@ -1,7 +1,5 @@
 """Performance of aircraft on missions: axes, scenarios, batches of designs, time step."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
@@ -11,7 +9,7 @@ from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.day.light import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from sizing.day.metrics import Status
-from sizing.design import DesignVariables, variables_of
+from sizing.design import DesignVariables
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from solar.clearsky import Irradiance, clear_sky
 from solar.horizontal_models import horizontal_specific_power
@@ -86,24 +84,6 @@ def test_designs_in_a_batch_equal_single_designs():
             )
 
 
-def test_file_design_is_the_same_by_both_entries():
-    here = performance(DESIGN, SEASON).cycle.excess_time_h
-    there = performance_of_designs(DESIGN, SEASON, variables_of(DESIGN)).cycle.excess_time_h
-    np.testing.assert_allclose(here, there, rtol=1e-9)
-
-
-def test_load_is_built_from_level_flight_turbulence_and_consumers():
-    rough = mission(turbulence={"all_day": 0.1, "thermal": 0.4}, payload={"power_w": 3.0})
-    flight = performance(AS2, rough)
-    level = flight.design.propulsion_power_w
-    time = flight.day.time_h
-    night, noon = flight.load_w[0, 0], flight.load_w[0, np.argmin(np.abs(time - 12.0))]
-    # 6 W avionics and 3 W payload; noon lies on a node. Rounding.
-    assert night == pytest.approx(1.1 * level + 9.0, rel=1e-9)
-    assert noon == pytest.approx(1.5 * level + 9.0, rel=1e-9)
-    assert float(flight.nominal_load_w.ravel()[0]) == pytest.approx(night, rel=1e-12)
-
-
 def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end():
     polar = performance(AS2, mission(latitude_deg=80.0, dates={"on": "12-21"}))
     (endurance,) = polar.endurances()
@@ -162,7 +142,7 @@ def test_halving_the_time_step_moves_no_metric(name, latitude, date, battery_kg)
 
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
 def test_sky_of_the_mission_lights_every_model(model, monkeypatch):
-    def half(*where: Any) -> Irradiance:
+    def half(*where):
         return Irradiance(*(0.5 * part for part in clear_sky(*where)))
 
     monkeypatch.setattr("solar.clearsky.CLEAR_SKIES", {"ashrae": clear_sky, "half": half})

@@ -68,24 +68,6 @@ def test_element_without_gain_at_the_lower_end_has_its_root_there():
     assert roots.tolist() == [0.0, 0.0, 0.0]
 
 
-def test_elements_do_not_depend_on_each_other():
-    rng = np.random.default_rng(3)
-    root, slopes = rng.uniform(0.01, 0.99, 20), rng.uniform(1e-3, 1.0, (2, 20))
-
-    def found(indices):
-        count = len(indices)
-        return falling_root(
-            lambda i, x: kinked(indices[i], x, root, slopes),
-            np.zeros(count),
-            np.ones(count),
-            np.full(count, LIMIT),
-        )
-
-    every = found(np.arange(20))
-    for k in range(20):
-        assert found(np.array([k]))[0] == every[k]
-
-
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
 def test_bracketed_roots_are_those_of_scipy(seed, count):
     rng = np.random.default_rng(seed)

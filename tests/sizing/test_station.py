@@ -1,7 +1,6 @@
 """Station keeping: how fast an aircraft flies perpetually, and the share of the time it stays."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missions.air import standard_air
-from missions.mission import Mission, Scenarios
+from missions.mission import Scenarios
 from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
 from sizing import analyse_uncertainty, load_aircraft, operating_point, size
 from sizing.day.light import UNCORRECTED_CAM, solar_day
@@ -18,14 +17,13 @@ from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import design_of, parametric_design
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import fly, performance
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.station import FASTEST, faster_flight, station_keeping
 from sizing.uncertainty.propagation import Propagation
 
 CELLS = Scenarios(np.array([20.0, 40.0, 50.0]), np.array([166, 166, 166]))
 
 
-def in_winds(folder: Path, median: float, strong: float) -> Mission:
+def in_winds(folder, median, strong):
     """Mission near the ground in a made-up wind, the same everywhere."""
     path = folder / f"winds-{median:g}-{strong:g}.csv"
     rows = [
@@ -60,9 +58,7 @@ def test_speeds_of_another_reanalysis_are_nearly_rayleighs():
 
 
 @given(st.floats(0.0, 120.0), st.floats(0.0, 120.0), st.floats(-88.0, 88.0), st.integers(1, 12))
-def test_a_faster_aircraft_stays_at_least_as_long(
-    first: float, second: float, latitude: float, month: int
-) -> None:
+def test_a_faster_aircraft_stays_at_least_as_long(first, second, latitude, month):
     low, high = (
         float(shipped_winds().share_below(v, latitude, 20000.0, month))
         for v in sorted((first, second))
@@ -145,7 +141,7 @@ def test_more_wind_and_less_battery_shorten_the_stay(tmp_path):
 # ---- Flight as fast as the wind
 
 
-def holding(where: Mission) -> Mission:
+def holding(where):
     update = {"wind_statistics": where.wind_statistics.model_copy(update={"hold_station": True})}
     return where.model_copy(update=update)
 
@@ -173,7 +169,6 @@ def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path):
     assert np.isfinite(flight.load_w).all()
     design = flight.design
     parts = getattr(twin.airframe, "propulsion", None)
-    assert isinstance(parts, OperatingPointPropulsion)
     # At the same mass: the lift coefficient goes with the inverse square of the airspeed.
     speed = float(design.airspeed_m_per_s)
     polar = twin.airframe.aerodynamics  # type: ignore[union-attr]  # parametric

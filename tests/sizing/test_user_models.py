@@ -1,7 +1,6 @@
 """Structure, drag and propulsion of the user's own: like shipped ones, they give the same."""
 
 from math import pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -119,7 +118,7 @@ def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients():
 
 
 def test_an_own_structure_sees_what_it_carries():
-    seen: list[Any] = []
+    seen = []
 
     def watched(inputs):
         seen.append(inputs)
@@ -171,7 +170,7 @@ def test_functions_that_give_what_cannot_be_are_named(kind):
     register, key, function = _BAD[kind]
     name = f"bad {kind}"
     register(name, function)
-    value: Any = {"model": "own", "name": name}
+    value = {"model": "own", "name": name}
     if key == "aerodynamics":
         value |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
     key = f"propulsion.{key}" if key.endswith("model") else key

@@ -234,7 +234,7 @@ def test_own_sky_and_own_model_are_used():
 
 
 def test_large_maps_are_computed_part_by_part_and_no_times_give_no_power():
-    sizes: list[int] = []
+    sizes = []
 
     def tenth(light, cosine, cell, temperature_c):
         sizes.append(np.size(cosine))

@@ -28,7 +28,7 @@ class Outer:
     inner: Place | None
     word: str = "x"
 
-    def twice_m(self) -> float:
+    def twice_m(self):
         return 0.0 if self.inner is None else 2.0 * self.inner.x_m
 
 

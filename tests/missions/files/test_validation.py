@@ -465,7 +465,7 @@ pieces = st.sampled_from(
 
 @given(st.lists(pieces | st.characters(), max_size=40).map("".join))
 def test_any_text_is_read_or_refused_with_a_place(text):
-    problems: tuple[Problem, ...] = ()
+    problems = ()
     try:
         document = with_overrides(parse_yaml(GOOD + text, "a.yaml"), [f"battery.{text}"])
         validate(document, Aircraft)

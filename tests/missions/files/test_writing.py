@@ -168,20 +168,6 @@ def test_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, own
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_file_is_synced_before_it_is_put_in_place(tmp_path, monkeypatch):
-    steps: list[str] = []
-    replace = Path.replace
-
-    def noted(scratch, target):
-        steps.append(f"replace {scratch.read_text(encoding='utf-8')}")
-        return replace(scratch, target)
-
-    monkeypatch.setattr(os, "fsync", lambda _: steps.append("fsync"))
-    monkeypatch.setattr(Path, "replace", noted)
-    write_text_atomically(tmp_path / "a", "x")
-    assert steps == ["fsync", "replace x"]
-
-
 def write_problem(path):
     with pytest.raises(OSError, match="cannot write") as caught:
         write_text_atomically(path, "x")
@@ -266,15 +252,3 @@ def test_folder_made_in_vain_goes_again(tmp_path):
     with pytest.raises(OutputError):
         write_folder(tmp_path / "old", {"missing/b.txt": b"b"})
     assert (tmp_path / "old").is_dir()
-
-
-def test_link_in_a_folder_of_results_is_replaced_and_not_followed(tmp_path):
-    (tmp_path / "mine.txt").write_text("mine")
-    (tmp_path / "results").mkdir()
-    (tmp_path / "results" / "a.csv").symlink_to(tmp_path / "mine.txt")
-    (tmp_path / "results" / "b.csv").symlink_to(tmp_path / "nowhere")
-    (tmp_path / "results" / "c.csv").symlink_to("/dev/null")
-    write_folder(tmp_path / "results", {"a.csv": b"1", "b.csv": b"2", "c.csv": b"3"})
-    assert (tmp_path / "mine.txt").read_text() == "mine"
-    assert not (tmp_path / "nowhere").exists()
-    assert [(tmp_path / "results" / f"{n}.csv").read_bytes() for n in "abc"] == [b"1", b"2", b"3"]

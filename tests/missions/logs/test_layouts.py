@@ -12,7 +12,7 @@ from missions.logs.clock import parse_zone
 from missions.logs.columns import ColumnMap, parse_column, read_column_map, recipes_for
 from missions.logs.csv import read_csv
 from missions.logs.table import log_from_table
-from missions.logs.units import UNITS, Dimension, in_radians, recognised, surely_radians
+from missions.logs.units import UNITS, in_radians, recognised, surely_radians
 
 COUNT = 200
 MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"
@@ -259,7 +259,7 @@ def test_values_end_where_their_quantities_do(name, inside, outside):
 
 
 # What one of each unit is, from the definitions of its name.
-ONE_OF_EACH: dict[Dimension, dict[float, str]] = {
+ONE_OF_EACH = {
     "time": {1.0: "s sec seconds", 1e-3: "ms", 1e-6: "us µs", 1e-9: "ns", 60.0: "min", 3600.0: "h"},
     "angle": {
         1.0: "deg degree degrees °",

@@ -134,7 +134,7 @@ def rounded(decimals):
     return change
 
 
-CHANGES: dict[str, Change] = {
+CHANGES = {
     "as it is": lambda table: table,
     "constant": constant,
     "whole numbers": rounded(0),

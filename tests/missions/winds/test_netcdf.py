@@ -57,15 +57,6 @@ def test_percentiles_are_those_of_the_instants_of_a_month(tmp_path):
     assert winds.percentiles[-1] == 95.0
 
 
-def test_normal_components_make_rayleigh_speeds(tmp_path):
-    hours = np.arange("2020-07-01", "2020-08-01", dtype="datetime64[h]")
-    winds = wind_table_from_netcdf(written(era5(hours), tmp_path))
-    # Two normal components of 10 m/s: the 95th percentile is 10 sqrt(2 ln 20). 744 hours of 3
-    # longitudes leave it uncertain by sqrt(0.05 * 0.95 / 2232) / density = 0.4 m/s (one sigma).
-    expected = 10.0 * np.sqrt(2.0 * np.log(20.0))
-    assert winds.at(45.0, altitude_m(50.0), 7, 95.0) == pytest.approx(expected, abs=1.6)
-
-
 @pytest.mark.parametrize("longitude", [-4.0, 356.0 - 360.0, -7.4])
 def test_the_nearest_longitude_is_taken_and_told(tmp_path, longitude):
     data = era5()

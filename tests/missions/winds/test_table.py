@@ -64,16 +64,6 @@ def test_shipped_winds_are_near_those_of_another_reanalysis():
     assert np.corrcoef(np.log(ratio * theirs), np.log(theirs))[0, 1] > 0.9
 
 
-@pytest.mark.parametrize("latitude", [35.0, 40.0, 45.0, 50.0, 55.0])
-def test_summer_winds_are_least_near_twenty_kilometres(latitude):
-    # Between the westerlies below and the easterlies above. NASA RP-1044 (Strganac 1979), from
-    # balloon soundings, finds flight feasible from 100 to 25 mbar, 16 to 25 km, for that reason.
-    heights = np.arange(12000.0, 32000.0, 250.0)
-    winds = shipped_winds().at(latitude, heights, 7, 95.0)
-    assert 18000.0 <= heights[winds.argmin()] <= 25000.0
-    assert 8.0 <= winds.min() <= 25.0
-
-
 def test_shipped_points():
     """Numbers of the original at its own points: aerosandbox 4.2.10, printed by NumPy."""
     winds = shipped_winds()

@@ -16,7 +16,7 @@ POLAR = DragPolar(
     profile_drag_coefficient=0.012,
     reference_reynolds=158000.0,
 )
-AIR: dict[str, float] = {"density_kg_per_m3": 1.1, "dynamic_viscosity": 1.8e-5}
+AIR = {"density_kg_per_m3": 1.1, "dynamic_viscosity": 1.8e-5}
 
 spans = st.floats(1.0, 30.0)
 aspects = st.floats(6.0, 35.0)

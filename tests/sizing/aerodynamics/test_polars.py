@@ -14,14 +14,8 @@ from source_tree import ROOT
 
 from benchmarks.validation.make_polars import default_grid, main
 from benchmarks.validation.power_curve import (
-    AS1,
-    AS1_FLIGHT,
     AS2,
-    AS2_POWER_W,
-    check_curve,
-    check_level_flight,
     power_tables,
-    wing_polar,
 )
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
@@ -155,15 +149,6 @@ def test_drag_rises_beyond_the_stall_and_below_the_branch(polar, reynolds, first
     assert polar.profile_drag(below - more, reynolds) > polar.profile_drag(below, reynolds)
 
 
-@given(polars, st.floats(0.0, 1.0), wild_reynolds, st.floats(1.0001, 100.0))
-def test_drag_does_not_rise_with_the_reynolds_number(polar, share, reynolds, factor):
-    least = max(0.2, polar.least_lift)
-    most = min(float(polar.maximum_lift(re)) for re in np.geomspace(*polar.reynolds_range, 12))
-    cl = least + share * (most - 0.1 - least)
-    lower, higher = polar.profile_drag(cl, reynolds), polar.profile_drag(cl, factor * reynolds)
-    assert higher <= lower * (1.0 + 1e-9)  # rounding, where drag is held
-
-
 @pytest.mark.parametrize("name", SHIPPED)
 def test_drag_and_slope_are_continuous_across_the_clamps(name):
     polar = AirfoilPolar.load(name)
@@ -204,14 +189,6 @@ def derivatives(airfoil):
 def test_first_and_second_derivatives_are_finite(airfoil, cl, reynolds):
     values = derivatives(airfoil)(cl, reynolds)
     assert all(np.all(np.isfinite(np.asarray(value))) for value in values)
-
-
-def test_arrays_broadcast_and_give_what_numbers_give():
-    polar = AirfoilPolar.load("e214")
-    cl, reynolds = np.linspace(0.2, 1.3, 5)[:, np.newaxis], np.geomspace(5e4, 7e5, 4)
-    table = polar.profile_drag(cl, reynolds)
-    assert table.shape == (5, 4)
-    assert table[3, 2] == pytest.approx(float(polar.profile_drag(cl[3, 0], reynolds[2])), rel=1e-12)
 
 
 def test_stalled_rows_at_the_low_end_are_left_out():
@@ -409,28 +386,6 @@ def test_build_up_adds_up_and_calibration_multiplies_it():
 
 
 # ---- Against flights
-
-
-def test_uncalibrated_power_of_as2_lies_below_the_measured_by_less_than_a_fifth():
-    for check in check_level_flight():
-        # A clean wing without gaps, waves, cells or propeller wash needs less than a flown one.
-        assert 0.8 * AS2_POWER_W < check.electric_power_w < AS2_POWER_W
-        assert check.calibration == pytest.approx(AS2_POWER_W / check.electric_power_w)
-        polar = wing_polar(check.airfoil, AS2, calibration=check.calibration)
-        # A common factor does not move the best lift.
-        power = AS2.electric_power_w(polar, check.airspeed_m_per_s)
-        assert float(power) == pytest.approx(AS2_POWER_W, rel=1e-6)
-
-
-def test_curve_of_as1_near_its_least_power():
-    least = AS1_FLIGHT[4]
-    for check in check_level_flight():
-        polar = wing_polar(check.airfoil, AS1, calibration=check.calibration)
-        curve = check_curve(polar)
-        near = (curve.airspeed_m_per_s > 9.0) & (curve.airspeed_m_per_s < 10.7)
-        # The scatter of the flight itself: 44.0, 40.3 and 45.4 W within 0.6 m/s.
-        assert abs(float(np.mean(curve.residual_w[near]))) < 8.0
-        assert float(np.min(curve.modelled_w)) == pytest.approx(least[1], rel=0.25)
 
 
 def test_documentation_holds_the_tables_as_computed():

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from sizing.aircraft import Aircraft
 from sizing.battery.battery import Battery
 from sizing.battery.condition import (
     Ageing,
@@ -30,23 +29,16 @@ PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
 temperatures = st.floats(-60.0, 60.0)
 
 
-def heated(**changes: float) -> BatteryTemperature:
+def heated(**changes):
     return BatteryTemperature(**({"held_c": 10.0, "heat_loss_w_per_k": 0.4} | changes))
 
 
 @given(temperatures)
-def test_a_battery_without_them_is_the_same_in_any_air(air_c: float) -> None:
+def test_a_battery_without_them_is_the_same_in_any_air(air_c):
     assert PLAIN.capacity_fraction(air_c) == 1.0
     assert PLAIN.heater_w(air_c) == 0.0
     assert PLAIN.mean_charge_efficiency == PLAIN.charge_efficiency
     assert PLAIN.mean_discharge_efficiency == PLAIN.discharge_efficiency
-
-
-@given(temperatures, temperatures)
-def test_capacity_falls_with_cold(first_c: float, second_c: float) -> None:
-    table = BatteryTemperature(ambient_offset_k=5.0)
-    cold, warm = sorted((first_c, second_c))
-    assert table.capacity_fraction(cold) <= table.capacity_fraction(warm) <= 1.0
 
 
 def test_capacity_is_that_of_the_specification():
@@ -57,7 +49,7 @@ def test_capacity_is_that_of_the_specification():
 
 
 @given(temperatures, st.floats(-5.0, 10.0), st.floats(0.1, 30.0))
-def test_the_heater_gives_what_the_pack_loses(air_c: float, offset_k: float, most_w: float) -> None:
+def test_the_heater_gives_what_the_pack_loses(air_c, offset_k, most_w):
     pack = heated(ambient_offset_k=offset_k, heater_power_w=most_w)
     lost_w = 0.4 * (pack.pack_c(air_c) - air_c - offset_k)
     assert pack.heater_w(air_c) == pytest.approx(lost_w, abs=1e-9)
@@ -83,9 +75,7 @@ def test_fade_is_the_published_law():
 
 
 @given(st.floats(0.0, 500.0), st.floats(0.0, 36.0), st.floats(1.0, 300.0), st.floats(0.05, 1.0))
-def test_capacity_falls_and_resistance_rises_with_age(
-    cycles: float, months: float, more: float, depth: float
-) -> None:
+def test_capacity_falls_and_resistance_rises_with_age(cycles, months, more, depth):
     young = Ageing(cycles=cycles, months=months, depth_of_discharge=depth)
     for older in (
         young.model_copy(update={"cycles": cycles + more}),
@@ -162,7 +152,7 @@ IN_FLIGHT = (
 COLD = mission(air={"ambient_temperature_c": -5.0})
 
 
-def spelled_out(name: str) -> Aircraft:
+def spelled_out(name):
     """Aircraft whose plain keys say what IN_FLIGHT makes of it in the cold."""
     battery = aircraft(name, *IN_FLIGHT).battery
     plain = aircraft(name)

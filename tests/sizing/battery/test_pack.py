@@ -1,7 +1,5 @@
 """Batteries of whole cells: mass, energy, voltage and charge current, and what is refused."""
 
-from typing import Any
-
 import pytest
 from builders import DESIGN
 
@@ -33,7 +31,7 @@ def cell(tmp_path):
     return str(file)
 
 
-def battery(**data: Any) -> Battery:
+def battery(**data):
     return Battery.model_validate(data)
 
 

@@ -1,7 +1,6 @@
 """Tests of climbs with the efficiency of the moment, against the exact chain point by point."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -9,21 +8,17 @@ import pytest
 import sizing
 from missions.air import GRAVITY_M_PER_S2
 from missions.library import load_mission
-from missions.mission import Mission
 from sizing.climb import climb_performance
-from sizing.day.chain_at_heights import ClimbChain
 from sizing.day.heights import flight_levels
 from sizing.day.light import solar_day
 from sizing.design import FlightConditions
 from sizing.mass_budget import design_of, parametric_design
 from sizing.performance import performance_of_designs
-from sizing.propulsion.chain import OperatingPointPropulsion
-from solar.types import FloatArray
 
 TWIN = sizing.load_aircraft("twin-boom-design")
 
 
-def mission(ceiling_m: float, all_day: float = 0.0, thermal: float = 0.0, **climb: Any) -> Mission:
+def mission(ceiling_m, all_day=0.0, thermal=0.0, **climb):
     one = load_mission("rafz-july", {"air": {}, "climb": {"ceiling_m": ceiling_m, **climb}})
     turbulence = one.turbulence.model_copy(update={"all_day": all_day, "thermal": thermal})
     return one.model_copy(update={"turbulence": turbulence})
@@ -40,10 +35,9 @@ def flown():
 BUS_V = TWIN.battery.bus_voltage_v(np.array(0.5))  # that days are flown by
 
 
-def exact_w(altitude_m: float, thrust_w: FloatArray, bus_v: FloatArray) -> FloatArray:
+def exact_w(altitude_m, thrust_w, bus_v):
     """Electric power by the public function; NaN where the parts cannot do it."""
     parts = getattr(TWIN.airframe, "propulsion", None)
-    assert isinstance(parts, OperatingPointPropulsion)
     there = HIGH.at_altitude(altitude_m)
     speed, air = level(altitude_m)[1], FlightConditions.of(there, TWIN).air
     thrust_n = thrust_w / speed / parts.propulsors
@@ -52,15 +46,14 @@ def exact_w(altitude_m: float, thrust_w: FloatArray, bus_v: FloatArray) -> Float
 
 
 @cache
-def level(altitude_m: float) -> tuple[float, float]:
+def level(altitude_m):
     """Drag times airspeed [W], and airspeed of level flight."""
     design, there = design_of(TWIN, HIGH), HIGH.at_altitude(altitude_m)
     flying = parametric_design(TWIN, there, design.variables, design.total_mass_kg)
-    assert flying.chain is not None
     return float(flying.propulsion_power_w) * flying.chain.efficiency, flying.airspeed_m_per_s
 
 
-def chain_of(where: Mission) -> ClimbChain:
+def chain_of(where):
     levels = flight_levels(TWIN, where, design_of(TWIN, where), solar_day(TWIN, where))
     assert levels.chain is not None
     return levels.chain
@@ -131,7 +124,7 @@ def test_a_design_does_not_depend_on_its_batch():
     own = TWIN
     spans, day = np.array([4.6, 5.0, 5.4]), solar_day(own, HIGH)
 
-    def excess(span: FloatArray) -> FloatArray:
+    def excess(span):
         variables = sizing.DesignVariables(span, 15.0, 2.6, 1.0)
         return performance_of_designs(own, HIGH, variables, day=day).cycle.excess_time_h
 

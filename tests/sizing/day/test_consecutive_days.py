@@ -131,20 +131,6 @@ def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, be
     assert np.array_equal(empty[clear], unserved[clear] > 1e-6)
 
 
-@settings(max_examples=40)
-@given(clearness=clearness_of_days, energy=st.floats(100.0, 4000.0))
-def test_energy_is_conserved(clearness, energy):
-    balance, its_store = days_of(clearness), store(energy, len(clearness))
-    run = carried_from(balance, its_store, energy)
-    before = np.maximum(run.drained_wh, 0.0)
-    charged = np.sum(run.after_charge_wh - before)
-    eta = its_store.discharge_efficiency
-    missing = np.sum(np.maximum(-run.drained_wh, 0.0)) + np.sum(np.maximum(-run.midnight_wh, 0.0))
-    delivered = np.sum(balance.deficit_wh) - eta * missing
-    stored = run.end_wh[-1] - energy
-    assert stored == pytest.approx(charged - delivered / eta, abs=1e-9 * energy * len(clearness))
-
-
 def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
     balance = days_of([1.0, 1.0])
     solar = balance.net_w[:, 0] > 0.0

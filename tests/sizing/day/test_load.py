@@ -1,7 +1,6 @@
 """Tests of the propulsion over load and voltage, against the exact chain point by point."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from weather_files import clear_record
 import sizing
 from missions.air import air_at
 from missions.library import load_mission
-from missions.mission import Mission
 from missions.weather.site import mission_at_site
 from sizing.climb import climb_performance
 from sizing.day.cycle import simulate_cycle
@@ -23,10 +21,8 @@ from sizing.day.replay import calendar_run
 from sizing.design import DesignVariables, FlightConditions
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.performance import performance, performance_of_designs
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.results.propulsion import varying_efficiency
 from solar.sun import declination, sun_times
-from solar.types import FloatArray
 
 MISSION = load_mission("rafz-july")
 CONTROLLER = {
@@ -37,8 +33,8 @@ CONTROLLER = {
 }
 
 
-def atlantiksolar(voltage: dict[str, Any] = VOLTAGE, **parts: Any) -> sizing.Aircraft:
-    own: sizing.Aircraft = aircraft(voltage=voltage, controller=CONTROLLER, **parts)
+def atlantiksolar(voltage=VOLTAGE, **parts):
+    own = aircraft(voltage=voltage, controller=CONTROLLER, **parts)
     return own
 
 
@@ -48,12 +44,12 @@ AIRCRAFT = {
 }
 
 
-def rough(all_day: float = 0.0, thermal: float = 0.0) -> Mission:
+def rough(all_day=0.0, thermal=0.0):
     turbulence = MISSION.turbulence.model_copy(update={"all_day": all_day, "thermal": thermal})
     return MISSION.model_copy(update={"turbulence": turbulence})
 
 
-def exact_w(own: sizing.Aircraft, mission: Mission, load: FloatArray, bus_v: FloatArray) -> Any:
+def exact_w(own, mission, load, bus_v):
     """Electric power of all propulsors by the public function, at the flight of the design."""
     design = design_of(own, mission)
     parts = getattr(own.airframe, "propulsion", None)
@@ -65,7 +61,7 @@ def exact_w(own: sizing.Aircraft, mission: Mission, load: FloatArray, bus_v: Flo
     return parts.propulsors * point.bus_power_w
 
 
-def half_charged_v(own: sizing.Aircraft) -> FloatArray:
+def half_charged_v(own):
     """Voltage that days are flown by."""
     return own.battery.bus_voltage_v(np.array(0.5))
 
@@ -124,11 +120,11 @@ def test_the_excess_time_is_how_long_the_battery_lasts(name):
     dawn_h = float(flown.cycle.equal_power_morning_h[0])
     at_dawn = float(np.interp(dawn_h, flown.cycle.time_h, flown.cycle.energy_wh[0])) / energy_wh
 
-    def falls(_: float, __: FloatArray) -> FloatArray:
+    def falls(_, __):
         load_w = exact_w(own, mission, np.array([1.1]), half_charged_v(own)) + constant_w
         return -load_w / own.battery.mean_discharge_efficiency / energy_wh
 
-    def empty(_: float, charge: FloatArray) -> float:
+    def empty(_, charge):
         return float(charge[0])
 
     empty.terminal = True  # type: ignore[attr-defined]  # of solve_ivp
@@ -142,7 +138,7 @@ def test_a_design_does_not_depend_on_its_batch():
     spans = np.array([4.4, 4.8, 5.2])
     day = solar_day(own, mission)
 
-    def flown(span: Any) -> Any:
+    def flown(span):
         variables = DesignVariables(span, 15.0, 2.6, 1.0)
         return performance_of_designs(own, mission, variables, day=day).cycle
 
@@ -231,7 +227,6 @@ def test_a_record_has_the_load_of_its_air(name):
     done = weather_performance(own, mission, record)
     run, design = done.recorded, done.design
     parts = getattr(own.airframe, "propulsion", None)
-    assert isinstance(parts, OperatingPointPropulsion)
     thrust_w = float(design.propulsion_power_w) * design.chain.efficiency
     assumed = mission.air_state()
     air_c = done.days.ambient_c

@@ -7,9 +7,8 @@ import pytest
 from builders import AS2, DESIGN, aircraft, mission
 
 from missions.library import load_mission
-from missions.mission import Mission
 from sizing.battery.condition import BatteryTemperature, Insulation
-from sizing.day.light import SolarDay, SolarModel, solar_day
+from sizing.day.light import SolarModel, solar_day
 from sizing.day.module_power import convection_in_flight, on_path, path_troubles
 from sizing.design import variables_of
 from sizing.library import load_aircraft
@@ -17,14 +16,13 @@ from sizing.mass_budget import closed_design, design_of
 from sizing.performance import performance, performance_of_designs
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
-from solar.types import FloatArray
 
 HIGH = mission(altitude_m=18000.0, dates={"on": "06-21"}, latitude_deg=30.0)
 LOW_SUN = {"latitude_deg": 50.0, "dates": mission(dates={"on": "12-21"}).dates}
 STRATOSPHERE = load_aircraft("stratosphere-design")
 
 
-def cold_modules(where: Mission) -> Mission:
+def cold_modules(where):
     """Same mission with modules as cold as the air."""
     celsius = float(where.air_state().temperature_c)
     return where.model_copy(
@@ -161,7 +159,7 @@ def test_a_climbing_design_is_cooled_as_in_its_own_file():
     file, own = STRATOSPHERE, load_aircraft("stratosphere-design", sizes)
     day = solar_day(file, where)
 
-    def energy_wh(given: SolarDay) -> FloatArray:
+    def energy_wh(given):
         variables = variables_of(own).mapped(np.array)
         found = performance_of_designs(file, where, variables, day=given)
         return found.cycle.energy_budget.solar_wh

@@ -209,32 +209,6 @@ def test_records_in_universal_time_have_the_days_of_their_longitude(longitude_de
         assert axis.date[0] == np.datetime64(first)
 
 
-def test_north_and_south_have_each_others_seasons():
-    seasons = []
-    for latitude_deg in (47.0, -47.0):
-        site = Site("", latitude_deg, 0.0, 100.0, 0.0)
-        record = clear_record(365, first="2001-01-01", site=site, interval_s=10800.0)
-        run = weather_performance(AS2, mission_at(record), record, step_s=1800.0).clear
-        seasons.append(run.axis.day_of_year[run.closes])
-    north, south = seasons
-    # The southern one is half a year later, around the turn of the year.
-    assert np.mean(np.cos(2 * np.pi * (north - 172) / 365)) > 0.4
-    assert np.mean(np.cos(2 * np.pi * (south - 355) / 365)) > 0.4
-    assert abs(len(north) - len(south)) < 20
-
-
-def test_less_light_never_helps():
-    closes, charges = [], []
-    for share in (0.5, 0.7, 1.0):
-        record = clear_record(20, first="2001-07-14", share=share)
-        run = weather_performance(AS2, mission_at(record), record).recorded
-        closes.append(run.closes.sum())
-        charges.append(run.dawn_state_of_charge)
-    assert closes == sorted(closes)
-    assert np.all(charges[0] <= charges[1] + 1e-12)
-    assert np.all(charges[1] <= charges[2] + 1e-12)
-
-
 def test_cold_air_carries_better_and_keeps_the_modules_cool():
     runs = []
     for temperature_c in (-10.0, 30.0):

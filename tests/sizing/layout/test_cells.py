@@ -1,7 +1,6 @@
 """Whole solar cells on wings: published counts, places, and what is refused."""
 
 from itertools import combinations
-from typing import Any
 
 import pytest
 from builders import DESIGN, shipped_mission
@@ -13,7 +12,7 @@ from sizing.layout.cells import CellLayout, LayoutError, Wing
 
 SUNPOWER = {"cell_span_m": 0.125, "cell_chord_m": 0.125}
 # Modules of AS-2: 20 cells in each central row and 12 in each outer one (docs/shading.md).
-AS2_BAYS: list[dict[str, Any]] = [
+AS2_BAYS = [
     {"outboard": 0.4528, "cells": [10, 10]},
     {"inboard": 0.4528, "cells": [12, 12]},
 ]

@@ -5,12 +5,12 @@ import pytest
 
 from missions.dates import date_code
 from missions.library import load_mission
-from missions.mission import Mission, Scenarios
+from missions.mission import Scenarios
 from missions.mission.scenarios import Dates
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs
-from sizing.program.cells import CellSizings, _Cells, size_cells
+from sizing.program.cells import _Cells, size_cells
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
@@ -33,7 +33,7 @@ def mission():
     return load_mission("central-europe-summer", ["required_excess_time_h=2.0"])
 
 
-def at(mission: Mission, cell: int) -> Mission:
+def at(mission, cell):
     on = Dates(on=date_code(int(CELLS.day_of_year[cell])))
     place = float(CELLS.latitude_deg[cell])
     return mission.model_copy(update={"latitude_deg": place, "dates": on})
@@ -108,7 +108,7 @@ def test_payload_of_each_cell_counts(aircraft, mission):
 def test_same_cells_give_the_same_bits(aircraft, mission):
     one, other = (size_cells(aircraft, mission, CELLS, Objective.min_wingspan) for _ in range(2))
 
-    def columns(found: CellSizings) -> list[np.ndarray]:
+    def columns(found):
         plain = [found.status, found.objective_value, found.total_mass_kg, found.shortfall]
         return [*plain, *found.variables.chosen().values()]
 

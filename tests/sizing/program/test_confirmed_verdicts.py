@@ -85,13 +85,10 @@ def test_optimum_keeps_its_requirement_with_steps_of_a_minute(objective):
 def test_payload_of_grams_is_the_largest_to_a_part_of_itself():
     best = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.0)
     # A search by simulation alone has a feasible design with 0.2251 kg of 11 kg.
-    assert best.objective_value is not None
     assert best.objective_value > 0.2251
     assert cross_check(HEAVY, HIGH, best, CDM).cross_checked
     # What is the best for a minute more is not the best for what is required.
     more = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.017)
-    assert more.design is not None
-    assert more.objective_value is not None
     lost_kg = best.objective_value - more.objective_value
     assert 0.01 * best.objective_value < lost_kg < 1e-3 * more.design.total_mass_kg
 
@@ -120,7 +117,6 @@ def test_verdict_next_to_the_largest_payload(share, status):
         uncertainty_margins={"solar_model_sigmas": 2.0},
     )
     largest = size_aircraft(NARROW, place, Objective.max_payload_mass, required_excess_time_h=0.0)
-    assert largest.objective_value is not None
     # Optima are known to half a per cent.
     loaded = place.model_copy(
         update={"payload": type(place.payload)(mass_kg=share * largest.objective_value)}

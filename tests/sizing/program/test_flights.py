@@ -1,25 +1,21 @@
 """Flights from a launch to a landing: the march, the sizing, the longest one, wrong files."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
 from pydantic import ValidationError
 
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
-from sizing.day.light import FINE_STEP_H, SolarDay, solar_day
+from sizing.day.light import FINE_STEP_H, solar_day
 from sizing.day.metrics import Status
 from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
-from sizing.performance import Performance, performance, performance_of_designs
+from sizing.performance import performance, performance_of_designs
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
-from solar.types import FloatArray
 
 # The loop over minutes knows no charge limit.
 LARGE_BATTERY = aircraft("atlantiksolar-as2", "battery.charge_limit={kind: none}")
@@ -29,17 +25,16 @@ SMALL_BATTERY = aircraft(
 DAYLIGHT = {"launch": "sunrise", "land": "sunset", "reserve_h": 0.5}
 
 
-def flying(flight: dict[str, Any], **changes: Any) -> Mission:
+def flying(flight, **changes):
     return mission(flight=flight, **changes)
 
 
-def hand_flown(flown: Aircraft, one: Mission) -> tuple[float, float, float]:
+def hand_flown(flown, one):
     """Excess time, least state of charge and missing hours of a loop over minutes."""
     assert one.flight is not None
     repeated = one.model_copy(update={"flight": None})
     level = performance(flown, repeated, step_h=FINE_STEP_H)
     window = one.flight_window_h(one.scenarios())
-    assert window is not None
     launch_h, land_h = float(window[0][0]), float(window[1][0])
     battery, store = flown.battery, level.store
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
@@ -95,7 +90,6 @@ def test_a_flight_by_the_clock_is_that_by_the_sun_it_stands_for():
     local = flying(
         {"launch": "07:30", "hours": 10.0, "utc_offset_h": 1.0}, longitude_deg=15.0
     ).flight_window_h(mission().scenarios())
-    assert local is not None
     assert local[0][0] == pytest.approx(7.5 - 6.0 / 60.0, abs=0.02)
 
 
@@ -130,7 +124,7 @@ def test_a_wrong_flight_is_refused(changes, words):
     assert words in str(told.value)
 
 
-def searched(one: Mission, score: Any, points: int, rounds: int) -> tuple[float, Performance]:
+def searched(one, score, points, rounds):
     """Best of a grid of designs that closes in on its best, again and again; by the simulator."""
     space, day = DESIGN.design_space, solar_day(DESIGN, one)
     ranges = (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
@@ -144,7 +138,7 @@ def searched(one: Mission, score: Any, points: int, rounds: int) -> tuple[float,
         with np.errstate(all="ignore"):
             perf = flown_batch(one, DesignVariables(span, aspect, battery, area), day)
             met = np.ravel(meets_requirements(DESIGN, perf.design))
-            scores: FloatArray = np.where(met, np.nan_to_num(score(perf), nan=-np.inf), -np.inf)
+            scores = np.where(met, np.nan_to_num(score(perf), nan=-np.inf), -np.inf)
         i = int(np.argmax(scores))
         if scores[i] > best:
             best, kept = float(scores[i]), np.array([span[i], battery[i], area[i]])
@@ -153,7 +147,7 @@ def searched(one: Mission, score: Any, points: int, rounds: int) -> tuple[float,
     return best, perf
 
 
-def flown_batch(one: Mission, variables: DesignVariables, day: SolarDay) -> Performance:
+def flown_batch(one, variables, day):
     return performance_of_designs(DESIGN, one, variables, day=day)
 
 
@@ -165,13 +159,12 @@ def flown_batch(one: Mission, variables: DesignVariables, day: SolarDay) -> Perf
 def test_the_lightest_aircraft_of_a_flight_is_that_of_a_search(flight):
     one = flying(flight)
 
-    def lightest(perf: Performance) -> FloatArray:
+    def lightest(perf):
         excess_h = perf.cycle.excess_time_h[:, 0]
         lands = (excess_h > 0.0) & (excess_h >= one.required_excess_time_h)
         return np.where(lands, -np.asarray(perf.design.total_mass_kg), -np.inf)
 
     found = size_aircraft(DESIGN, one, Objective.min_mass)
-    assert found.simulated is not None
     assert found.simulated.cycle.excess_time_h.min() >= one.required_excess_time_h
     best, _ = searched(one, lightest, points=9, rounds=11)
     # The least mass that is known: the program may be 0.5 % above, and the search as much.
@@ -189,8 +182,6 @@ def test_a_flight_that_no_design_makes_is_told_with_what_the_nearest_lacks():
 def test_the_longest_flight_of_all_designs_is_longer_than_that_of_a_search():
     one = mission(dates={"on": "12-21"})
     found = longest_flight_of_all(DESIGN, one)
-    assert found.simulated is not None
-    assert found.objective_value is not None
     assert found.simulated.cycle.status[0] == Status.lands
     best, _ = searched(one, lambda perf: perf.worst_endurance_h, points=5, rounds=7)
     assert found.objective_value > best

@@ -1,9 +1,5 @@
 """The day of a program: its intervals return the energy of the day that they are cut from."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from builders import DESIGN, mission
@@ -13,13 +9,12 @@ from sizing.design import variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.intervals import Day, day_means, light_at_heights, nodes_of, reserve_nodes
 from sizing.program.transcription import LEVELS, Form, lagrange
-from solar.types import FloatArray, IntArray
 
 INTO, OUT_OF = 0.95, 0.9
 FORMS = [Form(1), Form(1, climbs=True)]
 
 
-def day_of(**changes: Any) -> tuple[Day, float]:
+def day_of(**changes):
     """Return the repeated day of a design, and its nominal load [W]."""
     flight = mission(**changes)
     light = solar_day(DESIGN, flight)
@@ -28,12 +23,12 @@ def day_of(**changes: Any) -> tuple[Day, float]:
     return Day.of(light.time_h, *powers), float(np.ravel(perf.nominal_load_w)[0])
 
 
-def cut(day: Day, nominal_w: float, form: Form) -> IntArray:
+def cut(day, nominal_w, form):
     """Return the nodes of a day on which nothing is known of the charge."""
     return nodes_of(day, np.linspace(0.5, 0.9, len(day.time_h)), INTO, 700.0, nominal_w, form)
 
 
-def energy_wh(day: Day, power_w: FloatArray) -> float:
+def energy_wh(day, power_w):
     """Return the energy of a power that is straight between times, by a fine sum."""
     fine_h = np.linspace(day.time_h[0], day.time_h[-1], 200_001)
     return float(np.interp(fine_h, day.time_h, power_w)[:-1].mean() * np.ptp(fine_h))

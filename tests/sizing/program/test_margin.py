@@ -1,10 +1,6 @@
 """Least margins: with a judge of whom all is known."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from builders import DESIGN, mission
@@ -20,13 +16,13 @@ TOLERANCE = 1e-3
 class Known(MarginSearch):
     """Designs that have the margin as their span, up to ``largest``; of a known surplus."""
 
-    def __init__(self, surplus: Callable[[float], float], largest: float = math.inf) -> None:
+    def __init__(self, surplus, largest=math.inf):
         super().__init__(DESIGN, mission(), Objective.min_wingspan, UNCORRECTED_CAM)
         self.surplus, self.largest, self.count = surplus, largest, 0
 
-    def sized(self, income: float, storage: float) -> SizingResult:
+    def sized(self, income, storage):
         self.count += 1
-        span: dict[str, Any] = {"design": DESIGN, "objective_value": income}
+        span = {"design": DESIGN, "objective_value": income}
         report = SolverReport(iterations=1, solves=1)
         return SizingResult(
             status=SizingStatus.optimal,
@@ -36,13 +32,12 @@ class Known(MarginSearch):
             **(span if income <= self.largest else {}),
         )
 
-    def judge(self, result: SizingResult) -> Trial:
+    def judge(self, result):
         assert result.objective_value is not None
         return Trial(result, result.objective_value, self.surplus(result.objective_value))
 
-    def found(self, ends: tuple[float, float], below: float = -math.inf) -> Trial:
+    def found(self, ends, below=-math.inf):
         trial = self.least(lambda margin: (margin, 1.0), ends, 0.5, TOLERANCE, below)
-        assert trial is not None
         assert trial.result.solver.solves == trial.result.solver.iterations == self.count
         return trial
 

@@ -1,6 +1,6 @@
 """Where the sun never sets: designs that live on it at all times, and those that need a battery."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import builders
 import numpy as np
@@ -12,12 +12,12 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.day.metrics import Status
-from sizing.design import DesignVariables, variables_of
+from sizing.design import variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
-from sizing.program.result import SizingResult, SizingStatus, objective_value
+from sizing.program.result import SizingStatus, objective_value
 from sizing.program.size import size_aircraft
 
 # A structure as heavy as AtlantikSolar's at its size, by a formula that known designs can rely on.
@@ -26,19 +26,19 @@ STRUCTURE += "aspect_ratio_exponent: -0.25}"
 LIGHT_BATTERY = "design_space.battery_mass_kg={minimum: 0.1, maximum: 150}"
 
 
-def aircraft(*overrides: str) -> Aircraft:
+def aircraft(*overrides):
     return builders.aircraft("atlantiksolar-design", STRUCTURE, *overrides)
 
 
 MIN_SPAN, MIN_MASS = Objective.min_wingspan, Objective.min_mass
 
 
-def as_cold(altitude_m: float) -> dict[str, float]:
+def as_cold(altitude_m):
     """Air whose modules are as cold: the known designs are of such modules."""
     return {"module_temperature_c": float(standard_air(altitude_m).temperature_c)}
 
 
-def mission(**changes: Any) -> Mission:
+def mission(**changes):
     plain = {"latitude_deg": 80.0, "altitude_m": 0.0, "turbulence": {"thermal": 1.0}}
     return july_day(**plain | {"air": as_cold(0.0)} | changes)
 
@@ -53,7 +53,7 @@ class Known(NamedTuple):
     solar: SolarModel
     design: dict[str, float]
 
-    def sized(self) -> SizingResult:
+    def sized(self):
         return size_aircraft(
             self.plane,
             self.mission,
@@ -62,9 +62,9 @@ class Known(NamedTuple):
             required_excess_time_h=self.required_h,
         )
 
-    def value(self) -> float:
+    def value(self):
         """Objective of the known design, which the simulator must accept."""
-        variables: DesignVariables = variables_of(self.plane)._replace(**self.design)
+        variables = variables_of(self.plane)._replace(**self.design)
         perf = performance_of_designs(self.plane, self.mission, variables, self.solar)
         worst_h = float(np.min(perf.cycle.excess_time_h))
         assert worst_h > 0.0
@@ -141,25 +141,11 @@ KNOWN = {
 def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known):
     result = known.sized()
     assert result.status is SizingStatus.optimal
-    assert result.objective_value is not None
-    assert result.simulated is not None
     assert result.objective_value <= known.value() * 1.001
     assert (result.simulated.cycle.status == Status.always_lit).all()
     assert any(name.startswith("always_lit") for name in result.active_constraints) or any(
         name.startswith("battery_capacity") for name in result.active_constraints
     )
-
-
-def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing():
-    known = KNOWN["thermals at noon, one day"]
-    cells = size_cells(
-        known.plane,
-        known.mission,
-        Scenarios(np.array([80.0]), np.array([196])),
-        MIN_MASS,
-        required_excess_time_h=12.0,
-    )
-    assert cells.objective_value == pytest.approx([known.sized().objective_value], rel=1e-3)
 
 
 @pytest.mark.parametrize("climb", [None, {"ceiling_m": 12300.0}], ids=["level", "climbs"])
@@ -169,7 +155,6 @@ def test_modules_cooled_otherwise_than_the_first_guess_s_still_carry_the_load(cl
     high = mission(climb=climb).model_copy(update={"altitude_m": 12000.0})
     given = (plane, high, Objective.max_payload_power)
     result = size_aircraft(*given, required_excess_time_h=26.0)
-    assert result.simulated is not None
     assert np.isinf(result.simulated.cycle.excess_time_h).all()
     lowest_w = result.simulated.solar_power_w.min(axis=-1)
     assert lowest_w == pytest.approx(result.simulated.nominal_load_w, rel=1e-3)
@@ -214,7 +199,6 @@ def test_later_cell_of_two_midnight_suns_has_the_design_of_a_single_sizing():
         scenarios_per_cell=len(polar),
     )
     alone = size_aircraft(known.plane, days, MIN_MASS, required_excess_time_h=12.0)
-    assert alone.simulated is not None
     assert (alone.simulated.cycle.status == Status.always_lit).all()
     assert np.isinf(cells.excess_time_h[1])
     # Both stop within 0.012 h of the requirement.

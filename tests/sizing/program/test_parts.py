@@ -1,7 +1,5 @@
 """Tests of sizing with a propulsion at its operating point: the exact chain judges every design."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from propulsors import PARTS, aircraft
@@ -12,7 +10,6 @@ from sizing.design import DesignVariables
 from sizing.mass_budget import ImpossibleDesignError, level_point
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
-from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
 
 MISSION = load_mission("rafz-july")
@@ -27,17 +24,14 @@ CHOSEN = {
 }
 
 
-def ranged(*names: str, motor: Any = PARTS["motor"]) -> sizing.Aircraft:
+def ranged(*names, motor=PARTS["motor"]):
     ends = {name: dict(zip(("minimum", "maximum"), CHOSEN[name], strict=True)) for name in names}
     space = {f"design_space.{name}": one for name, one in ends.items()}
     return aircraft(space, motor=motor)
 
 
-def neighbours_excess_h(
-    own: sizing.Aircraft, result: SizingResult, relative: float
-) -> dict[str, tuple[float, float]]:
+def neighbours_excess_h(own, result, relative):
     """Mass [kg] and excess time [h] of designs with one variable moved, by name."""
-    assert result.design is not None
     variables = result.design.variables
     chosen = {name: float(one) for name, one in variables.chosen().items()}
     names = [name for name in chosen if name != "aspect_ratio" and chosen[name] > 0.0]
@@ -65,7 +59,6 @@ def test_parts_hold_a_sizing_back_or_not(objective, required_h, least):
     assert result.merit > least
     # Without limits of its own the point would be NaN, and the design heavier than anything.
     assert level_point(TWIN, MISSION, result.design).reason == ""
-    assert result.simulated is not None
     assert result.simulated.cycle.excess_time_h.min() >= required_h
 
 
@@ -80,7 +73,6 @@ def test_parts_hold_a_sizing_back_or_not(objective, required_h, least):
 def test_no_neighbour_is_lighter(names):
     own = ranged(*names)
     result = size_aircraft(own, MISSION, Objective.min_mass)
-    assert result.design is not None
     for relative in (-0.03, 0.03):
         for name, (mass_kg, excess_h) in neighbours_excess_h(own, result, relative).items():
             # A sizing may leave this much of its objective.
@@ -104,16 +96,3 @@ def test_what_the_parts_cannot_do_has_a_reason():
     fast = aircraft(gear=PARTS["gear"] | {"ratio": 9.0})
     with pytest.raises(ImpossibleDesignError, match=r"level flight .* bus voltage 18 V is below"):
         size_aircraft(fast, MISSION, Objective.min_mass)
-
-
-def test_propulsors_of_a_batch_have_sizes_of_their_own():
-    design = sizing.design_of(aircraft(), MISSION)
-    parts = aircraft().propulsion_by_parts
-    assert parts is not None
-    sizes = [(0.6, 0.5, 4.0, 280.0), (0.66, 0.6, 5.0, 317.0), (0.8, 0.7, 6.0, 350.0)]
-    flight = design.thrust_power_w, design.airspeed_m_per_s, MISSION.air_state(), (18.0, 25.2)
-    together = parts.sized(*(np.array(one) for one in zip(*sizes, strict=True))).point(
-        *(np.full(3, one) for one in flight[:2]), *flight[2:]
-    )
-    alone = [float(parts.sized(*one).point(*flight).bus_power_w) for one in sizes]
-    assert together.bus_power_w == pytest.approx(alone, rel=1e-12, nan_ok=True)

@@ -1,14 +1,12 @@
 """What the nearest design misses: of energy, to the battery's capacity."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from builders import DESIGN, mission
 
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import variables_of
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by
 from sizing.program.solve import LACKING
@@ -18,12 +16,12 @@ DAY = solar_day(DESIGN, mission())
 TASK = SizingTask(DESIGN, mission(), Objective.min_mass, UNCORRECTED_CAM, DAY, 0.0)
 
 
-def simulated(**changes: float) -> Performance:
+def simulated(**changes):
     design = variables_of(DESIGN)._replace(**changes)
     return performance_of_designs(DESIGN, mission(), design, day=DAY)
 
 
-def test_a_battery_too_small_for_the_night_lacks_what_the_night_takes_beyond_it() -> None:
+def test_a_battery_too_small_for_the_night_lacks_what_the_night_takes_beyond_it():
     perf = simulated(battery_mass_kg=0.5)
     net_w = np.ravel(perf.load_w) - np.ravel(perf.solar_power_w)
     fine_h = np.linspace(0.0, 24.0, 200_001)
@@ -35,7 +33,7 @@ def test_a_battery_too_small_for_the_night_lacks_what_the_night_takes_beyond_it(
     }
 
 
-def test_a_day_that_returns_next_to_enough_lacks_the_least_share_of_its_load() -> None:
+def test_a_day_that_returns_next_to_enough_lacks_the_least_share_of_its_load():
     less_m2, more_m2 = 0.1, 1.35
     for _ in range(20):
         area_m2 = (less_m2 + more_m2) / 2.0

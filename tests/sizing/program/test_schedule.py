@@ -1,7 +1,5 @@
 """Heights of a day: what other aircraft make of those that were chosen for one."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

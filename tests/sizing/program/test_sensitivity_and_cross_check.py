@@ -7,7 +7,6 @@ import pytest
 
 from missions.files.overrides import with_values
 from missions.library import load_mission
-from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import catalogue, with_parameter
@@ -15,7 +14,6 @@ from sizing.performance import performance_of_designs
 from sizing.program.cross_check import CrossCheck, cross_check, random_factors
 from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
-from sizing.program.result import SizingResult
 from sizing.program.sensitivity import (
     Sensitivity,
     constraint_multipliers,
@@ -30,9 +28,7 @@ pytestmark = pytest.mark.slow
 DESIGN = "atlantiksolar-design"
 
 
-def sized(
-    objective: Objective, required_h: float, *overrides: str, mission: str = "rafz-july"
-) -> SizingResult:
+def sized(objective, required_h, *overrides, mission="rafz-july"):
     of_mission = [o.removeprefix("mission.") for o in overrides if o.startswith("mission.")]
     of_aircraft = [o for o in overrides if not o.startswith("mission.")]
     return size_aircraft(
@@ -43,12 +39,12 @@ def sized(
     )
 
 
-def value(result: SizingResult) -> float:
+def value(result):
     assert result.objective_value is not None
     return result.objective_value
 
 
-def without_excess(result: SizingResult) -> float:
+def without_excess(result):
     """Objective of exactly the required excess time.
 
     A search ends where less than 0.03 % of the objective is left to gain; a difference of two
@@ -56,7 +52,6 @@ def without_excess(result: SizingResult) -> float:
     """
     if result.objective is Objective.max_excess_time:
         return value(result)
-    assert result.simulated is not None
     worst_h = float(result.simulated.cycle.excess_time_h.min())
     gain_per_h = sum(one.gain for one in constraint_multipliers(result) if one.step == "1 h")
     return value(result) - gain_per_h * (worst_h - result.required_excess_time_h)
@@ -116,7 +111,7 @@ def test_sensitivities_hold_where_the_charger_takes_over(module_temperature, tol
         air_c = float(mission.air_state().temperature_c)
         mission = with_values(mission, {"air.module_temperature_c": air_c})
 
-    def best(craft: Aircraft) -> tuple[Aircraft, SizingResult]:
+    def best(craft):
         # At 3.9 km the flow cools the modules. The file's aircraft has half the optimum's span: as
         # in a whole sizing, the program has the flow of its optimum.
         given, hours = (mission, objective, UNCORRECTED_CAM), {"required_excess_time_h": required_h}
@@ -218,7 +213,6 @@ def test_random_neighbours_are_half_within_and_half_beyond_what_a_program_resolv
 def test_spoiled_optimum_is_found_out(objective):
     aircraft, mission = load_aircraft(DESIGN), load_mission("rafz-july")
     result = size_aircraft(aircraft, mission, objective, required_excess_time_h=2.0)
-    assert result.design is not None
     best = result.design.variables
     # Three per cent more span and less battery and payload: feasible or not, not the optimum.
     worse = best.mapped(lambda value: 0.9 * np.asarray(value))._replace(
@@ -254,7 +248,6 @@ def test_grid_finds_designs_that_need_no_battery():
     aircraft = load_aircraft(DESIGN)
     mission = load_mission("rafz-july", ["latitude_deg=80"])
     result = size_aircraft(aircraft, mission, Objective.max_excess_time)
-    assert result.design is not None
     heavy = result.design.variables.mapped(np.asarray)._replace(
         wingspan_m=np.asarray(12.0),
         battery_mass_kg=np.asarray(16.0),
@@ -279,8 +272,6 @@ def test_multiplier_of_the_required_time_is_what_another_hour_costs():
         p.gain for p in constraint_multipliers(result) if p.constraint.startswith("excess_time")
     )
     more, less = (sized(Objective.min_wingspan, h).objective_value for h in (4.2, 3.8))
-    assert more is not None
-    assert less is not None
     # A difference over 0.4 h of two searches that stop within 0.012 h: five percent.
     assert per_hour == pytest.approx((more - less) / 0.4, rel=0.06)
     assert multipliers["excess_time"].step == "1 h"
@@ -301,8 +292,6 @@ def test_multiplier_of_a_bound_is_what_widening_it_gains():
     multiplier = {p.constraint: p for p in constraint_multipliers(narrow)}[
         "wingspan_m at its bound"
     ]
-    assert narrow.objective_value is not None
-    assert wide.objective_value is not None
     # The step is one percent; what is left is the curvature over it.
     assert multiplier.gain == pytest.approx(wide.objective_value - narrow.objective_value, rel=0.05)
     assert multiplier.step == "1 % of the bound"

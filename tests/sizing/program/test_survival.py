@@ -184,18 +184,6 @@ def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
     assert sum(one["days_that_close"] for one in days.by_year()) == days.that_close
 
 
-def test_days_of_each_year_are_counted():
-    closes = np.array([True, False, True, True, False])
-    days = SeasonDays(
-        np.array([2001, 2001, 2003, 2003, 2003]), np.array([1, 2, 1, 2, 3]), closes, 1
-    )
-    assert [list(one.values()) for one in days.by_year()] == [
-        [2001, 2, 1, 0.5],
-        [2003, 3, 2, pytest.approx(2.0 / 3.0)],
-    ]
-    assert days.share == 0.6
-
-
 def test_out_of_reach_says_what_is_reached():
     small = load_aircraft(
         "atlantiksolar-design", {"design_space.wingspan_m": {"minimum": 2.0, "maximum": 4.4}}

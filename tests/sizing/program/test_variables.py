@@ -1,7 +1,5 @@
 """Variables and rows of the program: what they stand for."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The propulsion functions of AeroSandbox (MIT licence) as independent numbers."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -12,9 +10,9 @@ from sizing.propulsion.operating_point import Propulsor, operating_point
 from sizing.propulsion.propeller import Coefficients
 
 pytestmark = pytest.mark.extra
-asb: Any = pytest.importorskip("aerosandbox")
-electric: Any = pytest.importorskip("aerosandbox.library.propulsion_electric")
-propellers: Any = pytest.importorskip("aerosandbox.library.propulsion_propeller")
+asb = pytest.importorskip("aerosandbox")
+electric = pytest.importorskip("aerosandbox.library.propulsion_electric")
+propellers = pytest.importorskip("aerosandbox.library.propulsion_propeller")
 
 MOTOR = Motor(speed_constant_rpm_per_v=317.0, resistance_ohm=0.299, no_load_current_a=0.137)
 

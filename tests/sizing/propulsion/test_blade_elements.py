@@ -101,14 +101,6 @@ def test_no_propeller_beats_momentum_theory(blades, ratio):
     assert np.all((advance * model.thrust / model.power)[pulls] < ideal)
 
 
-@pytest.mark.parametrize("ratio", [0.4, 0.8, 1.4])
-def test_at_rest_no_propeller_beats_the_figure_of_merit_of_one(ratio):
-    model = BladeElementPropeller(0.6, 0.6 * ratio).coefficients(0.0, 25.0, AIR)
-    # Ideal power T^1.5 / sqrt(2 rho A), by coefficients.
-    ideal = float(model.thrust) ** 1.5 * np.sqrt(2.0 / np.pi)
-    assert 0.3 * model.power < ideal < model.power
-
-
 def test_fast_flight_brakes_and_turns_the_propeller():
     propeller = BladeElementPropeller(0.25, 0.15)
     n = 50.0

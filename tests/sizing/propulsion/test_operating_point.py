@@ -2,12 +2,10 @@
 
 import contextlib
 import io
-from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import SKY_SAILOR
 from documented import DOCS, blocks
 from propulsors import aircraft
 from pydantic import ValidationError
@@ -281,27 +279,6 @@ def test_power_of_atlantiksolar(thrust_power, low, high):
     assert np.all((point.bus_power_w > low) & (point.bus_power_w < high))
     assert 0.76 < point.propeller_efficiency[1] < 0.82
     assert 0.64 < point.efficiency[1] < 0.68
-
-
-def test_power_of_sky_sailor():
-    # 2.44 kg at the lift coefficient and with the drag of the method, at 500 m.
-    polar, air = SKY_SAILOR.airframe.aerodynamics, standard_air(500.0)
-    lift = polar.lift_coefficient
-    v = float(np.sqrt(2 * 2.44 * 9.81 / (air.density_kg_per_m3 * 0.776 * lift)))
-    drag_coefficient = 0.0126 + 0.006 + lift**2 / (np.pi * 0.9 * 13.2)
-    thrust = 2.44 * 9.81 * drag_coefficient / lift
-    assert thrust * v / (0.95 * 0.85 * 0.97 * 0.85) + 2.0 / 0.65 == pytest.approx(16.1, abs=0.05)
-    # Its propeller's efficiency of 0.85 is beyond any of model propellers' sections of its size.
-    efficiencies = []
-    for d, ratio in product((0.4, 0.5, 0.6, 0.7), (0.8, 1.0, 1.2, 1.4)):
-        propulsor = Propulsor(
-            BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0)
-        )
-        point = operating_point(propulsor, thrust, v, air, 100.0)
-        efficiencies.append(float(point.propeller_efficiency))
-    best = max(efficiencies)
-    assert best == pytest.approx(0.797, abs=2e-3)
-    assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(17.0, abs=0.05)
 
 
 def test_parts_near_a_flight_are_the_exact_ones():

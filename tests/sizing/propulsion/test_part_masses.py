@@ -1,7 +1,5 @@
 """Tests of the masses of parts that no file gives."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from propulsors import PARTS as OWN_PARTS
@@ -37,7 +35,7 @@ def aircraft(ranges=None, **parts):
 
 
 def test_the_line_through_the_motors_is_the_least_squares_of_their_logarithms():
-    rows: list[tuple[float, float]] = []
+    rows = []
     for motor in entries("motors").values():
         numbers = motor.numbers()
         constant = 60.0 / (2.0 * np.pi * numbers["speed_constant_rpm_per_v"])
@@ -155,7 +153,7 @@ def test_masses_scatter_with_a_propeller_by_tables(tmp_path):
         for j in (0.2, 0.6, 1.0, 1.2)
     )
     table.write_text(f"# diameter_m: 0.66\nJ,CT,CP,rpm\n{rows}\n")
-    parts: dict[str, Any] = {"propeller": {"table": str(table), "mass_kg": 0.05}}
+    parts = {"propeller": {"table": str(table), "mass_kg": 0.05}}
     keys = {
         f"airframe.propulsion.{part}_mass_factor": np.array([1.5])
         for part in ("motor", "propeller")

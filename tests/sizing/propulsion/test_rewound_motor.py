@@ -1,7 +1,5 @@
 """Tests of motors wound anew, and of the speed constant as a design variable."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from propulsors import PARTS
@@ -30,7 +28,7 @@ WEAK = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0,
 
 def aircraft(*changes):
     parts = PARTS | {"motor": MOTOR.model_dump(exclude_none=True)}
-    values: dict[str, Any] = {"battery.voltage": WEAK, "airframe.propulsion": parts}
+    values = {"battery.voltage": WEAK, "airframe.propulsion": parts}
     for change in changes:
         values |= change
     return sizing.load_aircraft("atlantiksolar-design", values)

@@ -1,7 +1,5 @@
 """Tests of the margins on every requirement, and of the contingency on masses."""
 
-from typing import Any
-
 import pytest
 from builders import AS2, DESIGN
 from propulsors import VOLTAGE, aircraft
@@ -15,7 +13,7 @@ from studies.render.sizing_tables import requirement_table
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})
 
 
-def margins(aircraft: sizing.Aircraft, **mission: Any) -> dict[str, Any]:
+def margins(aircraft, **mission):
     flown = sizing.analyse(aircraft, load_mission("rafz-july", {"wind_m_per_s": 4.0} | mission))
     return {one.name: one for one in requirement_margins(aircraft, flown.performance, 3.0)}
 
@@ -30,7 +28,7 @@ def test_every_requirement_has_its_margin():
     assert found["airspeed_above_wind"].margin == pytest.approx(speed / 4.0 - 1.0)
     assert found["airspeed_m_per_s_maximum"].margin == pytest.approx(1.0 - speed / 12.0)
     # Lift at the stall over lift in flight, 1.15 and 0.8 in the file.
-    polar: Any = own.airframe.aerodynamics  # type: ignore[union-attr]
+    polar = own.airframe.aerodynamics  # type: ignore[union-attr]
     ratio = (polar.maximum_lift_coefficient / polar.lift_coefficient) ** 0.5
     stall = found["stall_margin"]
     assert (stall.value, stall.limit, stall.recommended) == (pytest.approx(ratio), 1.2, True)
@@ -55,7 +53,7 @@ def test_the_wind_of_a_percentile_has_its_margin():
 def test_climb_is_that_of_the_highest_altitude():
     low = margins(DESIGN)["climb_rate_at_highest_altitude_m_per_s"]
     own = sizing.design_of(DESIGN, MISSION)
-    chain: Any = own.chain
+    chain = own.chain
     # What the rated power, so many times that of level flight, has to spare lifts the weight.
     spare_w = (chain.climb_power_ratio - 1.0) * own.propulsion_power_w
     climb = spare_w * chain.efficiency / own.total_mass_kg / 9.80665
@@ -83,7 +81,7 @@ def test_an_empty_battery_climbs_with_what_its_voltage_allows():
     weight_n = design.total_mass_kg * 9.80665
     drag_n = design.propulsion_power_w * design.chain.efficiency / design.airspeed_m_per_s  # type: ignore[union-attr]
     thrust_n = drag_n + climb * weight_n / design.airspeed_m_per_s
-    parts: Any = own.airframe.propulsion  # type: ignore[union-attr]
+    parts = own.airframe.propulsion  # type: ignore[union-attr]
     for factor, able in ((0.999, True), (1.04, False)):
         point = sizing.operating_point(
             parts.propulsor, factor * thrust_n, design.airspeed_m_per_s, MISSION.air_state(), 19.2

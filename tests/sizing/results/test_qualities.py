@@ -1,13 +1,10 @@
 """The same requirement by every class of building."""
 
-from typing import Any
-
 import pytest
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.results.sizing import size
-from sizing.results.sizing_study import SizingStudy
 from sizing.user_models import register_structure
 
 BUILD = "airframe.structure.build"
@@ -15,7 +12,7 @@ JULY = load_mission("rafz-july")
 register_structure("of a test of rows", lambda of: 0.2 * of.wingspan_m)
 
 
-def study(changes: dict[str, Any] | None = None, **options: Any) -> SizingStudy:
+def study(changes=None, **options):
     aircraft = load_aircraft("atlantiksolar-design", changes or {})
     return size(aircraft, JULY, with_builds=True, **options)
 

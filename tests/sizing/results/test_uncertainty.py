@@ -8,7 +8,7 @@ import sizing
 from missions.files.errors import InputError
 from missions.files.overrides import with_values
 from missions.library import load_mission
-from missions.uncertainty import Normal, Uniform
+from missions.uncertainty import Uniform
 from sizing.library import load_aircraft
 from sizing.results.uncertainty import _sobol_indices
 from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
@@ -178,22 +178,6 @@ def scattered(*distributions):
     named = zip("abc", distributions, strict=False)
     inputs = tuple(UncertainInput(key, 1.0, one) for key, one in named)
     return UncertainInputs(inputs, np.eye(len(inputs)))
-
-
-def test_indices_of_a_sum_are_the_shares_of_its_variances():
-    # Additive: first and total order are c_i^2 s_i^2 over their sum. 9, 16 and 75 of 100.
-    inputs = scattered(
-        Normal(sigma=3.0),
-        Normal(sigma=0.4),
-        Uniform(distribution="uniform", low=-3.0, high=3.0),  # variance 3
-    )
-    study = _Known(lambda a, b, c: a + 10.0 * b + 5.0 * c)
-    for one, share in zip(
-        _sobol_indices(study, inputs, 2**15, 1).values(), (0.09, 0.16, 0.75), strict=True
-    ):
-        # 4096 points each; tails of 1e-4 are cut off.
-        assert one.first == pytest.approx(share, abs=0.01)
-        assert one.total == pytest.approx(share, abs=0.01)
 
 
 def test_indices_of_ishigamis_function():

@@ -1,6 +1,6 @@
 """The rib wing: loads by another form of the rule, parts by an independent sum, no kinks."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -220,7 +220,7 @@ def hard_wing(b, ar, m, share, **limits):
     )
 
 
-STIFFNESS: list[dict[str, Any]] = [
+STIFFNESS = [
     {},
     {"maximum_tip_deflection": 0.02},
     {"maximum_tip_deflection": 0.15, "deflection_load_case": "limit_load"},

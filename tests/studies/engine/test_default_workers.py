@@ -17,10 +17,10 @@ SWEEP = ["sweep", *DESIGN, "--vary", "battery.specific_energy_wh_per_kg=200:400:
 @pytest.fixture
 def started(monkeypatch):
     """Names of the processes that were started; any work is long enough for two of them."""
-    names: list[str] = []
+    names = []
     start = BaseProcess.start
 
-    def noted(process: BaseProcess) -> None:
+    def noted(process):
         start(process)
         names.append(process.name)
 

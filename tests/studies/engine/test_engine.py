@@ -10,9 +10,7 @@ import sys
 import threading
 import time
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import chunk_functions
 import numpy as np
@@ -25,13 +23,13 @@ from studies.engine import chunk_store, workers
 from studies.engine import run as engine
 from studies.engine.chunk_store import FAILURE, ChunkStore
 from studies.engine.dask_pool import DaskPool
-from studies.engine.run import Job, Outcome
+from studies.engine.run import Job
 from studies.engine.workers import Pool, WorkersUnavailableError
 
 KEY = "0123456789abcdef" * 2 + "01234567"
 
 
-def run(job: Job, pool: Pool | None = None, folder: Path | None = None) -> Outcome:
+def run(job, pool=None, folder=None):
     pool = pool or Pool(1)
     if folder is None:
         return engine.run(job, pool)
@@ -39,11 +37,11 @@ def run(job: Job, pool: Pool | None = None, folder: Path | None = None) -> Outco
         return engine.run(job, pool, store)
 
 
-def one_cell(function: Any, **blanks: Any) -> Job:
+def one_cell(function, **blanks):
     return Job(function, chunk_functions.Settings(), np.ones((1, 1)), [np.arange(1)], blanks)
 
 
-def assert_identical(outcome: Outcome, expected: Outcome) -> None:
+def assert_identical(outcome, expected):
     assert outcome.columns.keys() == expected.columns.keys()
     for name, values in outcome.columns.items():
         assert values.tobytes() == expected.columns[name].tobytes(), name
@@ -143,7 +141,7 @@ def test_a_wrong_column_is_a_failure_with_its_name():
 # ---- kept chunks
 
 
-def computed(log: Path) -> set[str]:
+def computed(log):
     """First cells of the chunks that were computed."""
     return {path.name.split("-")[0] for path in log.iterdir()}
 
@@ -163,7 +161,7 @@ def test_finished_chunks_are_not_computed_again(tmp_path):
     assert_identical(first, again)
 
 
-def archive(**columns: Any) -> bytes:
+def archive(**columns):
     """Archive of a part of the cells 4 to 7, with some columns changed; None leaves one out."""
     good = {"root": np.zeros(4), "number": np.arange(4), "name": np.array(list("abcd"))}
     held = good | {FAILURE: np.array([""] * 4)} | columns
@@ -172,7 +170,7 @@ def archive(**columns: Any) -> bytes:
     return file.getvalue()
 
 
-def huge(shape: str, kind: str = "<f8") -> bytes:
+def huge(shape, kind="<f8"):
     """Archive whose column says that it is larger than the memory."""
     file = io.BytesIO(archive(root=None))
     head = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
@@ -181,7 +179,7 @@ def huge(shape: str, kind: str = "<f8") -> bytes:
     return file.getvalue()
 
 
-def bomb() -> bytes:
+def bomb():
     """Archive with a packed column."""
     file = io.BytesIO()
     np.savez_compressed(file, root=np.zeros(10_000_000))
@@ -219,7 +217,7 @@ MADE_UP = [
 
 
 # What becomes of a part's bytes, and of the part's key before it.
-DAMAGES: list[Callable[[bytes, bytes], bytes]] = [
+DAMAGES = [
     lambda whole, other: whole[:-40],
     lambda whole, other: b"",
     lambda whole, other: whole[:200] + bytes([whole[200] ^ 1]) + whole[201:],
@@ -273,22 +271,6 @@ def test_failed_cells_are_tried_again_by_the_next_run(tmp_path):
     again = run(job, folder=tmp_path)
     assert (again.computed_chunks, again.kept_chunks) == (1, 4)
     assert again.failures == {5: "ArithmeticError: cell 5 is bad"}
-
-
-def test_parts_are_read_as_they_were_written(tmp_path):
-    part = {
-        "a": np.array([1.5, np.nan, np.inf]),
-        "b": np.array(["x", "", "ü"]),
-        FAILURE: np.array(["", "why", ""]),
-    }
-    with ChunkStore(tmp_path / "p").opened() as store:
-        store.write(KEY, part)
-        again = store.read(KEY, {"a": np.float64(0), "b": np.str_("")}, 3)
-        assert {name: values.tobytes() for name, values in again.items()} == {
-            name: values.tobytes() for name, values in part.items()
-        }
-        store.remove_parts([KEY])
-    assert not (tmp_path / "p").exists()
 
 
 def test_no_other_files_than_its_parts_are_deleted(tmp_path):
@@ -367,9 +349,9 @@ def test_a_full_disk_is_refused_before_the_work(tmp_path):
 def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path, monkeypatch):
     job = numbered_job()
     whole, write = Path.write_bytes, chunk_store.Path.write_bytes
-    written: list[Path] = []
+    written = []
 
-    def filling(path: Path, data: Any) -> int:
+    def filling(path, data):
         if path.suffix == ".scratch":
             if len(written) == 2:
                 whole(path, data[: len(data) // 2])
@@ -426,7 +408,7 @@ if __name__ == "__main__":
 """
 
 
-def environment() -> dict[str, str]:
+def environment():
     folders = Path(engine.__file__).parents[2], Path(chunk_functions.__file__).parent
     return {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
 
@@ -434,13 +416,13 @@ def environment() -> dict[str, str]:
 class Driver:
     """A computation in a process group of its own, to be stopped in every way."""
 
-    def __init__(self, tmp_path: Path, workers: int = 2, scheduler: str = "") -> None:
+    def __init__(self, tmp_path, workers=2, scheduler=""):
         self.script, self.folder, self.log = (tmp_path / n for n in ("drive.py", "parts", "log"))
         self.script.write_text(DRIVER)
         self.log.mkdir(exist_ok=True)
         self.options = [str(workers), scheduler]
 
-    def start(self) -> subprocess.Popen[str]:
+    def start(self):
         return subprocess.Popen(
             [sys.executable, str(self.script), str(self.folder), str(self.log), *self.options],
             stdout=subprocess.PIPE,
@@ -450,10 +432,10 @@ class Driver:
             start_new_session=True,
         )
 
-    def parts(self) -> int:
+    def parts(self):
         return len(list(self.folder.glob("*.part")))
 
-    def started_until(self, parts: int) -> subprocess.Popen[str]:
+    def started_until(self, parts):
         process = self.start()
         deadline = time.monotonic() + 120.0
         while self.parts() < parts and process.poll() is None:
@@ -461,13 +443,13 @@ class Driver:
             time.sleep(0.01)
         return process
 
-    def finish(self) -> tuple[bytes, int]:
+    def finish(self):
         out, err = self.start().communicate(timeout=300)
         assert err == ""
         values, kept = out.split()[-2:]
         return bytes.fromhex(values), int(kept)
 
-    def orphans(self, process: subprocess.Popen[str]) -> list[str]:
+    def orphans(self, process):
         """Processes of the driver's session that are left."""
         deadline = time.monotonic() + 30.0
         while time.monotonic() < deadline:
@@ -478,7 +460,7 @@ class Driver:
         return left
 
 
-def _session(leader: int) -> list[str]:
+def _session(leader):
     left = []
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -493,7 +475,7 @@ def _session(leader: int) -> list[str]:
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
 
 
-def expected_values() -> bytes:
+def expected_values():
     outcome = run(numbered_job(cells=60, each=2))
     return bytes(outcome.columns["root"].tobytes())
 
@@ -611,7 +593,7 @@ def cluster(tmp_path):
     pytest.importorskip("distributed")
     started = []
 
-    def start(workers: int) -> tuple[DaskPool, list[Any]]:
+    def start(workers):
         place = tmp_path / "scheduler.json"
         options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
         started.append(dask("scheduler", *options, "--scheduler-file", str(place)))
@@ -641,10 +623,10 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(tmp_path, clust
     job = numbered_job(pause_s=0.1, log=str(log), cells=60, each=2)
     pool, (_, *workers) = cluster(2)
 
-    def pids() -> set[str]:
+    def pids():
         return {path.name.split("-")[2] for path in log.iterdir()}
 
-    def kill_once_it_computes() -> None:
+    def kill_once_it_computes():
         while str(workers[0].pid) not in pids():
             time.sleep(0.02)
         workers[0].kill()
@@ -663,7 +645,7 @@ def test_a_cluster_without_workers_ends_the_work_with_a_reason(cluster, monkeypa
     monkeypatch.setattr("studies.engine.dask_pool._TOLD_AFTER_S", 1.0)
     monkeypatch.setattr("studies.engine.dask_pool._LOOK_S", 0.5)
     pool, (_, worker) = cluster(1)
-    messages: list[str] = []
+    messages = []
     pool._tell = messages.append
     threading.Timer(1.0, worker.kill).start()
     with pytest.raises(WorkersUnavailableError, match="no worker for 2 s; start one with"):
@@ -679,7 +661,7 @@ def test_a_scheduler_that_is_killed_ends_the_work_in_words(tmp_path, cluster, ca
     job = numbered_job(pause_s=0.1, cells=60, each=2)
     killed = threading.Event()
 
-    def progress(done: int, total: int) -> None:
+    def progress(done, total):
         if done and not killed.is_set():
             scheduler.kill()
             killed.set()
@@ -693,7 +675,7 @@ def test_a_scheduler_that_is_killed_ends_the_work_in_words(tmp_path, cluster, ca
     assert len(list((tmp_path / "parts").glob("*.part"))) >= 1
 
 
-def dask(*arguments: str) -> subprocess.Popen[bytes]:
+def dask(*arguments):
     return subprocess.Popen(
         [sys.executable, "-m", "dask", *arguments],
         stdout=subprocess.DEVNULL,

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -33,16 +32,16 @@ def quick(monkeypatch):
     signal.signal(signal.SIGINT, before)
 
 
-def send(number: int = signal.SIGINT) -> None:
+def send(number=signal.SIGINT):
     os.kill(os.getpid(), number)
 
 
-def swallowed() -> None:
+def swallowed():
     with contextlib.suppress(KeyboardInterrupt):
         send()
 
 
-def swallowed_before_a_wait() -> None:
+def swallowed_before_a_wait():
     """Do as CasADi may: swallow the interrupt, and go on for long."""
     swallowed()
     threading.Event().wait(WAIT_S)
@@ -63,10 +62,10 @@ def test_a_swallowed_signal_comes_again():
 
 def test_a_signal_that_a_finaliser_has_swallowed_comes_again(capsys):
     class Finalised:
-        def __del__(self) -> None:
+        def __del__(self):
             send()
 
-    def dropped_before_a_wait() -> None:
+    def dropped_before_a_wait():
         Finalised()
         threading.Event().wait(WAIT_S)
 
@@ -116,11 +115,11 @@ def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end():
 
 
 def test_other_errors_of_finalisers_are_reported(monkeypatch):
-    errors: list[str] = []
+    errors = []
     monkeypatch.setattr(sys, "unraisablehook", lambda error: errors.append(str(error.exc_value)))
 
     class Broken:
-        def __del__(self) -> None:
+        def __del__(self):
             raise ValueError("broken")
 
     before = sys.unraisablehook
@@ -134,7 +133,7 @@ def test_what_tidies_up_is_not_interrupted():
     done = []
 
     @contextlib.contextmanager
-    def tidy() -> Iterator[None]:
+    def tidy():
         try:
             yield
         finally:
@@ -169,7 +168,7 @@ def test_a_signal_that_is_ignored_stays_ignored():
 def test_other_threads_catch_nothing():
     caught = []
 
-    def enter() -> None:
+    def enter():
         with interruptible() as signals:
             caught.append(signals.caught)
 
@@ -179,7 +178,7 @@ def test_other_threads_catch_nothing():
     assert caught == [[]]
 
 
-def stubborn(settings: None, cells: object) -> None:
+def stubborn(settings, cells):
     swallowed_before_a_wait()
 
 

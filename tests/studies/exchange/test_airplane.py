@@ -3,7 +3,6 @@
 import math
 import tempfile
 from pathlib import Path
-from typing import Any
 
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft
@@ -13,7 +12,7 @@ from studies.exchange.geometry import lifting_surfaces
 
 pytestmark = pytest.mark.extra
 pytest.importorskip("aerosandbox")
-optvl: Any = pytest.importorskip("optvl")
+optvl = pytest.importorskip("optvl")
 
 AIRFOIL = aircraft(
     "atlantiksolar-design",
@@ -90,7 +89,7 @@ def test_avl_sees_camber_incidence_and_drag(tmp_path):
 
 def test_the_script_makes_the_same_airplane():
     for craft in (AIRFOIL, SKY_SAILOR):
-        space: dict[str, Any] = {}
+        space = {}
         exec(airplane_text(craft, "py"), space)  # a script of our own
         made, direct = space["airplane"], to_aerosandbox(craft)
         assert (made.name, made.s_ref, made.c_ref, made.b_ref) == (

@@ -5,14 +5,14 @@ import json
 
 import jsonschema
 import pytest
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from missions.files.shipped import find_document, shipped_names
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from studies.exchange.schema import file_schema
 
-CLASSES: dict[str, type[BaseModel]] = {"aircraft": Aircraft, "mission": Mission}
+CLASSES = {"aircraft": Aircraft, "mission": Mission}
 VALIDATORS = {kind: jsonschema.Draft202012Validator(file_schema(kind)) for kind in CLASSES}
 SHIPPED = [(kind, name) for kind in CLASSES for name in shipped_names(kind)]
 

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -57,7 +56,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     assert run("map", *SMALL, "--out", "map.nc", "--keep-parts").code == 0
     assert list((tmp_path / "map.nc.parts").glob("*.part"))
 
-    def refuse(*arguments: Any) -> None:
+    def refuse(*arguments):
         raise AssertionError("computed again")
 
     monkeypatch.setattr(map_cells, "_cells", refuse)
@@ -72,7 +71,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
 cells_of = map_cells._cells
 
 
-def failing(configuration: Any, cells: Any) -> Any:
+def failing(configuration, cells):
     if [44.0, 81.0] in cells.tolist():
         raise FloatingPointError("not today")
     return cells_of(configuration, cells)
@@ -123,7 +122,7 @@ def test_where_every_cell_fails_there_is_no_file(run, tmp_path, monkeypatch):
     assert not (tmp_path / "map.nc").exists()
 
 
-def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
+def command(*arguments, cwd):
     """Start the command as it is installed: worker processes import that script again."""
     root = str(Path(map_cells.__file__).parents[2])
     return subprocess.Popen(

@@ -1,22 +1,16 @@
 """Seasons: windows around the solstice, and days found with few simulations."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from missions.dates import day_of_year
 from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from missions.mission.mission import UncertaintyMargins
-from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
-from sizing.day.module_power import modelled_power, path_troubles
+from sizing.day.module_power import path_troubles
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
-from solar.names import ModelName
-from solar.types import BoolArray
 from studies.maps.results import season_text
 from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.solar_models import combinations
@@ -25,7 +19,7 @@ AS2 = load_aircraft("atlantiksolar-as2")
 LOITER = load_mission("rafz-loiter")
 
 
-def flags(*spans: tuple[int, int]) -> np.ndarray:
+def flags(*spans):
     result = np.zeros(365, bool)
     for first, last in spans:
         result[first - 1 : last] = True
@@ -74,32 +68,6 @@ def test_two_windows_between_the_tropics_are_both_found(model, avionics_w):
     every = perpetual_days(hungry, LOITER, 0.0, model)
     np.testing.assert_array_equal(np.flatnonzero(result) + 1, every)
     assert np.count_nonzero(result != np.roll(result, 1)) == 4
-
-
-def test_each_day_of_the_full_model_is_computed_once(monkeypatch):
-    requests: list[tuple[str, int]] = []
-
-    def counted(
-        craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any, around: Any
-    ) -> Any:
-        requests.extend((model, int(day)) for day in of.day_of_year)
-        return modelled_power(craft, there, model, of, at, around)
-
-    monkeypatch.setattr("sizing.day.light.modelled_power", counted)
-    perpetual_flags(AS2, LOITER, 47.6, combinations())
-    assert len(requests) == len(set(requests))
-    # Every 32nd day and the solstices; both sides of each of two edges, three days between them,
-    # and that again for models whose edges are some days apart.
-    assert 14 <= sum(model == "FM" for model, _ in requests) <= 14 + 2 * 2 * 5
-
-
-def test_sampled_days_of_the_full_model_around_the_seasons_ends():
-    model = SolarModel("FM", "report")
-    season = season_of(perpetual_flags(AS2, LOITER, 47.6, [model])[model], 47.6)
-    around = [season.first - 1, season.first, season.last, season.last + 1]
-    result = perpetual_days(AS2, LOITER, 47.6, model, days=around)
-    assert result.tolist() == [season.first, season.last]
-    assert season.first < day_of_year("06-21") < season.last
 
 
 def test_margin_of_the_solar_model_shortens_the_season_as_it_does_in_an_analysis():
@@ -172,7 +140,7 @@ def test_days_with_a_wind_aloft_too_strong_for_the_path_are_not_flown():
     perpetual = perpetual_flags(aircraft, there, 40.0, models)[models[0]][days - 1]
     scenarios = Scenarios(np.full(len(days), 40.0), days)
 
-    def kept(where: Mission) -> BoolArray:
+    def kept(where):
         return np.array([trouble is None for trouble in path_troubles(aircraft, where, scenarios)])
 
     able = kept(there)

@@ -1,7 +1,6 @@
 """The outcome of a prediction is right in every case that can arise."""
 
 import math
-from typing import Any
 
 import pytest
 
@@ -9,8 +8,8 @@ from sizing.day.metrics import Status
 from studies.models.prediction import Prediction, duration, nights_survived
 
 
-def prediction(**changes: Any) -> Prediction:
-    fields: dict[str, Any] = {
+def prediction(**changes):
+    fields = {
         "scenario": "50° N, 15 Aug",
         "latitude_deg": 50.0,
         "day_of_year": 227,

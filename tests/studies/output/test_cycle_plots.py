@@ -14,7 +14,7 @@ from studies.output.figures.options import FigureOptions
 JULY = missions.load_mission("rafz-july")
 
 
-def flown(*overrides: str) -> sizing.Analysis:
+def flown(*overrides):
     return sizing.analyse(sizing.load_aircraft("atlantiksolar-as2", overrides), JULY)
 
 

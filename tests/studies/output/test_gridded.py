@@ -2,7 +2,6 @@
 
 import errno
 import tempfile
-from typing import Any
 
 import pytest
 from builders import AS2, DESIGN, mission
@@ -10,18 +9,17 @@ from builders import AS2, DESIGN, mission
 from sizing.day.light import SolarModel
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.run import Job
 from studies.engine.workers import Pool
 from studies.maps.study import prepare
 from studies.output.gridded import to_netcdf_bytes
 
 
-def fixed() -> Job:
+def fixed():
     """Map from pole to pole: with and without sun."""
     return prepare(AS2, mission(), [-90.0, 0.0, 90.0], [1, 172], SolarModel()).job
 
 
-def sized() -> Job:
+def sized():
     """One cell that can be sized, and one that cannot."""
     return prepare(DESIGN, mission(), [0.0, 90.0], [355], SolarModel(), objective="min_mass").job
 
@@ -42,7 +40,7 @@ def test_netcdf_needs_no_room_in_the_temporary_folder(light, monkeypatch, tmp_pa
     outcome = engine.run(study.job, Pool(1))
     data = study.gridded(outcome) if light else study.gridded(outcome).to_xarray()
 
-    def full(*_: Any, **__: Any) -> None:
+    def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     for name in ("mkstemp", "mkdtemp", "TemporaryFile", "NamedTemporaryFile"):

@@ -4,8 +4,6 @@ import hashlib
 import json
 import re
 from importlib import resources
-from pathlib import Path
-from typing import Any
 
 import pytest
 from command_line import BIRD, FIELD, edited, files
@@ -16,7 +14,7 @@ DESIGN = "atlantiksolar-design"
 COMMON = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
 
 
-def contents(folder: Path) -> tuple[Any, Any]:
+def contents(folder):
     return tuple(json.loads((folder / name).read_text()) for name in ("run.json", "results.json"))
 
 

@@ -11,7 +11,7 @@ from studies.explorer.session import Session
 from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
 
 
-def lab_of_srgb(rgb: np.ndarray) -> np.ndarray:
+def lab_of_srgb(rgb):
     """CIE L*a*b* of colours of a screen: IEC 61966-2-1 and CIE 15, the other way round."""
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     xyz_of_rgb = np.array(

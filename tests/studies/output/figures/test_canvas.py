@@ -1,7 +1,6 @@
 """Figures on their canvas: what is saved, and how often it is drawn."""
 
 import io
-from typing import Any
 
 import pytest
 from builders import AS2, shipped_mission
@@ -19,10 +18,10 @@ from studies.output.figures.options import FigureOptions, read_size
 @pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
 @pytest.mark.parametrize("box", [None, "tight"])
 def test_axes_are_drawn_once(kind, box, monkeypatch):
-    drawn: list[Axes] = []
+    drawn = []
     draw = Axes.draw
 
-    def counted(axes: Axes, renderer: Any) -> None:
+    def counted(axes, renderer):
         drawn.append(axes)
         draw(axes, renderer)
 
@@ -35,7 +34,7 @@ def test_axes_are_drawn_once(kind, box, monkeypatch):
 def test_a_figure_is_saved_as_matplotlib_would_in_two_passes(monkeypatch):
     """Matplotlib's own way draws all twice; the picture is the same to the last byte."""
 
-    def saved() -> bytes:
+    def saved():
         file = io.BytesIO()
         plot_cycle(analyse(AS2, shipped_mission())).savefig(file, format="png")
         return file.getvalue()

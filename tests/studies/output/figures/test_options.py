@@ -5,7 +5,6 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import pytest
@@ -172,7 +171,7 @@ def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown():
     analysis = sizing.analyse(aircraft, mission)
     data = studies.feasibility_map(aircraft, mission, latitudes=[40, 50, 60], days=[80, 172, 264])
 
-    def drawn() -> list[bytes]:
+    def drawn():
         shown = []
         for figure in (studies.plot_cycle(analysis), studies.plot_map(data)):
             canvas = FigureCanvasAgg(figure)
@@ -184,7 +183,7 @@ def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown():
         plain = drawn()
         saved = to_bytes(studies.plot_cycle(analysis), "png")
     own = {"font.size": 22.0, "text.color": "red", "image.cmap": "magma", "axes.grid": True}
-    machine: dict[str, Any] = {"axes.facecolor": "red", "text.usetex": True}
+    machine = {"axes.facecolor": "red", "text.usetex": True}
     machine |= {"savefig.pad_inches": 2.0, "savefig.transparent": True, "path.sketch": (9, 9, 9)}
     with mpl.rc_context(own | machine):
         assert to_bytes(studies.plot_cycle(analysis), "png") == saved
