@@ -1,5 +1,3 @@
-"""Tests of propulsion parts that are chosen by a sizing."""
-
 import re
 
 import numpy as np

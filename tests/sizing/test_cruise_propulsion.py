@@ -1,5 +1,3 @@
-"""Tests of aircraft with the efficiencies of their operating point."""
-
 import pytest
 from builders import AS2, DESIGN
 from propulsors import PROPULSOR

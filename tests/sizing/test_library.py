@@ -1,5 +1,3 @@
-"""Tests of reading aircraft, and of the files that theirs name."""
-
 from importlib import resources
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""Tests of aircraft files whose propulsion is at its operating point."""
-
 import numpy as np
 import pytest
 from builders import DESIGN

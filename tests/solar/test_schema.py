@@ -1,5 +1,3 @@
-"""Tests of the field types of descriptions."""
-
 from __future__ import annotations
 
 import copy

@@ -1,5 +1,3 @@
-"""Tests of the version of the files' format."""
-
 import re
 
 import pytest

@@ -1,13 +1,10 @@
 """One formula in three arithmetics: floats, arrays and symbols."""
 
-from collections.abc import Callable
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
 
-def assert_alike(formulas: Callable[..., list[Any]], *values: float) -> None:
+def assert_alike(formulas, *values):
     """Compare what the formulas give for floats with what they give for arrays and symbols."""
     x = ca.SX.sym("x", len(values))
     floats = formulas(*values)

@@ -13,19 +13,19 @@ import importlib.util
 import json
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import pytest
 from source_tree import make_benchmarks_importable
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request
+    from playwright.sync_api import Page
 
 make_benchmarks_importable()
 from benchmarks.pages import headless  # noqa: E402 - only now it can be found
@@ -59,7 +59,7 @@ _SPILLED = """selector => [...document.querySelectorAll(selector)].flatMap(box =
 _SETTLE = "() => new Promise(done => setTimeout(done, 30))"
 
 
-def missing() -> str | None:
+def missing():
     """What tests with a browser lack here, None if nothing."""
     if importlib.util.find_spec("playwright") is None:
         return 'Playwright is not installed: pip install ".[browser]"'
@@ -68,7 +68,7 @@ def missing() -> str | None:
     return None
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Skip the tests marked ``browser`` where there is none."""
     reason = missing()
     if reason is None:
@@ -88,21 +88,21 @@ class Watch:
     expected: str | None
     problems: list[str] = field(default_factory=list)
 
-    def follow(self, page: Page) -> None:
+    def follow(self, page):
         """Note what goes wrong on a page from now on."""
         page.on("console", self._console)
         page.on("pageerror", lambda error: self._note(f"uncaught: {error}"))
         page.on("request", self._request)
 
-    def _note(self, problem: str) -> None:
+    def _note(self, problem):
         if self.expected is None or re.search(self.expected, problem) is None:
             self.problems.append(problem)
 
-    def _console(self, message: ConsoleMessage) -> None:
+    def _console(self, message):
         if message.type in ("error", "warning"):
             self._note(f"console {message.type}: {message.text}")
 
-    def _request(self, request: Request) -> None:
+    def _request(self, request):
         home, asked = urlsplit(self.home), urlsplit(request.url)
         if asked.scheme in INLINE_SCHEMES or request.url.startswith(self.home):
             return
@@ -114,14 +114,14 @@ OpenPage = Callable[..., "Page"]
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
+def chromium():
     """One browser for a file of tests; no longer, as its event loop is in the way of others."""
     with headless.chromium() as browser:
         yield browser
 
 
 @pytest.fixture
-def open_page(chromium: Browser) -> Iterator[OpenPage]:
+def open_page(chromium):
     """Open pages, each with settings and storage of its own, and judge them at the end.
 
     The call is ``open_page(url, size=PHONE, dark=True, expected="400", waiting=True)``: window
@@ -129,18 +129,11 @@ def open_page(chromium: Browser) -> Iterator[OpenPage]:
     security policy is lifted, which Playwright's ``wait_for_function`` needs. A page may read the
     files of a ``folder`` if one is given.
     """
-    opened: list[tuple[BrowserContext, Watch]] = []
+    opened = []
 
     def call(
-        url: str | Path,
-        *,
-        size: tuple[int, int] = DESKTOP,
-        dark: bool = False,
-        expected: str | None = None,
-        waiting: bool = False,
-        folder: Path | None = None,
-        **settings: Any,
-    ) -> Page:
+        url, *, size=DESKTOP, dark=False, expected=None, waiting=False, folder=None, **settings
+    ):
         address = url.resolve().as_uri() if isinstance(url, Path) else url
         context = chromium.new_context(
             viewport={"width": size[0], "height": size[1]},
@@ -168,27 +161,26 @@ def open_page(chromium: Browser) -> Iterator[OpenPage]:
     assert not problems, "\n".join(problems)
 
 
-def too_wide(page: Page) -> list[str]:
+def too_wide(page):
     """Elements for which the whole page scrolls sideways."""
-    found: list[str] = page.evaluate(_TOO_WIDE)
+    found = page.evaluate(_TOO_WIDE)
     return found
 
 
-def spilled(page: Page, boxes: str) -> list[str]:
+def spilled(page, boxes):
     """Parts that hang out of their box, for boxes that a CSS selector names and nothing scrolls."""
-    found: list[str] = page.evaluate(_SPILLED, boxes)
+    found = page.evaluate(_SPILLED, boxes)
     return found
 
 
 @cache
-def _axe_script() -> str:
+def _axe_script():
     folder = importlib.util.find_spec("axe_playwright_python")
-    assert folder is not None
     assert folder.origin is not None
     return (Path(folder.origin).parent / "axe.min.js").read_text(encoding="utf-8")
 
 
-def accessibility_problems(page: Page, *ignored: str) -> list[str]:
+def accessibility_problems(page, *ignored):
     """What axe-core finds against WCAG 2.1 A and AA and good practice, a line an element and rule.
 
     Rules that a test leaves out are named, with the reason beside the call.
@@ -213,7 +205,7 @@ class Sheet:
     ink: float
 
 
-def sheets(pdf: bytes | Path) -> list[Sheet]:
+def sheets(pdf):
     """Pages of a PDF as they would be printed."""
     from pypdfium2 import PdfDocument
 

@@ -1,16 +1,14 @@
 """Aircraft and missions that the tests share."""
 
 from functools import cache
-from typing import Any
 
 from missions.library import load_mission
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 
 
 @cache
-def aircraft(name: str, *overrides: str) -> Aircraft:
+def aircraft(name, *overrides):
     """Return a shipped aircraft, changed as by ``--set``."""
     return load_aircraft(name, overrides)
 
@@ -27,7 +25,7 @@ SMALL_WINGS = (
 )
 
 
-def mission(**changes: Any) -> Mission:
+def mission(**changes):
     """Return a plain day in July at AtlantikSolar's airfield, changed."""
     plain = {
         "name": "test",
@@ -38,7 +36,7 @@ def mission(**changes: Any) -> Mission:
     return Mission.model_validate(plain | changes)
 
 
-def shipped_mission(name: str = "rafz-july", **changes: Any) -> Mission:
+def shipped_mission(name="rafz-july", **changes):
     """Return a shipped mission with whole keys of its file replaced."""
     plain = load_mission(name).model_dump(by_alias=True, exclude_none=True)
     return Mission.model_validate(plain | changes)

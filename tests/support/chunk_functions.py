@@ -6,11 +6,9 @@ import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from solar.types import FloatArray
 from studies.engine.run import Job
 
 BLANKS = {"root": np.float64("nan"), "number": np.int64(-1), "name": np.str_("")}
@@ -28,7 +26,7 @@ class Settings:
     log: str = ""  # a folder that tells which cells were computed
 
 
-def work(settings: Settings, cells: FloatArray) -> dict[str, Any]:
+def work(settings, cells):
     numbers = [int(cell[0]) for cell in cells]
     if settings.log:
         name = f"{numbers[0]}-{len(numbers)}-{os.getpid()}-{threading.get_ident()}-{time.time_ns()}"
@@ -50,18 +48,18 @@ def work(settings: Settings, cells: FloatArray) -> dict[str, Any]:
     }
 
 
-def threads(settings: Settings, cells: FloatArray) -> dict[str, Any]:
+def threads(settings, cells):
     """Whether the linear algebra was told to use one thread before NumPy was imported."""
     return {"root": [float(os.environ["OPENBLAS_NUM_THREADS"])] * len(cells)}
 
 
-def interruptible(settings: Settings, cells: FloatArray) -> dict[str, Any]:
+def interruptible(settings, cells):
     """Whether Ctrl-C could have reached this process since it began."""
     blocked = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
     return {"root": [float(not blocked)] * len(cells)}
 
 
-def numbered_job(cells: int = 20, each: int = 4, **settings: Any) -> Job:
+def numbered_job(cells=20, each=4, **settings):
     """Return the job of so many cells, in chunks of so many each."""
     numbers = np.arange(cells)
     chunks = np.split(numbers, range(each, cells, each))

@@ -2,8 +2,7 @@
 
 import json
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 BIRD = """\
 name: bird
@@ -57,10 +56,10 @@ class Outcome(NamedTuple):
     out: str
     err: str
 
-    def json(self) -> Any:
+    def json(self):
         """Standard output as strict JSON: NaN and Infinity are refused."""
 
-        def refuse(constant: str) -> None:
+        def refuse(constant):
             raise AssertionError(f"{constant} is not JSON")
 
         return json.loads(self.out, parse_constant=refuse)
@@ -69,10 +68,10 @@ class Outcome(NamedTuple):
 Run = Callable[..., Outcome]
 
 
-def edited(text: str, old: str, new: str) -> str:
+def edited(text, old, new):
     assert text.count(old) == 1, old
     return text.replace(old, new)
 
 
-def files(folder: Path) -> set[str]:
+def files(folder):
     return {path.name for path in folder.iterdir()}

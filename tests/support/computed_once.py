@@ -1,18 +1,16 @@
 """Pure functions that many tests ask the same thing: computed once in a process."""
 
-from collections.abc import Callable, Hashable
 from functools import wraps
-from typing import Any
 
 import numpy as np
 
 
-def computed_once(function: Callable[..., Any]) -> Callable[..., Any]:
+def computed_once(function):
     """Function that keeps its arrays by its arguments; they cannot be changed."""
-    known: dict[Hashable, Any] = {}
+    known = {}
 
     @wraps(function)
-    def remembered(*arguments: Any, **options: Any) -> Any:
+    def remembered(*arguments, **options):
         key = tuple(map(_key, arguments)), tuple((k, _key(v)) for k, v in options.items())
         if key not in known:
             known[key] = function(*arguments, **options)
@@ -22,7 +20,7 @@ def computed_once(function: Callable[..., Any]) -> Callable[..., Any]:
     return remembered
 
 
-def _key(value: Any) -> Hashable:
+def _key(value):
     if isinstance(value, np.ndarray):
         return value.shape, str(value.dtype), value.tobytes()
     if isinstance(value, tuple):

@@ -43,7 +43,7 @@ VARIES = re.compile(r"\d ?(?:ms|iterations?)\b")
 ELLIPSIS_LINE = "..."
 
 
-def without_code(page: Path) -> str:
+def without_code(page):
     """Text of a page without its blocks."""
     return re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
 
@@ -55,7 +55,7 @@ class Command:
     text: str
     claimed: str | None = None
 
-    def words(self) -> tuple[dict[str, str], list[str], str | None]:
+    def words(self):
         """Variables set in front, the words, and the file that standard output goes to."""
         words = shlex.split(self.text, comments=True)
         variables = {}
@@ -86,15 +86,15 @@ class Block:
     printed: list[str] = field(default_factory=list)
     output: str | None = None
 
-    def __str__(self) -> str:
+    def __str__(self):
         return f"{self.page.name}:{self.line}"
 
     @property
-    def is_session(self) -> bool:
+    def is_session(self):
         """Whether the block shows commands behind ``$``, each with its output below."""
         return self.language == "text" and self.text.startswith("$ ")
 
-    def commands(self) -> list[Command]:
+    def commands(self):
         """Commands of the block in order; none if it is neither a script nor a session."""
         if self.is_session:
             parts = re.split(r"^\$ ", self.text, flags=re.M)[1:]
@@ -108,18 +108,18 @@ class Block:
         return found
 
 
-def _with_output(part: str) -> Command:
+def _with_output(part):
     lines = part.splitlines()
     end = next(i for i, line in enumerate(lines) if not line.endswith("\\")) + 1
     text = " ".join(line.rstrip("\\") for line in lines[:end])
     return Command(text, "\n".join(lines[end:]))
 
 
-def blocks(page: Path) -> list[Block]:
+def blocks(page):
     """All fenced blocks of a page, with what the comments around them say."""
-    found: list[Block] = []
-    comments: list[str] = []
-    between: list[str] = []
+    found = []
+    comments = []
+    between = []
     lines = iter(enumerate(page.read_text(encoding="utf-8").splitlines(), 1))
     for number, line in lines:
         if fence := re.fullmatch(r"```(\w*)", line):
@@ -148,7 +148,7 @@ def blocks(page: Path) -> list[Block]:
     return found
 
 
-def _apply(block: Block, comment: str) -> None:
+def _apply(block, comment):
     if comment in ("main-command", "test-command"):
         block.not_run = "the continuous integration runs it as it stands, see .ci/run"
     name, _, value = comment.partition(" ")
@@ -165,7 +165,7 @@ def _apply(block: Block, comment: str) -> None:
         block.not_run = comment.removeprefix("not run:").strip()
 
 
-def replaced(words: list[str], options: dict[str, str]) -> list[str]:
+def replaced(words, options):
     """Words of a command with other values of some options, which it must have."""
     changed = list(words)
     for option, value in options.items():
@@ -173,12 +173,12 @@ def replaced(words: list[str], options: dict[str, str]) -> list[str]:
     return changed
 
 
-def tokens(text: str) -> list[str]:
+def tokens(text):
     """Words, numbers and signs of a text; rules of tables are equal, however wide."""
     return TOKEN.findall(RULE.sub(r"\1", text))
 
 
-def _same(claimed: str, actual: str) -> bool:
+def _same(claimed, actual):
     if claimed == actual:
         return True
     a, b = claimed.replace("−", "-"), actual.replace("−", "-")
@@ -189,7 +189,7 @@ def _same(claimed: str, actual: str) -> bool:
     return decimals[0] == decimals[1] > 0 and abs(float(a) - float(b)) < 1.5 * 10.0 ** -decimals[0]
 
 
-def _matching(claimed: list[str], actual: list[str]) -> int:
+def _matching(claimed, actual):
     """Number of tokens at the start of a claim that agree with the start of the output."""
     for i, token in enumerate(claimed):
         if i >= len(actual) or not _same(token, actual[i]):
@@ -197,7 +197,7 @@ def _matching(claimed: list[str], actual: list[str]) -> int:
     return len(claimed)
 
 
-def disagreement(claimed: str, actual: str) -> str | None:
+def disagreement(claimed, actual):
     """First place where an output is not what a page claims, or ``None``.
 
     A line ``...`` of the claim stands for any lines.
@@ -220,19 +220,19 @@ def disagreement(claimed: str, actual: str) -> str | None:
     return None
 
 
-def not_printed(block: Block, printed: str) -> list[str]:
+def not_printed(block, printed):
     """Texts of the comments below a block that its commands do not print."""
     cells = BOX_DRAWING.sub(" ", printed)
     return [text for text in block.printed if disagreement(f"...\n{text}\n...", cells)]
 
 
-def inline_commands(page: Path) -> list[str]:
+def inline_commands(page):
     """Code in the text of a page that begins like a call of the command."""
     spans = re.findall(r"`([^`]+)`", without_code(page))
     return [" ".join(span.split()) for span in spans if span.startswith("solar-uav ")]
 
 
-def inline_options(page: Path) -> set[str]:
+def inline_options(page):
     """Options that the text of a page names."""
     spans = re.findall(r"`([^`]+)`", without_code(page))
     return {option for span in spans for option in re.findall(r"(?<!\S)--[a-z][a-z-]*", span)}

@@ -4,13 +4,11 @@ The figures are those of the shipped aircraft, on grids as coarse as a figure be
 """
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import nullcontext
 from functools import cache
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -21,7 +19,6 @@ import missions
 import sizing
 import studies
 from missions.logs.table import log_from_table
-from studies.output.figures.drawing import Canvas
 from studies.output.figures.options import in_style
 
 # A little of what a glyph's box has around the glyph may meet another, or the edge [px].
@@ -33,7 +30,7 @@ Draw = Callable[..., Figure]
 # ---- Every figure
 
 
-def drawings() -> dict[str, Draw]:
+def drawings():
     """What draws each figure, by a name; it takes the keyword ``figure``."""
     from benchmarks.validation.structure_comparison import structure_figure
     from studies.flight_logs.plots import residual_figure, window_figure
@@ -84,17 +81,17 @@ _BATTERIES = tuple(np.arange(1.0, 10.1, 1.0))
 
 
 @cache
-def _aircraft(name: str = "atlantiksolar-design") -> sizing.Aircraft:
+def _aircraft(name="atlantiksolar-design"):
     return sizing.load_aircraft(name)
 
 
 @cache
-def _mission(name: str = "rafz-july") -> missions.Mission:
+def _mission(name="rafz-july"):
     return missions.load_mission(name)
 
 
 @cache
-def _flown(mission: str = "rafz-july", keys: str = "", *overrides: str) -> sizing.Analysis:
+def _flown(mission="rafz-july", keys="", *overrides):
     """Analysis of AtlantikSolar; keys of the mission are separated by semicolons."""
     aircraft = sizing.load_aircraft("atlantiksolar-as2", overrides)
     where = missions.load_mission(mission, [key for key in keys.split(";") if key])
@@ -105,13 +102,13 @@ _CEILING = "climb.ceiling_m=3000"
 
 
 @cache
-def _sized() -> Any:
+def _sized():
     return sizing.size(
         _aircraft(), _mission(), "min_wingspan", required_excess_time_h=2.0, with_sensitivities=True
     )
 
 
-def _sensitivities(figure: Canvas) -> Figure:
+def _sensitivities(figure):
     from studies.output.design_plots import plot_sensitivities
 
     study = _sized()
@@ -126,14 +123,14 @@ def _sensitivities(figure: Canvas) -> Figure:
 
 
 @cache
-def _map() -> Any:
+def _map():
     latitudes, days = np.arange(-70.0, 71.0, 10.0), list(range(1, 366, 14))
     aircraft = _aircraft("atlantiksolar-as2")
     return studies.feasibility_map(aircraft, _mission(), latitudes=latitudes, days=days)
 
 
 @cache
-def _resized_map() -> Any:
+def _resized_map():
     return studies.resized_map(
         _aircraft(),
         _mission(),
@@ -145,19 +142,19 @@ def _resized_map() -> Any:
 
 
 @cache
-def _sweep(**axes: tuple[float, ...]) -> Any:
+def _sweep(**axes):
     where = _mission("central-europe-summer")
     return studies.sweep(_aircraft(), where, {key: list(values) for key, values in axes.items()})
 
 
 @cache
-def _sampled() -> Any:
+def _sampled():
     ranges = {"wingspan_m": (3.0, 7.0), "battery_mass_kg": (1.0, 9.0), "power.avionics_w": (4, 9)}
     return studies.sweep(_aircraft(), _mission(), ranges, sample="lhs", samples=12)
 
 
 @cache
-def _one_at_a_time() -> Any:
+def _one_at_a_time():
     values = {
         "battery.specific_energy_wh_per_kg": [230, 300],
         "wingspan_m": [4.0, 7.0],
@@ -167,29 +164,29 @@ def _one_at_a_time() -> Any:
 
 
 @cache
-def _uncertain() -> Any:
+def _uncertain():
     return sizing.analyse_uncertainty(_aircraft(), _mission(), samples=256)
 
 
 @cache
-def _weather(days: int) -> Any:
+def _weather(days):
     record = clear_record(days, first="2001-07-14", share=0.9 if days > 400 else 0.3)
     return sizing.analyse_weather(_aircraft("atlantiksolar-as2"), _mission(), record)
 
 
 @cache
-def _compared() -> Any:
+def _compared():
     return studies.compare(_aircraft(), _mission(), required_excess_time_h=3.0)
 
 
 @cache
-def _ceiling() -> Any:
+def _ceiling():
     aircraft = _aircraft("atlantiksolar-as2")
     return studies.perpetual_ceiling(aircraft, _mission(), highest_m=9000.0, step_m=1000.0)
 
 
 @cache
-def _verified() -> studies.Verification:
+def _verified():
     from synthetic_logs import START_UTC_S, Faults, Settings, synthetic_log
 
     settings = Settings(
@@ -205,7 +202,7 @@ def _verified() -> studies.Verification:
     return studies.verify(aircraft, with_gap, _mission("rafz-28h"), windows=["5.0:7.0"])
 
 
-def _power_curve(figure: Canvas) -> Figure:
+def _power_curve(figure):
     from benchmarks.validation import power_curve
 
     checks = power_curve.check_level_flight()[:3]
@@ -217,7 +214,7 @@ def _power_curve(figure: Canvas) -> Figure:
 
 
 @cache
-def _reproduced() -> Any:
+def _reproduced():
     from studies.models import report_reproduction as study
 
     return study.reproduce(_aircraft("atlantiksolar-as2"), _mission("rafz-loiter"), vary=False)
@@ -226,7 +223,7 @@ def _reproduced() -> Any:
 # ---- What may be wrong
 
 
-def text_faults(figure: Figure) -> list[str]:
+def text_faults(figure):
     """Texts of a drawn figure that leave it, cross the frame of axes, or meet each other."""
     # How many ticks there are depends on the type, which a figure has while it is drawn.
     options = getattr(figure, "options", None)
@@ -234,7 +231,7 @@ def text_faults(figure: Figure) -> list[str]:
         return _text_faults(figure)
 
 
-def _text_faults(figure: Figure) -> list[str]:
+def _text_faults(figure):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     texts = list(_drawn_texts(figure))
@@ -255,11 +252,10 @@ def _text_faults(figure: Figure) -> list[str]:
     return faults
 
 
-def _drawn_texts(figure: Figure) -> Iterator[Text]:
-    ticks: set[Text] = set()
-    drawn: list[Text] = []
+def _drawn_texts(figure):
+    ticks = set()
+    drawn = []
     for axis in figure.findobj(Axis):
-        assert isinstance(axis, Axis)
         for tick in (*axis.majorTicks, *axis.minorTicks):
             ticks.update((tick.label1, tick.label2))
         if axis.get_visible() and axis.axes.axison and axis.axes in figure.axes:
@@ -267,12 +263,11 @@ def _drawn_texts(figure: Figure) -> Iterator[Text]:
             drawn += [label for tick in shown for label in (tick.label1, tick.label2)]
     found = [text for text in figure.findobj(Text) if text not in ticks]
     for text in dict.fromkeys([*found, *drawn]):
-        assert isinstance(text, Text)
         if text.get_visible() and text.get_text().strip():
             yield text
 
 
-def _corners(text: Text) -> np.ndarray[Any, Any]:
+def _corners(text):
     """Corners of the box around a text, turned as the text is."""
     angle = text.get_rotation()
     outer = Text.get_window_extent(text)
@@ -287,7 +282,7 @@ def _corners(text: Text) -> np.ndarray[Any, Any]:
     return np.asarray(square @ turned + centre)
 
 
-def _overlap(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> bool:
+def _overlap(one, other):
     """Whether two convex shapes meet: no line parts them."""
     for shape in (one, other):
         for start, end in zip(shape, np.roll(shape, -1, axis=0), strict=True):
@@ -298,7 +293,7 @@ def _overlap(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> bool:
     return True
 
 
-def _crosses_frame(axes: Axes, corners: np.ndarray[Any, Any]) -> bool:
+def _crosses_frame(axes, corners):
     frame = axes.get_window_extent()
     low, high = corners.min(axis=0), corners.max(axis=0)
     apart = high[0] <= frame.x0 or low[0] >= frame.x1 or high[1] <= frame.y0 or low[1] >= frame.y1
@@ -311,16 +306,16 @@ def _crosses_frame(axes: Axes, corners: np.ndarray[Any, Any]) -> bool:
     return not apart and not within
 
 
-def alike_lines(figure: Figure) -> list[str]:
+def alike_lines(figure):
     """Pairs of named lines of one axes that only their colour tells apart."""
     found = []
     for axes in figure.axes:
-        looks: dict[Any, str] = {}
+        looks = {}
         for line in axes.lines:
             label = str(line.get_label())
             if label.startswith("_") or not len(line.get_xdata()):  # type: ignore[arg-type]
                 continue
-            look: Any = (line._dash_pattern, line.get_marker(), line.get_linewidth())  # type: ignore[attr-defined]
+            look = (line._dash_pattern, line.get_marker(), line.get_linewidth())  # type: ignore[attr-defined]
             look = repr((look, line.get_fillstyle()))
             if look in looks:
                 found.append(f"{label!r} looks like {looks[look]!r}")
@@ -328,7 +323,7 @@ def alike_lines(figure: Figure) -> list[str]:
     return found
 
 
-def heading(figure: Figure) -> str:
+def heading(figure):
     """Title of a figure, and the notes below it in a line of their own."""
     notes = str(getattr(figure, "notes", ""))
     return f"{figure.get_suptitle()}\n{notes}".replace("\u00a0", " ")

@@ -1,8 +1,6 @@
 """Logs as different loggers write them: columns, units, separators, clocks, messages."""
 
 import struct
-from collections.abc import Callable
-from typing import Any
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -11,15 +9,15 @@ import pandas as pd
 CURRENT_A = 4.0  # of the first of two MPPTs that share the power
 
 
-def _utc(table: pd.DataFrame) -> pd.Series:
+def _utc(table):
     return pd.to_datetime(table["time_utc"], utc=True)
 
 
-def _epoch_us(table: pd.DataFrame) -> pd.Series:
+def _epoch_us(table):
     return _utc(table).dt.tz_localize(None).astype("datetime64[us]").astype(np.int64)
 
 
-def ground_station(table: pd.DataFrame) -> str:
+def ground_station(table):
     """Commas, plain names without units, milliseconds since 1970."""
     return str(
         pd.DataFrame(
@@ -38,7 +36,7 @@ def ground_station(table: pd.DataFrame) -> str:
     )
 
 
-def spreadsheet(table: pd.DataFrame) -> str:
+def spreadsheet(table):
     """Semicolons, decimal commas, local date and time in two columns, kW and per cent."""
     local = _utc(table).dt.tz_convert(ZoneInfo("Europe/Zurich"))
     return str(
@@ -60,7 +58,7 @@ def spreadsheet(table: pd.DataFrame) -> str:
     )
 
 
-def telemetry(table: pd.DataFrame) -> str:
+def telemetry(table):
     """Tabs, radians, integers of autopilots, voltage and milliamperes, microseconds."""
     volts = table["mppt_voltage_v"]
     return str(
@@ -81,7 +79,7 @@ def telemetry(table: pd.DataFrame) -> str:
     )
 
 
-def own_names(table: pd.DataFrame) -> str:
+def own_names(table):
     """Bars, names that nobody can guess, American dates by a clock of India, two MPPTs."""
     local = _utc(table).dt.tz_convert("Asia/Kolkata")
     volts, first = table["mppt_voltage_v"], CURRENT_A
@@ -119,7 +117,7 @@ columns:
   mppt_voltage_v: U1
 """
 
-LAYOUTS: dict[str, Callable[[pd.DataFrame], str]] = {
+LAYOUTS = {
     "ground_station": ground_station,
     "spreadsheet": spreadsheet,
     "telemetry": telemetry,
@@ -129,7 +127,7 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], str]] = {
 
 # Name: number, letters, fields.
 Formats = dict[str, tuple[int, str, str]]
-FORMATS: Formats = {
+FORMATS = {
     "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
     "ATT": (130, "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw"),
     "GPS": (131, "QBBIHBcLLe", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt"),
@@ -147,13 +145,13 @@ PACKED = {"b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "Q": "Q", 
 PACKED |= {"c": "h", "C": "H", "e": "i", "L": "i", "E": "I", "n": "4s", "N": "16s", "Z": "64s"}
 
 
-def message(name: str, *values: Any, formats: Formats = FORMATS) -> bytes:
+def message(name, *values, formats=FORMATS):
     number, letters, _ = formats[name]
     body = struct.pack("<" + "".join(PACKED[letter] for letter in letters), *values)
     return b"\xa3\x95" + bytes([number]) + body
 
 
-def formats_of(formats: Formats = FORMATS) -> bytes:
+def formats_of(formats=FORMATS):
     """Messages that describe all kinds of a DataFlash log."""
     out = b""
     for name, (number, letters, labels) in formats.items():

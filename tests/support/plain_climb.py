@@ -6,10 +6,8 @@ The density is that of another atmosphere (ambiance), the sun alone is the proje
 import ambiance
 import numpy as np
 
-from sizing.battery.battery import RuleChargeLimit
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
-from solar.types import FloatArray
 
 FLOOR_M = 536.0
 ETA = 0.626  # .97 x .82 x .96 x .82, as the file rounds it
@@ -21,15 +19,7 @@ AVIONICS_W, MOST_W = 6.0, 180.0
 class PlainClimb:
     """Steps through a day at 47.6 N; states are arrays, one element per flight."""
 
-    def __init__(
-        self,
-        day: int,
-        ceiling_m: float,
-        *,
-        surplus: bool = False,
-        limit: RuleChargeLimit | None = None,
-        step_s: float = 10.0,
-    ) -> None:
+    def __init__(self, day, ceiling_m, *, surplus=False, limit=None, step_s=10.0):
         self.ceiling_m, self.surplus, self.limit = ceiling_m, surplus, limit
         self.step_h = step_s / 3600.0
         self.heights = np.linspace(FLOOR_M, max(ceiling_m, FLOOR_M + 1.0), 60)
@@ -58,9 +48,7 @@ class PlainClimb:
         by_speed = np.gradient(speed**2 / 2.0, self.heights) / 9.80665
         self.wh_per_m = weight * (1.0 + by_speed) / 3600.0
 
-    def step(
-        self, hour: FloatArray, energy: FloatArray, altitude: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def step(self, hour, energy, altitude):
         """Energy and altitude after a step from some hours on, and the net power of level flight.
 
         An energy below zero is what lacks.
@@ -97,7 +85,7 @@ class PlainClimb:
         energy = np.where(up, energy + stored, energy - drawn_w * dt / DISCHARGE)
         return energy, np.where(up, higher, lower), net
 
-    def flight_h(self, launch_h: FloatArray, most_days: float = 12.0) -> FloatArray:
+    def flight_h(self, launch_h, most_days=12.0):
         """Flight times from launches at the floor with a full battery [h]; NaN beyond some days."""
         energy, altitude = np.full(len(launch_h), FULL_WH), np.full(len(launch_h), FLOOR_M)
         flown = np.full(len(launch_h), np.nan)

@@ -6,11 +6,11 @@ import runpy
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from documented import PAGES, Block, Command, blocks, replaced
+from documented import PAGES, Command, blocks, replaced
 
 # Far above what a command takes, so that a busy machine does not end it.
 TIMEOUT_S = 300
@@ -22,19 +22,17 @@ Streams = tuple[int, str, str]
 Call = Callable[[list[str], dict[str, str]], Streams]
 
 
-def blocks_that(holds: Callable[[Block], bool], pages: list[Path] = PAGES) -> list[Block]:
+def blocks_that(holds, pages=PAGES):
     """Blocks of the pages for which something holds."""
     return [block for page in pages for block in blocks(page) if holds(block)]
 
 
-def is_run(block: Block) -> bool:
+def is_run(block):
     """Whether the block has commands that are run."""
     return block.not_run is None and bool(block.commands())
 
 
-def in_subprocess(
-    words: list[str], folder: Path | None = None, variables: dict[str, str] | None = None
-) -> Streams:
+def in_subprocess(words, folder=None, variables=None):
     """Exit code, standard output and standard error of a program."""
     done = subprocess.run(
         words,
@@ -49,7 +47,7 @@ def in_subprocess(
     return done.returncode, done.stdout, done.stderr
 
 
-def make_wrong_aircraft(folder: Path) -> None:
+def make_wrong_aircraft(folder):
     """The file of ``solar-uav init`` with two mistakes."""
     code, _, err = in_subprocess([*SOLAR_UAV, "init", "bad"], folder)
     assert code == 0, err
@@ -64,7 +62,7 @@ def make_wrong_aircraft(folder: Path) -> None:
     path.write_text(text, encoding="utf-8")
 
 
-def made(name: str, folder: Path) -> Path:
+def made(name, folder):
     """File that commands need, made once in the folder by the Python of a page."""
     path = folder / name
     if path.exists():
@@ -90,7 +88,7 @@ class Played:
     err: str
 
 
-def played(block: Block, call: Call, made_in: Path) -> Iterator[Played]:
+def played(block, call, made_in):
     """Run the commands of a block in the current folder, one after the other."""
     for name in block.needs:
         if not Path(name).exists():

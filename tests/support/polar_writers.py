@@ -1,7 +1,6 @@
 """Polars of a section and a wing known in closed form, written as XFOIL and XFLR5 write theirs."""
 
 import math
-from collections.abc import Iterable
 
 import numpy as np
 
@@ -11,32 +10,32 @@ REYNOLDS = (60e3, 100e3, 200e3, 400e3, 800e3)
 CHORD_M, ASPECT_RATIO, VISCOSITY, SPAN_EFFICIENCY = 0.3, 18.0, 1.5e-5, 0.95
 
 
-def lift(alpha_deg: float) -> float:
+def lift(alpha_deg):
     """Lift coefficient, 0.1 per degree with a soft stall that does not depend on Re."""
     return 0.4 + 0.1 * alpha_deg - 2e-5 * max(alpha_deg, 0.0) ** 4
 
 
-def drag(cl: float, reynolds: float) -> float:
+def drag(cl, reynolds):
     """Parabolic drag with a power of the Reynolds number."""
     return (0.008 + 0.004 * (cl - 0.5) ** 2) * (reynolds / 2e5) ** -0.4
 
 
-def induced(cl: float) -> float:
+def induced(cl):
     """Induced drag of the wing."""
     return cl**2 / (math.pi * ASPECT_RATIO * SPAN_EFFICIENCY)
 
 
 def section(
-    reynolds: float,
+    reynolds,
     *,
-    program: str = "       XFOIL         Version 6.99",
-    name: str = "FORMULA 12",
-    kind: int = 1,
-    commas: bool = False,
-    mach: float = 0.0,
-    ncrit: float = 9.0,
-    angles: Iterable[float] = ANGLES,
-) -> str:
+    program="       XFOIL         Version 6.99",
+    name="FORMULA 12",
+    kind=1,
+    commas=False,
+    mach=0.0,
+    ncrit=9.0,
+    angles=ANGLES,
+):
     """Polar of the section; ``reynolds`` is that at C_L = 1 for kind 2."""
     types = {1: "1 1 Reynolds number fixed          Mach number fixed         "}
     types[2] = "2 1 Reynolds number ~ 1/sqrt(CL)   Mach number fixed         "
@@ -73,17 +72,17 @@ def section(
 
 
 def wing(
-    speed_m_per_s: float,
+    speed_m_per_s,
     *,
-    word: str = "Wing",
-    unit: str = "m/s",
-    per_unit: float = 1.0,
-    commas: bool = False,
-    fixed_lift: bool = False,
-    early: bool = False,
-    sideslip: bool = False,
-    angles: Iterable[float] = ANGLES,
-) -> str:
+    word="Wing",
+    unit="m/s",
+    per_unit=1.0,
+    commas=False,
+    fixed_lift=False,
+    early=False,
+    sideslip=False,
+    angles=ANGLES,
+):
     """Polar of the wing; ``speed_m_per_s`` is that at C_L = 1 for fixed lift."""
     comma = "," if commas else ""
     named = "Wing polar" if word == "Wing" else "Polar"

@@ -1,7 +1,5 @@
 """An aircraft whose propulsion is at its operating point, for tests."""
 
-from typing import Any
-
 import sizing
 
 VOLTAGE = {
@@ -9,7 +7,7 @@ VOLTAGE = {
     "state_of_charge": [0.0, 0.1, 0.9, 1.0],
     "cell_voltage_v": [3.0, 3.4, 4.0, 4.2],
 }
-PARTS: dict[str, Any] = {
+PARTS = {
     "kind": "operating_point",
     "propeller": {"diameter_m": 0.66, "pitch_m": 0.60, "mass_kg": 0.0},
     "gear": {"ratio": 5.0, "efficiency": 0.96, "mass_kg": 0.0},
@@ -27,13 +25,7 @@ PROPULSOR = sizing.Propulsor(
 )
 
 
-def aircraft(
-    overrides: dict[str, Any] | None = None,
-    *,
-    voltage: Any = VOLTAGE,
-    base: str = "atlantiksolar-design",
-    **parts: Any,
-) -> sizing.Aircraft:
+def aircraft(overrides=None, *, voltage=VOLTAGE, base="atlantiksolar-design", **parts):
     """Return a shipped aircraft with these parts, changed; a part that is None is left out."""
     chain = {key: value for key, value in (PARTS | parts).items() if value is not None}
     values = {"battery.voltage": voltage, "airframe.propulsion": chain}

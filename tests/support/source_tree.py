@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def make_benchmarks_importable() -> None:
+def make_benchmarks_importable():
     """Make the folder ``benchmarks`` a package without its neighbours on the import path."""
     if importlib.util.find_spec("benchmarks") is not None:
         return
@@ -15,8 +15,6 @@ def make_benchmarks_importable() -> None:
     spec = importlib.util.spec_from_file_location(
         "benchmarks", folder / "__init__.py", submodule_search_locations=[str(folder)]
     )
-    assert spec is not None
-    assert spec.loader is not None
     package = importlib.util.module_from_spec(spec)
     sys.modules["benchmarks"] = package
     spec.loader.exec_module(package)

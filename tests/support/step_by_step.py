@@ -1,12 +1,10 @@
 """A battery marched interval by interval: no night is a single step, and no day is skipped."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from sizing.day.balance import Interval, PowerBalance
-from sizing.day.battery import Store
 from solar.types import FloatArray
 
 
@@ -20,17 +18,17 @@ class Step(NamedTuple):
     end_wh: FloatArray
     unserved_wh: FloatArray
 
-    def empty_after_h(self) -> FloatArray:
+    def empty_after_h(self):
         """Hours after the interval's start at which the battery runs empty, if it does."""
         return self.interval.deficit_parts_h(self.unserved_wh)[0]
 
-    def unserved_h(self) -> FloatArray:
+    def unserved_h(self):
         """Hours of the interval in which the load cannot be met."""
         hours = self.interval.deficit_parts_h(self.unserved_wh)[1]
         return np.where(self.unserved_wh > 0.0, hours, 0.0)
 
 
-def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
+def advance(store, interval, energy_wh):
     """Early deficit, surplus, late deficit; no energy falls below zero."""
     eta = store.discharge_efficiency
     early_wh = np.where(interval.left_w < 0.0, interval.deficit_wh, 0.0)
@@ -42,14 +40,14 @@ def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
     return Step(interval, energy_wh, before, after, end, eta * (before - drained + end - left_over))
 
 
-def intervals(balance: PowerBalance) -> Iterator[Interval]:
+def intervals(balance):
     """Intervals of all elements, one after the other."""
     cells = np.arange(balance.net_w.shape[1])
     for k in range(len(balance.time_h) - 1):
         yield balance.interval(np.full(len(cells), k), cells)
 
 
-def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterator[Step]:
+def march(balance, store, energy_wh):
     """March from the first node over the whole time axis."""
     for interval in intervals(balance):
         step = advance(store, interval, energy_wh)
@@ -57,7 +55,7 @@ def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterato
         energy_wh = step.end_wh
 
 
-def balance_of(time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray) -> PowerBalance:
+def balance_of(time_h, solar_w, load_w):
     """Balance of powers whose last axis is the time, the batch laid out flat."""
     net_w = np.asarray(solar_w, float) - np.asarray(load_w, float)
     return PowerBalance.of(time_h, np.moveaxis(net_w, -1, 0).reshape(net_w.shape[-1], -1))

@@ -7,7 +7,6 @@ measurement error that the truth does not know.
 """
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -15,13 +14,10 @@ from scipy.signal import lfilter
 
 from missions.flight_path import Circle, orbit
 from missions.logs.table import EulerAngles, FlightLog, log_from_table
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
 from sizing.day.module_power import on_path
-from solar.types import BoolArray, FloatArray
 from studies.flight_logs.forward import Forward
 
-Period: TypeAlias = tuple[float, float]
+Period = tuple[float, float]
 
 START_UTC_S = 1435655640.0  # 30 June 2015, 09:14 UTC: the launch
 DURATION_H = 28.35
@@ -66,16 +62,16 @@ class SyntheticLog:
 
     table: pd.DataFrame
 
-    def log(self, source: str = "synthetic.csv") -> FlightLog:
+    def log(self, source="synthetic.csv"):
         """The rows as if they had been read from a file."""
         return log_from_table(self.table, source)
 
-    def to_csv(self) -> str:
+    def to_csv(self):
         """Text of the CSV file."""
         return str(self.table.to_csv(index=False))
 
 
-def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> SyntheticLog:
+def synthetic_log(aircraft, mission, settings):
     """Fly a circle, that of the mission if it has one, and write what instruments would."""
     if aircraft.modules.geometry is None:
         raise ValueError(f"{aircraft.name} has no module geometry, so there is no Full Model of it")
@@ -88,9 +84,7 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
     return SyntheticLog(_instruments(flown, truth, settings, rng))
 
 
-def _flown(
-    mission: Mission, time_s: FloatArray, settings: Settings, rng: np.random.Generator
-) -> FlightLog:
+def _flown(mission, time_s, settings, rng):
     """The truth of the flight but for its power."""
     path, elapsed = mission.flight_path, time_s - time_s[0]
     if not isinstance(path, Circle):
@@ -98,10 +92,10 @@ def _flown(
     path = path.model_copy(update={"direction": "clockwise"})
     loop = orbit(path, mission.wind, samples=360)
 
-    def at(values: FloatArray) -> FloatArray:
+    def at(values):
         return np.asarray(np.interp(elapsed, loop.time_s, values, period=loop.duration_s), float)
 
-    def jitter(share: float) -> FloatArray:
+    def jitter(share):
         return np.asarray(np.radians(share * settings.jitter_deg) * _gusts(elapsed, rng))
 
     # Sine and cosine, since the angle itself jumps by a turn.
@@ -118,14 +112,14 @@ def _flown(
     )  # fmt: skip
 
 
-def _gusts(elapsed: FloatArray, rng: np.random.Generator) -> FloatArray:
+def _gusts(elapsed, rng):
     """Noise of unit variance that keeps most of itself from sample to sample."""
     keep = float(np.exp(-(elapsed[1] - elapsed[0]) / _GUST_S))
     white = rng.standard_normal(len(elapsed))
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
 
 
-def _truth(aircraft: Aircraft, mission: Mission, flown: FlightLog) -> tuple[FloatArray, FloatArray]:
+def _truth(aircraft, mission, flown):
     """Power [W] and irradiance [W/m2] of the Full Model in the true attitude, without shading."""
     modules = aircraft.modules.model_copy(update={"shading_loss": "none"})
     bare = aircraft.model_copy(update={"modules": modules})
@@ -137,16 +131,10 @@ def _truth(aircraft: Aircraft, mission: Mission, flown: FlightLog) -> tuple[Floa
     return power, light
 
 
-def _instruments(
-    flown: FlightLog,
-    truth: tuple[FloatArray, FloatArray],
-    settings: Settings,
-    rng: np.random.Generator,
-) -> pd.DataFrame:
+def _instruments(flown, truth, settings, rng):
     count, faults = len(flown), settings.faults
     elapsed = flown.time_s - flown.time_s[0]
     hours, attitude, (power, light) = elapsed / 3600.0, flown.attitude, truth
-    assert attitude is not None
     power, load = power / (1.0 + settings.bias), _NIGHT_LOAD_W + 2.0 * _gusts(elapsed, rng)
     volts = _MPPT_V + 0.15 * rng.standard_normal(count)
     lost = _within(hours, faults.mppt) & (light < 250.0)
@@ -162,7 +150,7 @@ def _instruments(
     # Near full without limited power as well: the charge alone must not make a finding.
     charge = np.where(full, 0.97, np.clip(stored, 0.05, 0.95))
 
-    def measured_deg(angle: FloatArray) -> FloatArray:
+    def measured_deg(angle):
         error = settings.attitude_error_deg * rng.standard_normal(count)
         return np.round((np.degrees(angle) + error + 180.0) % 360.0 - 180.0, 3)
 
@@ -186,7 +174,7 @@ def _instruments(
     return table[~_within(hours, faults.missing)].reset_index(drop=True)
 
 
-def _within(hours: FloatArray, period: Period | None) -> BoolArray:
+def _within(hours, period):
     if period is None:
         return np.zeros(len(hours), bool)
     return np.asarray((hours >= period[0]) & (hours < period[1]), bool)

@@ -1,7 +1,6 @@
 """ULog files of a made-up flight, written after the format's specification."""
 
 import struct
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -10,17 +9,17 @@ EPOCH_S = 1435728600.0  # 2015-07-01T05:30:00Z
 EULER_DEG = np.array([[200.0, -20.0, 30.0], [10.0, 5.0, -40.0], [359.0, 60.0, 100.0]])  # yaw first
 
 
-def quaternions(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+def quaternions(count):
     picked = EULER_DEG[np.arange(count) % len(EULER_DEG)]
     x, y, z, w = Rotation.from_euler("ZYX", picked, degrees=True).as_quat().T
     return np.array([w, x, y, z])
 
 
-def topics(*, old_position: bool = False) -> dict[str, dict[str, Any]]:
+def topics(*, old_position=False):
     """Twelve seconds at 2 Hz, booted 100 s before the first sample."""
     micros = (100_000_000 + 500_000 * np.arange(24)).astype(np.uint64)
     full = np.ones(24)
-    position: dict[str, Any] = {
+    position = {
         "timestamp": micros,
         "time_utc_usec": ((EPOCH_S - 100.0) * 1e6 + micros).astype(np.uint64),
         "fix_type": np.full(24, 3, np.uint8),
@@ -52,13 +51,13 @@ def topics(*, old_position: bool = False) -> dict[str, dict[str, Any]]:
     }
 
 
-def ulog_bytes(content: dict[str, dict[str, Any]]) -> bytes:
+def ulog_bytes(content):
     """ULog file after the format's specification: header, definitions, data."""
     types = {"u8": ("uint64_t", "Q"), "u1": ("uint8_t", "B"), "i4": ("int32_t", "i")}
     types |= {"f8": ("float", "f")}
     out = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0)
-    messages: list[tuple[bytes, bytes]] = []
-    tail: list[tuple[bytes, bytes]] = []
+    messages = []
+    tail = []
     for number, (name, fields) in enumerate(content.items()):
         kinds = [np.asarray(v).dtype.str[1:] for v in fields.values()]
         names = [n.replace("[", "_").replace("]", "") for n in fields]

@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 from datetime import datetime, timedelta
-from pathlib import Path
 
 import numpy as np
 
@@ -28,7 +27,7 @@ def clear_light(start_s, interval_s, site=SITE, share=1.0, altitude_m=None):
     return tuple(share * part.reshape(-1, steps).mean(axis=1) for part in (ghi, *sky))
 
 
-def clear_record(days=4, first="2001-06-20", interval_s=3600.0, share=1.0, **changes) -> Weather:
+def clear_record(days=4, first="2001-06-20", interval_s=3600.0, share=1.0, **changes):
     """Record of a clear (or evenly dimmed) sky."""
     site = changes.pop("site", SITE)
     begin = float((np.datetime64(first, "s") - np.datetime64("1970-01-01T00:00:00")).astype(int))
@@ -39,7 +38,7 @@ def clear_record(days=4, first="2001-06-20", interval_s=3600.0, share=1.0, **cha
     return replace(made, **changes)
 
 
-def write_plain(path: Path, record: Weather, header=None, rows=None) -> Path:
+def write_plain(path, record, header=None, rows=None):
     """Plain CSV of a record."""
     site = record.site
     lines = header or [
@@ -58,7 +57,7 @@ def write_plain(path: Path, record: Weather, header=None, rows=None) -> Path:
     return path
 
 
-def write_epw(path: Path, record: Weather, name="Zürich", years=None) -> Path:
+def write_epw(path, record, name="Zürich", years=None):
     """EPW in Latin-1, local standard time, hours that end at 1 to 24, or parts of them."""
     site, part_min = record.site, record.interval_s / 60.0
     lines = [
@@ -80,7 +79,7 @@ def write_epw(path: Path, record: Weather, name="Zürich", years=None) -> Path:
     return path
 
 
-def write_pvgis_tmy(path: Path, record: Weather, years=None, offset_h=0.1761) -> Path:
+def write_pvgis_tmy(path, record, years=None, offset_h=0.1761):
     """Typical year of PVGIS as CSV; its rows are instants, told for the whole hour."""
     site = record.site
     lines = [
@@ -102,7 +101,7 @@ def write_pvgis_tmy(path: Path, record: Weather, years=None, offset_h=0.1761) ->
     return path
 
 
-def write_pvgis_tmy_json(path: Path, record: Weather, offset_h=0.1761) -> Path:
+def write_pvgis_tmy_json(path, record, offset_h=0.1761):
     """Typical year of PVGIS as JSON; its offset stands with the place."""
     site = record.site
     rows = [
@@ -124,7 +123,7 @@ def write_pvgis_tmy_json(path: Path, record: Weather, offset_h=0.1761) -> Path:
     return path
 
 
-def write_pvgis_tmy_epw(path: Path, record: Weather, zone_h=1.0, offset_h=0.1761) -> Path:
+def write_pvgis_tmy_epw(path, record, zone_h=1.0, offset_h=0.1761):
     """Typical year of PVGIS as EPW: hours of universal time under the zone of the country.
 
     Before version 5.3 without an offset.
@@ -140,7 +139,7 @@ def write_pvgis_tmy_epw(path: Path, record: Weather, zone_h=1.0, offset_h=0.1761
     return path
 
 
-def write_pvgis_hourly(path: Path, record: Weather, slope="0 deg.") -> Path:
+def write_pvgis_hourly(path, record, slope="0 deg."):
     """Hourly series of PVGIS on the horizontal, with components."""
     site = record.site
     lines = [
@@ -163,7 +162,7 @@ def write_pvgis_hourly(path: Path, record: Weather, slope="0 deg.") -> Path:
     return path
 
 
-def write_psm(path: Path, record: Weather) -> Path:
+def write_psm(path, record):
     """NSRDB PSM, rows at the middles of their intervals, trailing commas as of a spreadsheet."""
     site = record.site
     lines = [
@@ -182,7 +181,7 @@ def write_psm(path: Path, record: Weather) -> Path:
     return path
 
 
-def write_sam(path: Path, record: Weather, columns="Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd"):
+def write_sam(path, record, columns="Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd"):
     """Hours as the System Advisor Model heads them, by default without minutes."""
     site = record.site
     lines = [
@@ -199,7 +198,7 @@ def write_sam(path: Path, record: Weather, columns="Year,Month,Day,Hour,GHI,DNI,
     return path
 
 
-def write_power(path: Path, record: Weather, standard="UTC", ahead_h=0) -> Path:
+def write_power(path, record, standard="UTC", ahead_h=0):
     """NASA POWER's hours of a point, numbered some hours ahead of universal time."""
     site = record.site
     lines = [
@@ -221,7 +220,7 @@ def write_power(path: Path, record: Weather, standard="UTC", ahead_h=0) -> Path:
     return path
 
 
-def minutes_behind_the_sun(found: Weather) -> float:
+def minutes_behind_the_sun(found):
     """By how much the centre of a clear record's mornings and evenings lags the sun's [min]."""
     light = light_at_altitude(found, found.site.altitude_m)
     clock, lags = light.time_solar_h, []
@@ -234,7 +233,7 @@ def minutes_behind_the_sun(found: Weather) -> float:
     return float(max(lags, key=abs))
 
 
-def write_bsrn(path: Path, record: Weather) -> Path:
+def write_bsrn(path, record):
     """BSRN station-to-archive file of one month's minutes."""
     site = record.site
     begin = datetime(1970, 1, 1) + timedelta(seconds=float(record.start_s[0]))

@@ -10,7 +10,6 @@ from benchmarks.validation import flight_inputs as inputs
 from benchmarks.validation import published_flights as study
 from missions.dates import day_of_year
 from sizing.day.light import SolarModel
-from sizing.day.replay import calendar_run
 from sizing.performance import performance, perpetual_days
 
 
@@ -23,27 +22,6 @@ def test_perpetual_season_is_the_published_half_year():
     corrected = perpetual_days(AS2, shipped_mission("rafz-july"), 47.6, SolarModel("CAM", "report"))
     # With the published error of the model taken off, it is nearer to the published 183 days.
     assert abs(len(corrected) - 183) < abs(len(days) - 183)
-
-
-def test_28_hour_flight():
-    run = calendar_run(AS2, shipped_mission("rafz-28h"))
-    assert run.empty_clock_h is None
-    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(28.35, abs=1e-9)
-    night = run.clock_h[np.argmin(run.state_of_charge)]
-    # The least charge is at equal power in the morning after, between 06:00 and 08:00 CEST.
-    assert 24.0 + 6.0 <= night <= 24.0 + 8.0
-    # Flown: mean night power 43 W.
-    assert run.load_w.mean() == pytest.approx(43.0, rel=0.05)
-
-
-def test_81_hour_flight_stays_up():
-    run = calendar_run(AS2, shipped_mission("rafz-81h"))
-    assert run.empty_clock_h is None
-    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.4, abs=1e-9)
-    # Full on each of its four days, as the flight was.
-    assert len(run.full_charge_clock_h) == 4
-    # Published 39 %, with the tolerance of the repeated day.
-    assert run.minimum_state_of_charge == pytest.approx(0.39, abs=0.03)
 
 
 def test_load_of_a_trial_is_the_one_asked_for():
@@ -68,27 +46,6 @@ def test_full_charge_that_is_not_reached_is_the_end_of_the_day():
     full_h = study.FLIGHTS["as2-81h-clock"].quantity("full charge on the second day (CEST)").compute
     dim = study.FLIGHTS["as2-81h-clock"].trial().with_mission(clearness=0.2)
     assert full_h(dim) == full_h(replace(dim, full_charge=0.99)) == 24.0
-
-
-def test_27_hour_flight():
-    run = study.FLIGHTS["sky-sailor-27h"].trial().replay()
-    assert run.empty_clock_h is None
-    # Flown: full on the first afternoon, and at the landing on the second.
-    assert 24.0 > run.full_charge_clock_h[0] > 12.55
-    assert run.state_of_charge[-1] == pytest.approx(1.0)
-    # By hand: 16 W, from 18:00 to 6:00 solar time and half of it in the hours beside, drawn at 95 %
-    # from 254 Wh. Half an hour of the night is 3 points.
-    night = 1.0 - 16.0 * 11.0 / 0.95 / 254.4
-    assert run.minimum_state_of_charge == pytest.approx(night, abs=0.03)
-
-
-def test_solong_draws_more_than_its_modules_bring_in_a_day():
-    trial = study.FLIGHTS["solong-48h"].trial()
-    day = performance(trial.aircraft, trial.mission)
-    brought_wh = float(day.cycle.energy_budget.solar_wh[0])
-    # Published: 225 W, at 1000 W/m2. Of 8 kWh/m2 on a clear day in June some 10 % are lost.
-    assert brought_wh == pytest.approx(0.225 * 8000.0 * 0.9, rel=0.1)
-    assert brought_wh < 0.8 * 24.0 * trial.load_w
 
 
 def test_every_fact_has_a_source():

@@ -1,5 +1,3 @@
-"""Tests of values given on the command line."""
-
 import pytest
 
 from missions.files.errors import InputError

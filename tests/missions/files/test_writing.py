@@ -1,5 +1,3 @@
-"""Tests of writing files, and data as YAML."""
-
 import enum
 import json
 import math

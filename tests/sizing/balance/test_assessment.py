@@ -1,5 +1,3 @@
-"""Tests of the balance of whole aircraft, and of sizings that keep a static margin."""
-
 import numpy as np
 import pytest
 from builders import DESIGN, aircraft, shipped_mission

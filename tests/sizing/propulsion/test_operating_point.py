@@ -1,5 +1,3 @@
-"""Tests of motor, controller and battery, and of the whole at an operating point."""
-
 import contextlib
 import io
 from pathlib import Path

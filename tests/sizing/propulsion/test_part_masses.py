@@ -1,5 +1,3 @@
-"""Tests of the masses of parts that no file gives."""
-
 import numpy as np
 import pytest
 from propulsors import PARTS as OWN_PARTS

@@ -1,5 +1,3 @@
-"""Tests of the readers of propeller tables, and of what lies outside a table."""
-
 from pathlib import Path
 
 import numpy as np

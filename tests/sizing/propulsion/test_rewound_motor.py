@@ -1,5 +1,3 @@
-"""Tests of motors wound anew, and of the speed constant as a design variable."""
-
 import numpy as np
 import pytest
 from propulsors import PARTS

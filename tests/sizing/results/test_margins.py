@@ -1,5 +1,3 @@
-"""Tests of the margins on every requirement, and of the contingency on masses."""
-
 import pytest
 from builders import AS2, DESIGN
 from propulsors import VOLTAGE, aircraft

@@ -1,5 +1,3 @@
-"""Tests of technology beyond experience, which is told, and beyond nature, which is refused."""
-
 from operator import attrgetter
 
 import pytest

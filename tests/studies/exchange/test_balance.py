@@ -1,5 +1,3 @@
-"""Tests of what exports and drawings have of an aircraft with tail, taper and balance."""
-
 from itertools import pairwise
 
 import pytest

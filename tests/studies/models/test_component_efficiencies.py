@@ -1,5 +1,3 @@
-"""Tests of the Full Model's component efficiencies over a day."""
-
 import numpy as np
 import pytest
 

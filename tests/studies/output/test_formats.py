@@ -1,5 +1,3 @@
-"""Tests of tables as bytes of a file."""
-
 import io
 import zipfile
 
