@@ -115,21 +115,6 @@ def paths(draw):
 # ---- Circle
 
 
-@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
-def test_calm_circle_has_constant_bank_and_yaw_rate(direction):
-    lap = orbit(circle(direction), CALM)
-    side = 1.0 if direction == "clockwise" else -1.0
-    # Rounding.
-    assert lap.duration_s == pytest.approx(2.0 * np.pi * 60.0 / 10.0, rel=1e-14)
-    assert lap.roll_rad == pytest.approx(
-        np.full(72, side * np.arctan(10.0**2 / (GRAVITY_M_PER_S2 * 60.0))), rel=1e-14
-    )
-    assert np.diff(np.unwrap(lap.yaw_rad)) == pytest.approx(
-        np.full(71, side * 2.0 * np.pi / 72), abs=1e-12
-    )
-    assert lap.ground_speed_m_per_s == pytest.approx(np.full(72, 10.0), rel=1e-14)
-
-
 @given(circles(share=0.999))
 def test_ground_track_is_the_circle(case):
     path, wind = case

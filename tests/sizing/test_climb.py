@@ -141,14 +141,6 @@ def test_gain_is_what_the_height_saves_the_battery(rise_m):
 # ---- Invariants
 
 
-@pytest.mark.parametrize(("aircraft", "dates"), [(AS2, SOLSTICES), (DESIGN, SOLSTICES)])
-def test_a_higher_ceiling_never_harms(aircraft, dates):
-    gains = [climbs_of(aircraft, h, dates).gain_h for h in (FLOOR_M, 1536.0, 4000.0)]
-    assert gains[0] == pytest.approx(0.0, abs=1e-9)
-    assert np.all(gains[1] >= 0.0)
-    assert np.all(gains[2] >= gains[1] - STEPS_H)
-
-
 def test_climbing_carries_a_small_battery_through_the_night():
     small = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=130")
     result = climbs_of(small, 5000.0)

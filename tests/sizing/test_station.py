@@ -5,12 +5,10 @@ import math
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
-from hypothesis import given
-from hypothesis import strategies as st
+from wind_tables import winds_file
 
 from missions.air import standard_air
 from missions.mission import Scenarios
-from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
 from sizing import analyse_uncertainty, load_aircraft, operating_point, size
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import FlightConditions, variables_of
@@ -25,45 +23,12 @@ CELLS = Scenarios(np.array([20.0, 40.0, 50.0]), np.array([166, 166, 166]))
 
 def in_winds(folder, median, strong):
     """Mission near the ground in a made-up wind, the same everywhere."""
-    path = folder / f"winds-{median:g}-{strong:g}.csv"
-    rows = [
-        f"{latitude},{altitude},{month},{p},{wind}"
-        for latitude in (-90, 90)
-        for altitude in (0, 2000)
-        for month in range(1, 13)
-        for p, wind in ((50, median), (90, strong))
-    ]
-    path.write_text("\n".join([",".join(COLUMNS), *rows]))
-    return mission(wind={"percentile": 90.0, "file": str(path)})
+    speeds = {50: median, 90: strong}
+    path = winds_file(folder, lambda x, z, m, percentile: speeds[percentile], percentiles=speeds)
+    return mission(wind={"percentile": 90.0, "file": path})
 
 
 # ---- Share of the time
-
-
-def test_speeds_of_another_reanalysis_are_nearly_rayleighs():
-    # ERA-Interim, December 2005 to 2015, all longitudes (see tests/missions/winds/test_table.py):
-    # the 70th, 95th and 99th percentile [m/s] at 40 N and 50 hPa, 48 N and 300 hPa, then at the
-    # equator and 100 hPa, and in the polar vortex, 55 N and 50 hPa.
-    usual = ((22.98, 36.03, 43.52), (38.40, 60.90, 75.29))
-    tropics_and_vortex = ((13.80, 25.67, 32.82), (40.01, 52.34, 58.89))
-    for p70, p95, p99 in usual + tropics_and_vortex:
-        rows = [f"{x},{z},12,95,{p95}" for x in (0, 1) for z in (0, 1)]
-        table = wind_table_from_text("\n".join([",".join(COLUMNS), *rows]), "era")
-        # Winds of the tropics vary more and those of the vortex less: the share is 0.12
-        # too low and 0.13 too high there. Elsewhere it is within 0.01.
-        near = 0.01 if (p70, p95, p99) in usual else 0.14
-        assert table.share_below(p70, 0.5, 0.5, 12) == pytest.approx(0.70, abs=near)
-        assert table.share_below(p99, 0.5, 0.5, 12) == pytest.approx(0.99, abs=0.015)
-        assert table.share_below(p95, 0.5, 0.5, 12) == pytest.approx(0.95)
-
-
-@given(st.floats(0.0, 120.0), st.floats(0.0, 120.0), st.floats(-88.0, 88.0), st.integers(1, 12))
-def test_a_faster_aircraft_stays_at_least_as_long(first, second, latitude, month):
-    low, high = (
-        float(shipped_winds().share_below(v, latitude, 20000.0, month))
-        for v in sorted((first, second))
-    )
-    assert 0.0 <= low <= high <= 1.0
 
 
 def test_share_goes_through_the_percentiles_of_a_table(tmp_path):
@@ -125,17 +90,6 @@ def test_without_wind_it_always_stays_where_it_flies_perpetually(tmp_path):
     result = station_keeping(DESIGN, in_winds(tmp_path, 0.0, 0.0), scenarios=cells)
     assert result.share.tolist() == [1.0, 0.0]
     assert np.isnan(result.airspeed_m_per_s).tolist() == [False, True]
-
-
-def test_more_wind_and_less_battery_shorten_the_stay(tmp_path):
-    calm, windy = (in_winds(tmp_path, *w) for w in ((6.0, 12.0), (9.0, 15.0)))
-    at_calm = station_keeping(DESIGN, calm, scenarios=CELLS)
-    more = station_keeping(DESIGN, windy, scenarios=CELLS)
-    assert np.all(more.share < at_calm.share)
-    assert np.array_equal(more.airspeed_m_per_s, at_calm.airspeed_m_per_s)
-    weak = aircraft("atlantiksolar-design", "battery.specific_energy_wh_per_kg=200")
-    less = station_keeping(weak, calm, scenarios=CELLS)
-    assert np.all(less.share <= at_calm.share)
 
 
 # ---- Flight as fast as the wind

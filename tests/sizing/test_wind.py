@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from wind_tables import winds_file
 
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
-from missions.winds.table import COLUMNS
 from sizing import analyse, size
 from sizing.day.light import day_axis_h
 from sizing.day.module_power import modelled_power, surroundings_in_flight
@@ -20,18 +20,19 @@ WINDS = {(40, 6): 2.0, (40, 7): 4.0, (50, 6): 6.0, (50, 7): 10.5}
 
 @pytest.fixture
 def windy(tmp_path):
-    path = tmp_path / "winds.csv"
-    rows = [
-        f"{latitude},{altitude},{month},60,{wind}"
-        for (latitude, month), wind in WINDS.items()
-        for altitude in (0, 1000)
-    ]
-    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    path = winds_file(
+        tmp_path,
+        lambda latitude, altitude, month, percentile: WINDS[latitude, month],
+        latitudes=(40, 50),
+        altitudes_m=(0, 1000),
+        months=(6, 7),
+        percentiles=(60,),
+    )
     data = load_mission("central-europe-summer").model_dump(by_alias=True, exclude_unset=True)
     data |= {
         "latitude_deg": {"from_deg": 40.0, "to_deg": 50.0, "count": 2},
         "dates": {"from": "06-15", "to": "07-15", "count": 2},
-        "wind": {"percentile": 60.0, "file": str(path)},
+        "wind": {"percentile": 60.0, "file": path},
         "flight_path": {"kind": "circle", "radius_m": 200.0, "airspeed_m_per_s": 12.0},
     }
     return Mission.model_validate(data)

@@ -110,39 +110,6 @@ def test_a_wrong_zone_and_a_record_without_sun_do_not_pass_in_silence(tmp_path):
         load(tmp_path, clear_record(3, share=0.0))
 
 
-def test_any_two_kinds_of_light_give_the_third(tmp_path):
-    record = clear_record(3, interval_s=300.0)
-    for lacking in ("ghi", "dni", "dhi"):
-        weather = load(
-            tmp_path,
-            record,
-            rows=lambda rows, out=lacking: [with_fields(row, **{out: ""}) for row in rows],
-        )
-        # Of intervals of five minutes the sun's height in the middle is good to this.
-        assert getattr(weather, lacking).sum() == pytest.approx(
-            getattr(record, lacking).sum(), rel=0.01
-        )
-
-
-def test_global_light_alone_is_parted_after_erbs(tmp_path):
-    pvlib = pytest.importorskip("pvlib")
-    record = clear_record(3, share=0.7)
-    weather = load(
-        tmp_path,
-        record,
-        rows=lambda rows: [with_fields(row, dni="", dhi="") for row in rows],
-    )
-    assert any("Erbs" in text for text in weather.repairs)
-    middle = record.start_s + record.interval_s / 2.0
-    import pandas as pd
-
-    times = pd.DatetimeIndex(pd.to_datetime(middle, unit="s", utc=True))
-    sun = pvlib.solarposition.get_solarposition(times, 46.8, 6.9, 491.0)
-    parts = pvlib.irradiance.erbs(record.ghi, sun["zenith"].to_numpy(), times)
-    # Our sun and solar constant differ from pvlib's by per mille; kt enters with its fourth power.
-    assert weather.dhi.sum() == pytest.approx(float(np.sum(parts["dhi"])), rel=0.02)
-
-
 def test_day_of_year_counts_dates_alike_in_leap_years():
     dates = ["2001-03-01T00:00", "2004-03-01T00:00", "2004-02-29T12:00", "2004-12-31T18:00"]
     seconds = np.array(dates, "datetime64[s]").astype(float)

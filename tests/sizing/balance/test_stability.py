@@ -109,29 +109,3 @@ def test_fins_steady_and_pods_unsteady():
     assert plain.slope > with_pod.slope
     assert plain.slope - with_pod.slope == pytest.approx(0.02 / (WING.area_m2 * 5.65))
     assert plain.rudder == with_pod.rudder > 0.0
-
-
-def test_trim_of_a_wing_and_tail_computed_by_hand():
-    # A wing of 4 m by 0.25 m; 1 m aft its tail of 0.1 m2, aspect ratio 4, in 0.9 of the pressure.
-    wing = wing_of(None, 4.0, 16.0)
-    tail = Tail(
-        arm_m=1.0,
-        horizontal_area_m2=0.1,
-        vertical_volume=0.02,
-        horizontal_aspect_ratio=4.0,
-        dynamic_pressure_ratio=0.9,
-    )
-    trimmed = trim(
-        *(wing, tail, tail.planes(wing)),
-        lift=0.8,
-        moment=-0.06,
-        gravity_x_m=wing.quarter_m + 0.05,
-        span_efficiency=0.8,
-    )
-    # Lever -0.06 * 0.25 + 0.8 * 0.05 = 0.025 m over the arm of 1 m, on a wing of 1 m2; the tail's
-    # own area and pressure make 0.025/0.09, the wing has the rest of 0.8.
-    assert trimmed.tail_lift == pytest.approx(0.277777778)
-    assert trimmed.wing_lift == pytest.approx(0.775)
-    # Laitone: (0.775^2 + 2 * 0.775 * 0.025 + (4/0.632456)^2 * 0.025^2/0.9 - 0.8^2)/(pi 0.8 16),
-    # with the tail's span of sqrt(4 * 0.1) = 0.632456 m: (0.0277778 - 0.000625)/40.21239.
-    assert trimmed.drag == pytest.approx(6.752342e-4, rel=1e-6)

@@ -1,9 +1,9 @@
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
 from weather_files import SITE, clear_record
+from wind_tables import winds_file
 
 from missions.air import air_at
 from missions.library import load_mission
@@ -11,7 +11,6 @@ from missions.weather.days import DayAxis
 from missions.weather.light import light_at_altitude
 from missions.weather.record import Site, run_lengths
 from missions.weather.site import mission_at_site
-from missions.winds.table import COLUMNS
 from sizing.day.light import SolarModel
 from sizing.day.record import weather_performance
 from sizing.day.record_conditions import WeatherDays, load_of_days
@@ -61,20 +60,10 @@ def test_a_clear_record_is_the_flight_on_the_calendar():
     assert charge[inside] == pytest.approx(there, abs=2e-3)
 
 
-def winds_file(folder, july, otherwise):
-    """Table of winds, the same everywhere, of another speed in July."""
-    path = folder / "winds.csv"
-    speeds = [july if month == 7 else otherwise for month in range(1, 13)]
-    places = product((-90, 90), (0, 2000), enumerate(speeds, start=1))
-    rows = [f"{x},{z},{month},95,{speed}" for x, z, (month, speed) in places]
-    path.write_text("\n".join([",".join(COLUMNS), *rows]))
-    return str(path)
-
-
 @pytest.fixture
 def windy_file(tmp_path):
     """Table of winds of 11 m/s, 1.3 times the airspeed of the shipped design."""
-    return winds_file(tmp_path, 11, 11)
+    return winds_file(tmp_path, lambda *_: 11)
 
 
 def test_a_held_place_is_flown_as_fast_as_the_wind_in_the_air_of_each_day(windy_file):
@@ -136,7 +125,8 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
 
 def test_a_wind_too_strong_for_the_propulsion_closes_no_day(tmp_path):
     record = clear_record(4, first="2001-07-30", interval_s=3600.0)
-    wind = {"percentile": 95.0, "hold_station": True, "file": winds_file(tmp_path, 18, 5)}
+    strong_in_july = winds_file(tmp_path, lambda x, z, month, p: 18 if month == 7 else 5)
+    wind = {"percentile": 95.0, "hold_station": True, "file": strong_in_july}
     run = weather_performance(
         load_aircraft("twin-boom-design"), mission_at(record, wind=wind), record
     )

@@ -4,11 +4,11 @@ import json
 import numpy as np
 import pytest
 from weather_files import clear_record
+from wind_tables import winds_file
 
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
-from missions.winds.table import COLUMNS
 from sizing.day.record import weather_performance
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
@@ -85,12 +85,11 @@ def test_an_analysis_of_the_sized_aircraft_confirms_the_days(most, monkeypatch):
 
 
 def windy(folder, wind_m_per_s):
-    path = folder / f"winds-{wind_m_per_s:g}.csv"
-    rows = [
-        f"{x},{z},{m},95,{wind_m_per_s}" for x in (0, 90) for z in (0, 2000) for m in range(1, 13)
-    ]
-    path.write_text("\n".join([",".join(COLUMNS), *rows]))
-    wind = {"percentile": 95.0, "hold_station": True, "file": str(path)}
+    wind = {
+        "percentile": 95.0,
+        "hold_station": True,
+        "file": winds_file(folder, lambda *_: wind_m_per_s),
+    }
     return load_mission(
         "rafz-july", PLACE | {"dates": MISSION.dates.model_dump(by_alias=True)} | {"wind": wind}
     )

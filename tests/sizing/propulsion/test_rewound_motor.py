@@ -5,7 +5,6 @@ from propulsors import PARTS
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
-from sizing.catalogues.choice import entries
 from sizing.mass_budget import design_of
 from sizing.propulsion.electric import Motor
 from sizing.propulsion.part_masses import continuous_torque_nm
@@ -43,22 +42,6 @@ def test_speed_and_torque_cost_the_same_in_every_winding(ratio):
     # So does what size and limits are made of: torque and copper's losses at the largest current.
     assert continuous_torque_nm(wound) == pytest.approx(continuous_torque_nm(MOTOR), rel=1e-12)
     assert wound.maximum_current_a**2 * wound.resistance_ohm == pytest.approx(36.0 * 0.299)
-
-
-@pytest.mark.parametrize(
-    ("known", "other"), [("axi-4120-18", "axi-4120-20"), ("axi-4130-16", "axi-4130-20")]
-)
-def test_windings_of_one_frame_in_the_catalogue(known, other):
-    """Makers' data of two windings each: turns stand in the name, and masses are equal."""
-    first, second = (entries("motors")[name].numbers() for name in (known, other))
-    assert first["mass_kg"] == second["mass_kg"]
-    wound = Motor.from_catalogue(known).rewound(second["speed_constant_rpm_per_v"])
-    assert wound.resistance_ohm == pytest.approx(second["resistance_ohm"], rel=0.05)
-    # Published with one decimal, at voltages that are not told.
-    assert wound.no_load_current_a == pytest.approx(second["no_load_current_a"], abs=0.2)
-    turns = int(known.rpartition("-")[2]) / int(other.rpartition("-")[2])
-    ratio = second["speed_constant_rpm_per_v"] / first["speed_constant_rpm_per_v"]
-    assert ratio == pytest.approx(turns, rel=0.02)
 
 
 @pytest.fixture(scope="module")

@@ -109,14 +109,3 @@ def test_a_typical_year_is_none_of_the_calendar():
     analysis = analysed(typical)
     assert analysis.to_dict()["years"] == []
     assert len(analysis.to_years_frame()) == 0
-
-
-def test_summers_of_the_south_are_parted_by_the_new_year():
-    analysis = analysed(years_record("2001-01-01", "2004-01-01", latitude_deg=-46.8))
-    years = analysis.years
-    frame = analysis.to_frame()
-    closes = frame["closes"].to_numpy()
-    december = frame["date"].str.startswith("12").to_numpy()
-    june = frame["date"].str.startswith("06").to_numpy()
-    assert closes[december].mean() > closes[june].mean()
-    assert max(one.longest_run_days for one in years) <= analysis.to_dict()["longest_run_days"]

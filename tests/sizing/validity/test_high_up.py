@@ -13,7 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
 from sizing.validity.ranges import Extrapolation
-from studies.maps.study import feasibility_map, resized_map
+from studies.maps.study import feasibility_map
 from studies.output.gridded import extrapolations_of
 from studies.render.notes import extrapolation_caption
 
@@ -158,17 +158,6 @@ def test_a_map_tells_the_worth_in_its_best_cell():
     assert f"at {best.latitudes()[0]:g}° N, 21 Jun" in noted[BATTERY].text
     dark = feasibility_map(DESIGN, HIGH, latitudes=[85.0], days=[355])
     assert set(notes(extrapolations_of(dark))) == {MODULES, BATTERY, ERROR}
-
-
-def test_a_map_of_sizings_tells_the_worth_of_its_lightest_design():
-    data = resized_map(DESIGN, HIGH, "min_mass", latitudes=[45.0, 50.0], days=[172])
-    noted = notes(extrapolations_of(data))
-    assert set(noted) == {MODULES, BATTERY, ERROR}
-    lightest = [45.0, 50.0][int(np.argmin(data["total_mass"].to_numpy()[:, 0]))]
-    where = mission(altitude_m=10000.0, latitude_deg=lightest, dates={"on": "06-21"})
-    of_one = notes(size(DESIGN, where, "min_mass"))
-    # Two solvers, each to 1e-4 of the mass.
-    assert noted[BATTERY].excess_time_h == pytest.approx(of_one[BATTERY].excess_time_h, abs=0.05)
 
 
 def test_captions_say_what_is_assumed_and_its_worth():

@@ -121,19 +121,6 @@ def test_all_models_agree_with_the_library_on_single_samples():
             assert result.samples.modelled_w[model][place] == pytest.approx(expected, rel=1e-9)
 
 
-def test_models_order_as_in_the_report():
-    """The report's morning: CDM well above CAM, CAM above VM in easterly wind, VM near FM."""
-    result = verified(made(), windows=[parse_window("2015-07-01@4.17:9.72")])
-    errors = result.windows[0].errors
-    cdm, cam, vm = (errors[m].relative(errors[m].average_w) or 0.0 for m in ("CDM", "CAM", "VM"))
-    # Published relative to FM: +19.9 %, +7.2 % and -0.2 %. Radius and speed of the circle are not.
-    assert cdm == pytest.approx(0.199, abs=0.03)
-    assert cam == pytest.approx(0.072, abs=0.03)
-    assert vm == pytest.approx(-0.002, abs=0.03)
-    # Published mean power of the Full Model.
-    assert errors["FM"].modelled_mean_w == pytest.approx(97.87, rel=0.03)
-
-
 def test_windows_of_every_day_and_of_one():
     log = made()
     every, item = verified(log, windows=[Window(10, 12), parse_window("2015-07-01@10:12")]).windows

@@ -96,13 +96,6 @@ def test_models_with_attitude_are_mapped_too():
     assert result["excess_time"][0, 1] == cycle.excess_time_h[0]
 
 
-def test_tropics_fly_all_year_and_polar_winter_never(data):
-    assert int(study.season_length(data).sel(latitude=0.0)) == len(DAYS)
-    assert int(data["status"].sel(latitude=89.0, day=355)) == Status.never_lit
-    assert int(data["status"].sel(latitude=89.0, day=172)) == Status.always_lit
-    assert np.isinf(data["excess_time"].sel(latitude=89.0, day=172))
-
-
 def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data):
     perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
     assert (np.isinf(data["endurance"]) == perpetual).all()
