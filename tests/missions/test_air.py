@@ -1,4 +1,4 @@
-"""Standard atmosphere against published tables, an independent implementation and invariants."""
+"""Standard atmosphere against an independent implementation and invariants."""
 
 import ambiance
 import numpy as np

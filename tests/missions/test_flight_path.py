@@ -1,4 +1,4 @@
-"""Loiter paths in wind: closure, the wind triangle, coordinated turns, symmetries and limits."""
+"""Loiter paths in wind: the wind triangle, coordinated turns and limits."""
 
 import dataclasses
 import re

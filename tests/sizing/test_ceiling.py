@@ -26,9 +26,6 @@ def aerodynamics(aircraft):
     return aircraft.airframe.aerodynamics
 
 
-# ---- Altitude in air, Reynolds number and power
-
-
 @pytest.mark.parametrize("altitude_m", [0.0, 3000.0, 11000.0, 15000.0, 20000.0])
 def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitude_m):
     there = mission(altitude_m=altitude_m)
@@ -47,9 +44,6 @@ def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitud
     # The two atmospheres agree to 1e-5, and the drag varies more slowly than either.
     assert flight.airspeed_m_per_s == pytest.approx(speed, rel=1e-5)
     assert flight.propulsion_power_w == pytest.approx(electric, rel=3e-5)
-
-
-# ---- The same weather at every altitude
 
 
 def test_mission_at_its_own_altitude_is_the_same_flight():
@@ -77,9 +71,6 @@ def test_warm_air_stays_as_much_warmer_aloft(air):
     assert float(there.air_state().pressure_pa) == pytest.approx(
         float(mission(altitude_m=15000.0).air_state().pressure_pa)
     )
-
-
-# ---- The ceiling
 
 
 @pytest.mark.long

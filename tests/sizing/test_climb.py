@@ -40,9 +40,6 @@ def climbs_of(aircraft, ceiling_m, dates="06-21"):
     return climb_performance(aircraft, mission(ceiling_m, dates=days))
 
 
-# ---- Without height it is the simulator of constant altitude
-
-
 @pytest.mark.parametrize(
     ("aircraft", "dates"), [(AS2, SOLSTICES), (UNLIMITED_AS2, SOLSTICES), (DESIGN, SOLSTICES)]
 )
@@ -62,9 +59,6 @@ def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator():
     result = climb_performance(DESIGN, where)
     assert np.ptp(result.constant.load_w) > 0.2 * result.constant.load_w.min()
     assert result.performance.load_w == pytest.approx(result.constant.load_w, rel=1e-12)
-
-
-# ---- Against rules, marched second by second
 
 
 def by_rule_h(aircraft, ceiling_m, day, *, surplus):
@@ -97,9 +91,6 @@ def test_no_rule_has_more_excess_time(aircraft, ceiling_m, date):
     assert ours_h >= max(rules) - STEPS_H
     # By constant efficiencies and with a slow charger little is left to win.
     assert ours_h <= max(rules) + 0.5
-
-
-# ---- By hand
 
 
 def test_load_is_that_of_level_flight_and_of_what_is_lifted():
@@ -136,9 +127,6 @@ def test_gain_is_what_the_height_saves_the_battery(rise_m):
     at_best = height_wh / ETA / nominal_w
     at_worst = at_best * (density[1] / density[0]) ** 0.5
     assert at_worst - STEPS_H <= result.gain_h[0] <= 1.1 * at_best
-
-
-# ---- Invariants
 
 
 def test_climbing_carries_a_small_battery_through_the_night():
@@ -215,9 +203,6 @@ def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(aircraft, ceiling_
     assert f"{by_minute_h:.2f} h {more}" in str(analysis.at_level(2))
 
 
-# ---- Conservation
-
-
 def test_random_days_along_random_heights_conserve_energy():
     # 1000 days of two aircraft along heights that nobody would fly, with batteries of any size.
     rng = np.random.default_rng(17)
@@ -244,9 +229,6 @@ def test_random_days_along_random_heights_conserve_energy():
         backwards_w = many.powers_along(day.time_h, height_m[:, ::-1])[1][:, ::-1]
         lift_wh = np.trapezoid(flights.load_w - backwards_w, day.time_h, axis=-1)
         assert np.max(np.abs(lift_wh) / turnover) < 1e-12
-
-
-# ---- Refusals
 
 
 def test_mission_without_climb_is_refused():

@@ -29,8 +29,6 @@ def longest(perf):
     return flight
 
 
-# ---- Against plain marching
-
 AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  # as the air
 
 
@@ -59,9 +57,6 @@ def test_no_launch_by_a_rule_flies_longer(aircraft, date, ceiling_m):
     # It is the climb that gives it: level flight is far off.
     level = longest(performance(aircraft, builders.mission(dates={"on": date})))
     assert flight.endurance_h > level.endurance_h + 0.1
-
-
-# ---- Limits
 
 
 @pytest.mark.parametrize("aircraft", [AS2, UNLIMITED_AS2, DESIGN])
@@ -95,9 +90,6 @@ def test_without_any_sun_it_is_the_battery_over_the_load():
     perf = performance(AS2, mission(3536.0, **night))
     by_hand = FULL_WH * DISCHARGE / float(perf.nominal_load_w[0])
     assert longest(perf).endurance_h == pytest.approx(by_hand, rel=1e-3)
-
-
-# ---- Wherever it is given
 
 
 def test_flight_that_is_drawn_ends_with_the_endurance():

@@ -48,9 +48,6 @@ def variables(span, aspect, battery, share):
     return DesignVariables(span, aspect, battery, share * span**2 / aspect)
 
 
-# ---- calibration
-
-
 def test_design_at_its_files_point_is_atlantiksolar():
     design = design_of(DESIGN, AT_1_10)
     # Published: 6.92 kg, which the file's remainder is fitted to; the last digit is 0.07 %, and
@@ -73,9 +70,6 @@ def test_sky_sailor_is_close_to_the_built_one():
     # Built: 2.44 kg with 1.06 kg of battery. The method's airframe law is a statistical fit that
     # its author found good to some ten percent for his own aircraft.
     assert design.total_mass_kg == pytest.approx(2.44, rel=0.10)
-
-
-# ---- mass closure
 
 
 @settings(max_examples=80, deadline=None)
@@ -104,23 +98,6 @@ def test_closed_mass_is_the_lightest_solution(span, aspect, battery, share):
     budget = np.asarray(parametric_design(DESIGN, AT_1_10, arrays, assumed).masses.total_kg)
     # Every lighter assumed mass is less than what it entails.
     assert np.all(budget > assumed)
-
-
-def test_arrays_equal_scalars():
-    rng = np.random.default_rng(1)
-    span, aspect = rng.uniform(2.0, 12.0, (3, 1)), rng.uniform(8.0, 30.0, (3, 4))
-    battery, area = rng.uniform(0.2, 10.0, 4), rng.uniform(0.1, 1.0, (3, 4))
-    batch = closed_design(DESIGN, AT_1_10, DesignVariables(span, aspect, battery, area))
-    assert np.shape(batch.total_mass_kg) == (3, 4)
-    for i, j in np.ndindex(3, 4):
-        chosen = DesignVariables(span[i, 0], aspect[i, j], battery[j], area[i, j])
-        single = closed_design(DESIGN, AT_1_10, chosen)
-        # The batch iterates until its slowest element is done: closure's own tolerance.
-        for name in ("total_mass_kg", "propulsion_power_w", "airspeed_m_per_s"):
-            alone = float(getattr(single, name))
-            assert float(getattr(batch, name)[i, j]) == pytest.approx(alone, rel=1e-10)
-        structure_kg = float(single.masses.structure)
-        assert float(batch.masses.structure[i, j]) == pytest.approx(structure_kg, rel=1e-10)
 
 
 @pytest.mark.parametrize("plane", [DESIGN, SKY_SAILOR], ids=["spar", "power law"])
@@ -174,9 +151,6 @@ def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite():
     assert np.all(np.diff(np.asarray(totals)[finite]) > 0.0)
 
 
-# ---- measured aircraft
-
-
 @settings(max_examples=40)
 @given(payload=st.floats(0.0, 5.0), altitude=st.floats(0.0, 15_000.0))
 def test_measured_power_scales_with_mass_and_density(payload, altitude):
@@ -209,9 +183,6 @@ def test_measured_aircraft_has_no_mass_budget_to_size():
     with pytest.raises(TypeError, match="measured aircraft"):
         parametric_design(AS2, AT_1_10, variables_of(AS2), 6.92)
     assert isinstance(DESIGN.airframe, ParametricAirframe)
-
-
-# ---- load
 
 
 @pytest.mark.parametrize("plane", [AS2, DESIGN, SKY_SAILOR], ids=lambda plane: plane.name)

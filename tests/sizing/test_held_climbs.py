@@ -50,9 +50,6 @@ def excess_h(subject, where):
     return performance(subject, where).cycle.excess_time_h
 
 
-# ---- Limits
-
-
 @pytest.mark.parametrize(
     "name", ["stratosphere-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
 )
@@ -89,9 +86,6 @@ def test_a_floor_that_is_not_held_is_no_flight(tmp_path):
     flight = performance(HIGH, held(tmp_path, {20000: 60.0, 22000: 10.0}))
     assert np.all(flight.cycle.excess_time_h <= 0.0)
     assert not flight.levels.flies.any()
-
-
-# ---- Power, energy and ceiling
 
 
 def test_levels_have_the_power_of_the_wind(tmp_path):
@@ -138,15 +132,6 @@ def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path):
     assert np.all(flight.maximum_altitude_m <= top_m + 1e-6)
 
 
-def test_a_batch_of_designs_flies_as_each_of_them(tmp_path):
-    there, variables = held(tmp_path, STRONG_ALOFT), variables_of(HIGH)
-    spans = np.array([variables.wingspan_m, 1.02 * variables.wingspan_m])
-    together = performance_of_designs(HIGH, there, variables._replace(wingspan_m=spans))
-    for number, span in enumerate(spans):
-        alone = performance_of_designs(HIGH, there, variables._replace(wingspan_m=span))
-        assert together.cycle.excess_time_h[number] == pytest.approx(alone.cycle.excess_time_h)
-
-
 @pytest.mark.parametrize(
     "name", ["atlantiksolar-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
 )
@@ -186,9 +171,6 @@ def test_the_program_has_the_same_power_of_the_wind(tmp_path):
     # Half the way up in the middle of an hour's climb to the ceiling.
     half_w = (level_w[LEVELS // 2] - level_w[0]) * steady
     assert beyond_w[1] == pytest.approx(half_w + climb_w, rel=1e-6)
-
-
-# ---- Sizing
 
 
 @pytest.mark.slow

@@ -62,24 +62,6 @@ def test_masses_of_the_parts_count_for_every_propulsor():
     assert 2.0 * point.bus_power_w == pytest.approx(heavy.propulsion_power_w, rel=1e-9)
 
 
-def test_a_batch_of_designs_is_that_of_single_ones():
-    subject = aircraft()
-    spans = np.array([4.0, 5.65, 7.0])
-    many = sizing.closed_design(
-        subject, MISSION, sizing.DesignVariables(spans, 18.5, np.full(3, 2.918), np.full(3, 0.7))
-    )
-    for place, span in enumerate(spans):
-        single = subject.model_copy(
-            update={
-                "airframe": subject.airframe.model_copy(update={"wingspan_m": float(span)}),
-                "modules": subject.modules.model_copy(update={"area_m2": 0.7}),
-            }
-        )
-        alone = sizing.design_of(single, MISSION)
-        assert many.total_mass_kg[place] == pytest.approx(alone.total_mass_kg, rel=1e-9)
-        assert many.propulsion_power_w[place] == pytest.approx(alone.propulsion_power_w, rel=1e-8)
-
-
 def test_what_cannot_fly_has_a_reason_and_no_number():
     weak = aircraft(voltage=VOLTAGE | {"cells_in_series": 4})
     with pytest.raises(sizing.ImpossibleDesignError, match=r"bus voltage 12 V is below 1\d"):

@@ -28,16 +28,10 @@ def in_winds(folder, median, strong):
     return mission(wind={"percentile": 90.0, "file": path})
 
 
-# ---- Share of the time
-
-
 def test_share_goes_through_the_percentiles_of_a_table(tmp_path):
     table = in_winds(tmp_path, 6.0, 12.0).wind_statistics
     share = table.table().share_below([0.0, 6.0, 9.0, 12.0, 1e3], 47.0, 500.0, 6)
     assert share == pytest.approx([0.0, 0.5, 0.7, 0.9, 1.0])
-
-
-# ---- Airspeed
 
 
 def test_power_of_faster_flight_is_that_of_the_parabolic_polar():
@@ -90,9 +84,6 @@ def test_without_wind_it_always_stays_where_it_flies_perpetually(tmp_path):
     result = station_keeping(DESIGN, in_winds(tmp_path, 0.0, 0.0), scenarios=cells)
     assert result.share.tolist() == [1.0, 0.0]
     assert np.isnan(result.airspeed_m_per_s).tolist() == [False, True]
-
-
-# ---- Flight as fast as the wind
 
 
 def holding(where):

@@ -48,9 +48,6 @@ def daily_energy(latitude, day, altitude=536.0):
     return float(np.trapezoid(global_horizontal(irradiance, cosine), TIME_H))
 
 
-# ---- Coefficients
-
-
 def test_monthly_table_is_that_of_the_ashrae_handbook():
     # ASHRAE Handbook of Fundamentals (1985), the ancestor of the coefficients used here.
     a = [1230, 1215, 1186, 1136, 1104, 1088, 1085, 1107, 1151, 1192, 1221, 1233]
@@ -88,9 +85,6 @@ def test_south_has_the_north_season_half_a_year_later(day):
     # The distance to the sun does not know hemispheres.
     assert a_south == pytest.approx(coefficients(day, 30.0).a)
     assert outside == pytest.approx(coefficients(day, 30.0).extraterrestrial)
-
-
-# ---- Air mass and pressure
 
 
 @pytest.mark.parametrize(
@@ -150,9 +144,6 @@ def test_extraterrestrial_irradiance_is_that_of_spencer(day):
     assert extraterrestrial_irradiance(day) == pytest.approx(reference, rel=1e-9)
 
 
-# ---- Irradiance
-
-
 @given(days, latitudes, cosines, altitudes)
 def test_irradiance_is_finite_and_within_the_extraterrestrial(day, latitude, cosine, altitude):
     irradiance = clear_sky(day, latitude, cosine, altitude)
@@ -171,9 +162,6 @@ def test_light_on_level_ground_grows_with_altitude(lowest_m, highest_m, day, lat
     irradiance = clear_sky(day, latitude, cosine, np.linspace(lowest_m, highest_m, 50))
     light = global_horizontal(irradiance, cosine)
     assert np.all(np.diff(light) >= -1e-9 * light[1:])  # rounding where the bound holds
-
-
-# ---- High up
 
 
 @given(days, latitudes, cosines, st.floats(-500.0, 9000.0))
@@ -241,9 +229,6 @@ def test_published_daily_energy_at_the_winter_solstice():
     # The sun stands low, so that 0.01 degrees of declination are 0.1 % of the energy: series and
     # conventions for the day differ by that much.
     assert daily_energy(47.6, 355) == pytest.approx(1518.0, rel=0.004)
-
-
-# ---- the user's own sky ----
 
 
 def test_own_sky_is_found_by_its_name(monkeypatch):

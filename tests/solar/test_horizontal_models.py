@@ -56,9 +56,6 @@ def mean_power_of_the_flight(model, correct):
     return AREA_M2 * float(np.trapezoid(power, time)) / (9.72 - 4.17)
 
 
-# ---- Published values
-
-
 @pytest.mark.parametrize(("model", "published_w"), [("CDM", 117.35), ("CAM", 104.89)])
 def test_mean_power_of_the_flight_is_that_of_the_report(model, published_w):
     # Table 3 of the report. Its angle-of-incidence curve is printed as a figure, from which it
@@ -85,9 +82,6 @@ def test_analysis_model_by_hand():
     assert conceptual_analysis_model(light(800.0, 100.0), 0.5, CELL, 37.0) == pytest.approx(
         expected
     )
-
-
-# ---- Limits
 
 
 @given(models, irradiances, irradiances, st.floats(-1.0, 0.0), temperatures)
@@ -127,15 +121,9 @@ def test_power_is_zero_exactly_by_night(model, latitude, day, time_h):
         assert power > 0.0
 
 
-# ---- Dependence on each argument
-
-
 def test_analysis_model_is_the_default_and_scalars_give_a_scalar_array():
     assert power_at(47.6, 182.5, 8.0) == power_at(47.6, 182.5, 8.0, model="CAM", correct="none")
     assert power_at(47.6, 182.5, 12.0).shape == ()
-
-
-# ---- Shapes and errors
 
 
 @pytest.mark.parametrize(
@@ -148,9 +136,6 @@ def test_analysis_model_is_the_default_and_scalars_give_a_scalar_array():
 def test_unknown_names_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
         power_at(47.6, 182.5, 12.0, **options)
-
-
-# ---- Halves, blocks and layouts
 
 
 LATITUDES = np.array([-90.0, -66.0, -12.0, 0.0, 47.6, 66.6, 88.0])
@@ -189,9 +174,6 @@ def test_every_argument_may_have_the_axis_of_time():
     np.testing.assert_allclose(power, clear * clearness, rtol=1e-12)
     passing = power_at(47.6, 172.0 + NODES / 24.0, NODES)
     assert not np.array_equal(passing, passing[::-1])
-
-
-# ---- the user's own sky and model ----
 
 
 MAP = {

@@ -19,9 +19,6 @@ def curves(draw):
     return Curve(x=tuple(value / 10.0 for value in sorted(grid)), y=tuple(y))
 
 
-# ---- Interpolation
-
-
 @given(curves(), st.floats(0.0, 1e6))
 def test_curve_is_constant_outside_its_points(curve, beyond):
     assert curve(curve.x[0] - beyond) == pytest.approx(curve.y[0], abs=1e-9)
@@ -89,9 +86,6 @@ def test_tables_and_cells_that_cannot_be_are_refused(kind, keys, message):
         shipped_curve("no_such_curve")
 
 
-# ---- Shipped curves
-
-
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_curves_are_relative_efficiencies(name):
     curve = shipped_curve(name)
@@ -109,9 +103,6 @@ def test_shipped_curves_are_relative_efficiencies(name):
 )
 def test_shipped_curves_are_the_published_ones(name, published):
     assert shipped_curve(name)(list(published)) == pytest.approx(list(published.values()))
-
-
-# ---- Module efficiencies
 
 
 def test_temperature_efficiency_of_the_verification_flight():

@@ -138,9 +138,6 @@ def test_sun_vector_has_unit_length_and_points_up_with_the_zenith_angle(latitude
     assert -vector[2] == pytest.approx(float(cos_zenith(latitude, delta, w)), abs=1e-12)
 
 
-# ---- Position at an instant
-
-
 # The almanac's algorithm is good for 0.01 deg in ecliptic longitude; SPA sees the sun from the
 # surface, which lowers it by up to 0.0025 deg.
 TOLERANCE_DEG = 0.02

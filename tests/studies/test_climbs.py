@@ -39,9 +39,6 @@ def analysed(aircraft, flown, **options):
     return analyse(aircraft, flown, replay=False, **options)
 
 
-# ---- Maps
-
-
 @pytest.mark.parametrize("model", ["CAM", "VM"])
 def test_cell_of_a_map_is_the_analysis_of_its_day(model):
     flown = mission(2536.0)
@@ -63,9 +60,6 @@ def test_map_tells_its_climbs_and_what_they_leave_out():
     assert "climbs from 536 to 3536 m" in str(MapResult(data))
     assert "module_temperature" in data.attrs["extrapolations"]
     assert np.all(np.isposinf(data["endurance"].to_numpy()))
-
-
-# ---- Trade studies
 
 
 def test_point_of_a_trade_study_is_the_analysis_of_its_files():
@@ -98,9 +92,6 @@ def test_aircraft_without_limits_is_a_reason_at_a_point():
     assert "maximum_electric_power_w" in data["message"].item()
 
 
-# ---- Solar power models
-
-
 @pytest.mark.slow
 def test_models_are_compared_on_flights_with_climbs():
     flown = mission()
@@ -119,9 +110,6 @@ def test_models_are_compared_on_flights_with_climbs():
     assert "climbs from 536 to 3536 m" in str(compared.at_level(2))
     assert compared.to_dict()["climb"] == {"ceiling_m": 3536.0}
     assert all(perpetual_by_model(AS2, flown).values())
-
-
-# ---- Ceiling
 
 
 @pytest.mark.slow
@@ -160,9 +148,6 @@ def test_search_for_the_floor_ends_at_the_ceiling_and_says_so():
         perpetual_ceiling(AS2, mission(536.0))
 
 
-# ---- Uncertain inputs
-
-
 CASES = [
     (DESIGN, {"modules.camber_efficiency": 0.9, "modules.diffuse_efficiency": 0.7}),
     (DESIGN, {"battery.specific_energy_wh_per_kg": 220.0, "airframe.structure.calibration": 1.4}),
@@ -194,9 +179,6 @@ def test_heights_of_climbs_do_not_scatter():
     one = UncertainInput("mission.climb.ceiling_m", 3536.0, Normal(sigma=10.0))
     with pytest.raises(ValueError, match="vary it with `sweep`"):
         check_inputs(UncertainInputs((one,), np.eye(1)), mission(), SolarModel())
-
-
-# ---- Ranges of the models
 
 
 def test_what_is_told_of_heights_is_that_of_the_highest_altitude():

@@ -22,9 +22,6 @@ from missions.files.writing import (
 )
 from missions.files.yaml import parse_yaml
 
-# ---- writing YAML ----
-
-
 texts = st.text(max_size=20) | st.sampled_from(
     ["1e5", "010", "12:30", "no", "null", "~", "", " a ", "a: b", "a #b", "- a", "<<", "\x85", "é"]
 )
@@ -89,9 +86,6 @@ def test_subclasses_are_written_as_plain_values():
 def test_other_types_are_not_written(data):
     with pytest.raises(yaml.YAMLError):
         to_yaml(data)
-
-
-# ---- writing files ----
 
 
 @pytest.fixture

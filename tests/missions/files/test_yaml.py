@@ -27,9 +27,6 @@ def parser(request, monkeypatch):
     return str(request.param)
 
 
-# ---- values and places ----
-
-
 @pytest.mark.parametrize(
     ("text", "value"),
     [
@@ -103,8 +100,6 @@ def test_byte_order_mark_is_no_part_of_the_text(parser, tmp_path):
     assert document.key_marks["a",] == (1, 1)
 
 
-# ---- text that is refused ----
-
 TOP = "the top level must be a mapping (key: value)"
 
 
@@ -176,9 +171,6 @@ def test_all_structural_problems_come_together():
     assert [line.split(":")[1] for line in lines] == ["2", "3", "4"]
 
 
-# ---- guards against hostile files ----
-
-
 @pytest.mark.parametrize(
     ("text", "column"),
     [
@@ -229,9 +221,6 @@ def test_large_text_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"large\.yaml: is too large \(at most 1 MB\)"):
         read_yaml(path)
     assert parse_problem("a: " + "é" * 600_000) == "a.yaml: is too large (at most 1 MB)"
-
-
-# ---- files ----
 
 
 def read_problem(path):

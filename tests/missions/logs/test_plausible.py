@@ -40,9 +40,6 @@ def with_values(column, rows, value):
     return table
 
 
-# ---- what is found
-
-
 @pytest.mark.parametrize(
     ("column", "rows", "value", "kind"),
     [
@@ -108,9 +105,6 @@ def test_times_before_the_clock_was_set():
     assert found(table) == [("time_utc_s", "outside", 30)]
 
 
-# ---- what is not
-
-
 def constant(table):
     """A battery full for hours, altitude held to the metre, constant load and temperature."""
     charge = np.minimum(1.3 * table["state_of_charge"], 1.0)
@@ -168,9 +162,6 @@ def test_nothing_is_found_in_logs_of_clean_sensors(name, change):
 
 def test_a_loss_of_power_is_no_frozen_sensor():
     assert found(with_values("solar_power_w", range(1000, 1400), 0.0)) == []
-
-
-# ---- what is left out by hand
 
 
 def test_spans_are_by_the_clock_of_their_zone():

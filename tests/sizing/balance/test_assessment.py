@@ -1,12 +1,10 @@
-import numpy as np
 import pytest
 from builders import DESIGN, aircraft, shipped_mission
 
 import sizing
 from missions.files.errors import InputError
 from sizing.balance.assessment import balance_assessment, drag_shares
-from sizing.design import variables_of
-from sizing.mass_budget import closed_design, design_of
+from sizing.mass_budget import design_of
 from sizing.structures.rib_wing import RibWingStructure
 
 MISSION = shipped_mission()
@@ -95,12 +93,6 @@ def test_two_booms_share_the_load_of_the_tail():
     # as much. Smooth maxima lie up to 2 % above either.
     assert boom_kg(2, 1e-6) == pytest.approx(boom_kg(1, 1e-6), rel=0.02)
     assert boom_kg(2, 0.01) == pytest.approx(2.0 * boom_kg(1, 0.01), rel=0.02)
-
-
-def test_arrays_of_designs_are_the_same_as_single_ones():
-    variables = variables_of(TWIN)._replace(wingspan_m=np.array([4.5, 5.0, 5.5]))
-    many = closed_design(TWIN, MISSION, variables)
-    assert many.total_mass_kg[1] == pytest.approx(design_of(TWIN, MISSION).total_mass_kg, rel=1e-9)
 
 
 def test_results_have_what_the_file_asks_for():

@@ -86,9 +86,6 @@ def integrated(limit, start, hours):
     return min(float(solution.y[0, -1]), 1.0)
 
 
-# ---- the limits
-
-
 def test_rule_is_half_a_capacity_per_hour_up_to_ninety_percent():
     # The published rule: 0.5 C up to 90 %, then exponentially to 4.6 % of that at full charge.
     # Exact but for the rounding of exp and log.
@@ -127,9 +124,6 @@ def test_bad_tables_are_refused(soc, current, message):
         TableChargeLimit(
             state_of_charge=soc, current_a=current, voltage_v=25.0, pack_energy_wh=700.0
         )
-
-
-# ---- the clock
 
 
 @settings(max_examples=25, deadline=None)

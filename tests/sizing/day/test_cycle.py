@@ -1,4 +1,4 @@
-"""Metrics of the repeated day against a slow simulation, and their limits and directions."""
+"""Metrics of the repeated day against a slow simulation, and their limits."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -44,8 +44,6 @@ def sun(latitude, day, time=TIME):
         latitude, day + 0.5, time, cell=SolarCell(), module_temperature_c=25.0, altitude_m=500.0
     )
 
-
-# ---- an independent simulation, slow and plain
 
 _SUBSTEPS_PER_DAY = 4800  # 18 s
 
@@ -209,9 +207,6 @@ def test_metrics_equal_the_slow_simulation(name):
     assert float(found.charge_margin_h) == pytest.approx(expected.charge_margin_h, abs=0.02)
 
 
-# ---- limits
-
-
 def test_always_lit_is_infinite():
     cycle = simulate_cycle(TIME, sun(85.0, 172), constant_load(25.0), Store.of(battery(700.0)))
     assert cycle.excess_time_h == inf
@@ -282,7 +277,5 @@ def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall():
     assert float(found.morning_h[0]) == pytest.approx(5.0, abs=1e-12)
     assert float(found.evening_h[0]) == pytest.approx(17.0, abs=1e-12)
 
-
-# ---- directions
 
 days = st.integers(1, 365)

@@ -155,20 +155,6 @@ def test_perpetual_flight_has_no_end():
     assert longest_flight(HOURLY, solar, load, store).endurance_h.tolist() == [inf, inf]
 
 
-def test_batch_equals_scalars():
-    loads = np.array([30.0, 43.0, 60.0, 43.0])
-    energies = np.array([200.0, 300.0, 900.0, 250.0])
-    places = ((47.6, 355), (47.6, 196), (0.0, 80), (47.6, 196))
-    solar = np.stack([sun(*place, HOURLY) for place in places])
-    watts = loads[:, np.newaxis] * np.ones_like(HOURLY)
-    batch = longest_flight(HOURLY, solar, watts, Store.of(battery(1.0), energies))
-    for i in range(4):
-        one = longest_flight(HOURLY, solar[i], watts[i], Store.of(battery(1.0), energies[i]))
-        # The same arithmetic element by element, but days are skipped per batch: rounding.
-        np.testing.assert_allclose(batch.endurance_h[i], one.endurance_h, rtol=1e-9)
-        np.testing.assert_allclose(batch.launch_h[i], one.launch_h, atol=1e-9)
-
-
 def test_whole_days_that_lose_the_same_are_skipped_without_effect():
     # A loss of 0.4 % of the battery a day: some 250 days until it is empty. What a plain
     # sum of days gives: the deficit of a day divides the battery.
@@ -183,9 +169,6 @@ def test_whole_days_that_lose_the_same_are_skipped_without_effect():
     days = (pack.battery_energy_wh - nights) / loss
     # The day on which it ends is known to one day by this account.
     assert found / 24.0 == pytest.approx(days, abs=2.0)
-
-
-# ---- days with more than one surplus
 
 
 def stepwise_flight_h(solar, load, store, node, days):

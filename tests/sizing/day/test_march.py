@@ -76,9 +76,6 @@ def cases(draw):
     return Case(time, solar, load, Store.of(battery, energy))
 
 
-# ---- exact integrals over an interval
-
-
 @given(left=powers, right=powers, hours=st.floats(0.01, 5.0))
 def test_positive_part_is_the_integral_of_the_positive_part(left, right, hours):
     found = float(positive_part_wh(np.asarray(left), np.asarray(right), hours))
@@ -133,9 +130,6 @@ def test_time_must_increase_and_be_the_first_axis():
         PowerBalance.of(np.array([0.0, 1.0, 2.0]), np.zeros((4, 3)))
 
 
-# ---- conservation
-
-
 @pytest.mark.parametrize("limit", LIMITS)
 def test_a_thousand_random_cycles_conserve_energy_but_for_rounding(limit):
     rng = np.random.default_rng(9)
@@ -163,9 +157,6 @@ def test_stored_energy_stays_within_the_battery(case):
     # The hours of the day, summed from intervals: rounding.
     assert np.all((cycle.missing_h >= 0.0) & (cycle.missing_h <= 24.0 + 1e-9))
     assert np.all((cycle.charge_margin_h >= 0.0) & (cycle.charge_margin_h <= 24.0 + 1e-9))
-
-
-# ---- nights at once
 
 
 @settings(max_examples=80, deadline=None)
@@ -224,9 +215,6 @@ def test_element_does_not_depend_on_the_batch_or_on_what_is_kept(case):
             np.testing.assert_array_equal(getattr(batch, name)[index], getattr(one, name), name)
             np.testing.assert_array_equal(getattr(light, name)[index], getattr(one, name), name)
         np.testing.assert_array_equal(batch.energy_wh[index], one.energy_wh)
-
-
-# ---- the fixed point
 
 
 @settings(max_examples=50, deadline=None)

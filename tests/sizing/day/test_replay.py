@@ -1,4 +1,4 @@
-"""Flights on the calendar: an independent march, and how they relate to the repeated day."""
+"""Flights on the calendar: an independent march."""
 
 import builders
 import numpy as np

@@ -36,9 +36,6 @@ def overlaps(cell, other):
     return min(along, across) > 1e-9
 
 
-# ---- Published counts
-
-
 def test_atlantiksolar_holds_its_88_cells_around_the_joints():
     joint = {"name": "joint", "inboard": 0.4528, "outboard": 0.4528, "margin_m": 0.01}
     plane = laid("atlantiksolar-as2", **SUNPOWER, bays=AS2_BAYS, keep_outs=[joint])
@@ -67,9 +64,6 @@ def test_sky_sailor_holds_its_216_cells():
     assert plane.modules.area_m2 == pytest.approx(0.51, abs=0.005)
     # A rectangle of the wing's area would hold more.
     assert 2 * plane.modules.layout.capacity(plane.wing) == 294
-
-
-# ---- Places
 
 
 def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs():
@@ -134,9 +128,6 @@ def test_counts_follow_from_the_middle_outwards():
         layout.with_cells(45, wing, None)
 
 
-# ---- What follows from a layout
-
-
 def strings(in_series, lowest_v, most_a, **mppt):
     window = {"minimum_voltage_v": lowest_v, "maximum_voltage_v": 60.0, "maximum_current_a": most_a}
     cold_and_hot = {"coldest_c": -20.0, "hottest_c": 70.0}
@@ -171,9 +162,6 @@ def test_half_a_cell_has_half_the_current():
     changes |= {"airframe.wingspan_m": 11.3, "modules.area_m2": 352 * 0.0153436 / 2.0}
     layout = sizing.load_aircraft("atlantiksolar-design", changes).modules.layout
     assert layout.strings.mpp_current_a == pytest.approx(5.93 / 2.0)
-
-
-# ---- Refused, with the key
 
 
 @pytest.mark.parametrize(

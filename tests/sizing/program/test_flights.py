@@ -75,16 +75,6 @@ def test_a_flight_is_that_of_a_loop_over_minutes(flown, flight):
     assert found.status[0] == (Status.limited if missing_h else Status.lands)
 
 
-def test_scenarios_of_flights_do_not_depend_on_each_other():
-    season = {"latitude_deg": {"from_deg": 0.0, "to_deg": 66.0, "count": 3}}
-    every = flying(DAYLIGHT, **season, dates={"from": "01-15", "to": "07-15", "count": 4})
-    together = performance(SMALL_BATTERY, every)
-    for i in range(len(every.scenarios())):
-        day = together.day.at([i])
-        alone = performance(SMALL_BATTERY, every, day=day).cycle
-        assert alone.excess_time_h[0] == pytest.approx(together.cycle.excess_time_h[i], abs=1e-9)
-
-
 def test_a_flight_by_the_clock_is_that_by_the_sun_it_stands_for():
     """At 15 degrees east the clock of UTC+1 is off by the equation of time alone: 6 min in July."""
     local = flying(

@@ -1,4 +1,4 @@
-"""Objectives and constraints of the user's own, against shipped ones and a grid of simulations."""
+"""Objectives and constraints of the user's own, against shipped ones."""
 
 import re
 from pathlib import Path

@@ -33,9 +33,6 @@ def rib_wing(**keys):
     return RibWingStructure.model_validate({"model": "rib_wing", **keys})
 
 
-# ---- Moments along the span
-
-
 @pytest.mark.parametrize("gear", [0.3, 2.0 / 3.0])
 def test_landing_gear_along_the_span_carries_the_mass_evenly(gear):
     for station in stations(6, gear):
@@ -63,9 +60,6 @@ def test_a_wire_leaves_no_moment_at_the_root_and_changes_nothing_outboard(wire):
         taken = pull * max(0.0, wire - x)
         assert station.braced_lift_moment == pytest.approx(station.lift_moment - taken, abs=1e-12)
         assert station.inboard == (x < wire)
-
-
-# ---- Caps and webs
 
 
 def test_narrow_caps_are_sized_by_strength_and_buckle_as_they_fail():
@@ -98,9 +92,6 @@ def test_a_core_is_as_thick_as_the_web_needs_not_to_buckle(flow, facings, depth)
     assert core.kg_per_m2(flow, facings, depth, 45e9) == pytest.approx(52.0 * thickness, rel=1e-4)
 
 
-# ---- Wires
-
-
 def test_wires_carry_by_statics_what_they_take_off_the_wing():
     wire = Bracing.model_validate(WIRE)
     half_span, moment = 17.0, 3000.0
@@ -130,9 +121,6 @@ def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints():
     parts = braced.breakdown(inputs)
     rest = sum(parts) - parts.joints
     assert parts.joints == pytest.approx(0.15 * rest + wires.mass_kg)
-
-
-# ---- Loads, gear and flying wings
 
 
 def test_the_load_factor_of_manoeuvres_of_the_file_counts():
@@ -180,9 +168,6 @@ def test_symbols_give_the_same_mass_with_finite_derivatives(keys):
         assert float(value) == pytest.approx(float(model.mass_kg(inputs)), rel=1e-9)
         assert np.all(np.isfinite(np.array(first)))
         assert np.all(np.isfinite(np.array(second)))
-
-
-# ---- In an aircraft's file
 
 
 def of_airframe(**changes):

@@ -1,4 +1,4 @@
-"""Loads of the wing: published numbers, limits and directions."""
+"""Loads of the wing: published numbers and moments by quadrature."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Torsion against worked examples, an eigenvalue problem, quadrature, and thin tubes."""
+"""Torsion against worked examples, quadrature, and thin tubes."""
 
 import numpy as np
 import pytest

@@ -180,8 +180,6 @@ def test_records_keep_the_worth_and_those_from_before_it_are_read():
         assert Extrapolation.from_dict(old) == plain
 
 
-# ---- Commands
-
 AT_10_KM = ("mission.altitude_m=10000", "mission.dates={on: 06-21}", "mission.air={}")
 
 
@@ -213,9 +211,6 @@ def test_a_report_tells_the_worth(run, tmp_path):
     assert "unheated at \u221249.9 °C, with 60 % of its capacity, the excess time is" in text
     assert "as cold as the air, \u221249.9 °C, they would give 5 % more solar energy" in text
     assert "the solar power model's error, measured at 0.5 km" in text
-
-
-# ---- Weather records
 
 
 @pytest.mark.parametrize(("height_m", "is_told"), [(1990.0, False), (2010.0, True)])
