@@ -1,10 +1,9 @@
 """Climbs by day where the aircraft holds its place: as fast as the wind of every height."""
 
-import math
-
 import numpy as np
 import pytest
 from builders import aircraft, mission, shipped_mission
+from plain_days import parabolic_power_w
 from wind_tables import winds_file
 
 from missions.air import GRAVITY_M_PER_S2, standard_air
@@ -96,22 +95,11 @@ def test_levels_have_the_power_of_the_wind(tmp_path):
     where = mission(altitude_m=500.0, climb={"ceiling_m": 1500.0}, wind=wind)
     design = design_of(plane, where)
     levels = flight_levels(plane, where, design, solar_day(plane, where))
-    frame, area = plane.parametric, float(design.wing_area_m2)
-    polar, chord = frame.aerodynamics, frame.wingspan_m / frame.aspect_ratio
-    weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
     for number, altitude_m in enumerate(levels.altitude_m):
-        air, v = standard_air(altitude_m), 10.5 + 1.25 * altitude_m / 1000.0
-        density = float(air.density_kg_per_m3)
-        lift = weight_n / (0.5 * density * v**2 * area)
-        reynolds = density / float(air.dynamic_viscosity_pa_s) * v * chord
-        drag = (
-            polar.profile_drag_coefficient
-            * (reynolds / polar.reference_reynolds) ** -polar.reynolds_exponent
-            + polar.parasitic_drag_coefficient
-            + lift**2 / (math.pi * polar.span_efficiency * frame.aspect_ratio)
-        )
-        by_hand = 0.5 * density * v**3 * area * drag / float(design.chain.efficiency)
+        wind_m_per_s = 10.5 + 1.25 * altitude_m / 1000.0
+        by_hand = parabolic_power_w(plane, design, standard_air(altitude_m), wind_m_per_s)
         assert levels.chain.level_w[number, 0] == pytest.approx(by_hand, rel=1e-6)
+    weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
     assert levels.weight_n == pytest.approx(weight_n)
     assert levels.reach_m == pytest.approx(1000.0)
 

@@ -1,10 +1,9 @@
 """Station keeping: how fast an aircraft flies perpetually, and the share of the time it stays."""
 
-import math
-
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
+from plain_days import parabolic_power_w
 from wind_tables import winds_file
 
 from missions.air import standard_air
@@ -42,22 +41,8 @@ def test_power_of_faster_flight_is_that_of_the_parabolic_polar():
     airspeeds, powers = faster_flight(plane, where, design)
     assert airspeeds[0] == pytest.approx(float(design.airspeed_m_per_s))
     assert airspeeds[-1] == pytest.approx(FASTEST * airspeeds[0])
-    frame = plane.airframe
-    polar = frame.aerodynamics
-    air = standard_air(500.0)
-    area = frame.wingspan_m**2 / frame.aspect_ratio
     v = float(airspeeds[10])
-    lift = design.total_mass_kg * 9.80665 / (0.5 * float(air.density_kg_per_m3) * v**2 * area)
-    chord = frame.wingspan_m / frame.aspect_ratio
-    reynolds = float(air.density_kg_per_m3 / air.dynamic_viscosity_pa_s) * v * chord
-    drag = (
-        polar.profile_drag_coefficient
-        * (reynolds / polar.reference_reynolds) ** -polar.reynolds_exponent
-        + polar.parasitic_drag_coefficient
-        + lift**2 / (math.pi * polar.span_efficiency * frame.aspect_ratio)
-    )
-    shaft_w = 0.5 * float(air.density_kg_per_m3) * v**3 * area * drag
-    by_hand = shaft_w / float(design.chain.efficiency)
+    by_hand = parabolic_power_w(plane, design, standard_air(500.0), v)
     assert np.interp(v, airspeeds, powers) == pytest.approx(by_hand, rel=1e-6)
 
 

@@ -1,12 +1,12 @@
 """Charge limits and the clock that follows them, against numerical integration of the rate."""
 
-from itertools import pairwise
-from math import exp, log
+from math import log
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from plain_days import rate_per_h
 from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 
@@ -50,23 +50,6 @@ def tables(draw):
 limits = st.one_of(rules, tables())
 
 
-def scalar_rate(limit, soc):
-    """Rate [1/h] written out for one number, independently of the module."""
-    if isinstance(limit, RuleChargeLimit):
-        if soc <= limit.taper_start:
-            return limit.c_rate_per_h
-        way = (soc - limit.taper_start) / (1.0 - limit.taper_start)
-        return limit.c_rate_per_h * exp(way * log(limit.relative_rate_at_full))
-    per_ampere = limit.voltage_v / limit.pack_energy_wh
-    points = list(zip(limit.state_of_charge, limit.current_a, strict=True))
-    if soc <= points[0][0]:
-        return points[0][1] * per_ampere
-    for (x0, y0), (x1, y1) in pairwise(points):
-        if soc <= x1:
-            return (y0 + (y1 - y0) * (soc - x0) / (x1 - x0)) * per_ampere
-    return points[-1][1] * per_ampere
-
-
 def integrated(limit, start, hours):
     """State of charge after following the limit, by an adaptive integrator that stops at full."""
 
@@ -75,7 +58,7 @@ def integrated(limit, start, hours):
 
     full.terminal = True  # type: ignore[attr-defined]
     solution = solve_ivp(
-        lambda _, soc: [scalar_rate(limit, float(soc[0]))],
+        lambda _, soc: [rate_per_h(limit, float(soc[0]))],
         (0.0, hours),
         [start],
         events=full,
@@ -98,7 +81,7 @@ def test_rule_is_half_a_capacity_per_hour_up_to_ninety_percent():
 @given(limit=limits, soc=socs)
 def test_rate_equals_the_scalar_formula(limit, soc):
     # Same arithmetic in another order: rounding alone.
-    assert float(charge_rate_per_h(limit, soc)) == pytest.approx(scalar_rate(limit, soc), rel=1e-9)
+    assert float(charge_rate_per_h(limit, soc)) == pytest.approx(rate_per_h(limit, soc), rel=1e-9)
 
 
 def test_no_limit_has_no_rate_and_no_clock():

@@ -18,7 +18,6 @@ from sizing.catalogues.entries import (
     MpptEntry,
     PropellerEntry,
 )
-from sizing.parameters import parameter
 from sizing.propulsion.propeller_choice import PropellerChoice
 
 ALL = [(kind, name, product) for kind in get_args(Kind) for name, product in entries(kind).items()]
@@ -76,37 +75,6 @@ def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell):
     if power is not None and voltage is not None and current is not None:
         assert 0.7 < power / (voltage * current) < 0.9  # fill factor
     assert cell.mass_kg_per_m2 is None or 0.05 < cell.mass_kg_per_m2 < 1.0
-
-
-@pytest.mark.parametrize("battery", BATTERIES, ids=label)
-def test_specific_energy_is_voltage_times_capacity_over_mass(battery):
-    # Lithium cells of today and of aircraft that flew.
-    assert 150.0 < battery.specific_energy < 520.0
-    capacity = battery.capacity_ah or battery.typical_capacity_ah
-    mass = battery.mass_kg or battery.typical_mass_kg
-    if battery.nominal_voltage_v and capacity:
-        energy = battery.nominal_voltage_v * capacity
-        # Molicel's energies are 2 % more and 1 % less than the product.
-        assert battery.energy == pytest.approx(energy, rel=0.025)
-        if mass:
-            assert battery.specific_energy == pytest.approx(energy / mass, rel=0.025)
-        if battery.kind == "cell":
-            assert 3.2 <= battery.nominal_voltage_v <= 3.9
-    rate = battery.charge_rate_per_h
-    # The slowest is a pack that takes 6 of 23.7 Ah an hour, the fastest a cell that takes 25 of
-    # its minimum of 4.85 Ah.
-    assert rate is None or 0.25 < rate <= 5.2
-    loss = battery.loss_at_1c
-    low = parameter("battery.resistance.loss_at_1c")
-    assert loss is None or low.minimum <= loss <= low.maximum
-
-
-@pytest.mark.parametrize("board", MPPTS, ids=label)
-def test_mppts_weigh_what_flown_and_sold_ones_do(board):
-    # Per watt from Sky-Sailor's (22.5 g for 90 W) to boards and housings on sale, up to 1.6 g/W.
-    assert 0.0225 / 90.0 <= board.mass_kg_per_w < 0.0016
-    for efficiency in (board.efficiency, board.peak_efficiency):
-        assert efficiency is None or 0.9 < efficiency <= 0.98
 
 
 def test_the_mppts_of_atlantiksolar_are_half_a_gram_per_watt():

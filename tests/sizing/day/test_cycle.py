@@ -1,25 +1,20 @@
 """Metrics of the repeated day against a slow simulation, and their limits."""
 
 from dataclasses import dataclass
-from itertools import pairwise
-from math import exp, inf, log, nan
+from math import inf, nan
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
+from plain_days import TIME, battery, rate_per_h, sun
 
 from sizing.battery.battery import (
-    Battery,
     NoChargeLimit,
     RuleChargeLimit,
     TableChargeLimit,
 )
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.light import day_axis_h
 from sizing.day.metrics import Status, equal_power
-from solar.horizontal_models import horizontal_specific_power
-from solar.modules import SolarCell
 
 MEASURED = TableChargeLimit(
     state_of_charge=(0.78, 0.82, 0.86, 0.89, 0.90, 0.92, 0.93, 0.94, 0.95, 0.96, 0.97, 0.98, 0.99),
@@ -27,22 +22,6 @@ MEASURED = TableChargeLimit(
     voltage_v=25.0,
     pack_energy_wh=732.0,
 )
-TIME = day_axis_h()
-
-
-def battery(energy_wh, limit=None):
-    return Battery(
-        mass_kg=1.0,
-        specific_energy_wh_per_kg=energy_wh,
-        charge_limit=NoChargeLimit() if limit is None else limit,
-    )
-
-
-def sun(latitude, day, time=TIME):
-    """Power of 1.35 m2 of modules [W] on a day at a latitude."""
-    return 1.35 * horizontal_specific_power(
-        latitude, day + 0.5, time, cell=SolarCell(), module_temperature_c=25.0, altitude_m=500.0
-    )
 
 
 _SUBSTEPS_PER_DAY = 4800  # 18 s
@@ -59,22 +38,6 @@ class Slow:
     equal_power_evening_h: float = nan
     full_charge_h: float = nan
     missing_h: float = 0.0
-
-
-def _charger_w(limit, battery_energy_wh, stored_wh):
-    if isinstance(limit, RuleChargeLimit):
-        way = max(stored_wh / battery_energy_wh - limit.taper_start, 0.0) / (
-            1.0 - limit.taper_start
-        )
-        return battery_energy_wh * limit.c_rate_per_h * exp(way * log(limit.relative_rate_at_full))
-    if isinstance(limit, TableChargeLimit):
-        rows = list(zip(limit.state_of_charge, limit.current_a, strict=True))
-        soc = min(max(stored_wh / battery_energy_wh, rows[0][0]), rows[-1][0])
-        for (x0, y0), (x1, y1) in pairwise(rows):
-            if soc <= x1:
-                ampere = y0 + (y1 - y0) * (soc - x0) / (x1 - x0)
-                return ampere * limit.voltage_v * battery_energy_wh / limit.pack_energy_wh
-    return inf
 
 
 def slow_cycle(time, solar, load, nominal, pack):
@@ -130,9 +93,9 @@ def _slow_day(net, energy, pack, dawn):
         power = float(net[k])
         if power > 0.0:
             gain = pack.charge_efficiency * power
-            first = min(gain, _charger_w(pack.charge_limit, full, energy))
+            first = min(gain, full * rate_per_h(pack.charge_limit, energy / full))
             middle = min(energy + first * step_h / 2.0, full)
-            rate = min(gain, _charger_w(pack.charge_limit, full, middle))
+            rate = min(gain, full * rate_per_h(pack.charge_limit, middle / full))
             energy = min(energy + rate * step_h, full)
         else:
             taken = -power / pack.discharge_efficiency * step_h
@@ -276,6 +239,3 @@ def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall():
     # Straight lines by hand: -1 to 3 over 4 h is zero after 1 h, 1 to -3 after 1 h.
     assert float(found.morning_h[0]) == pytest.approx(5.0, abs=1e-12)
     assert float(found.evening_h[0]) == pytest.approx(17.0, abs=1e-12)
-
-
-days = st.integers(1, 365)

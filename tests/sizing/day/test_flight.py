@@ -4,34 +4,17 @@ from math import inf
 
 import numpy as np
 import pytest
+from plain_days import TIME, battery, sun
 from step_by_step import advance, balance_of, intervals
 
-from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit
+from sizing.battery.battery import NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
 from sizing.day.flight import Flights
 from sizing.day.launch import longest_flight
 from sizing.day.light import day_axis_h
-from solar.horizontal_models import horizontal_specific_power
-from solar.modules import SolarCell
 
-TIME = day_axis_h()
 HOURLY = day_axis_h(1.0)  # where a flight may last 366 days of marching
 STEP_H = 1.0 / 60.0  # of the plain simulation
-
-
-def sun(latitude, day, time=TIME):
-    """Power of 1.35 m2 of modules [W] on a day at a latitude."""
-    return 1.35 * horizontal_specific_power(
-        latitude, day + 0.5, time, cell=SolarCell(), module_temperature_c=25.0, altitude_m=500.0
-    )
-
-
-def battery(energy_wh, limit=None):
-    return Battery(
-        mass_kg=energy_wh / 250.0,
-        specific_energy_wh_per_kg=250.0,
-        charge_limit=NoChargeLimit() if limit is None else limit,
-    )
 
 
 def plain_flights(solar, load, pack, launches):

@@ -15,12 +15,10 @@ from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
-from sizing.limits import DesignInFlight
-from sizing.mass_budget import closed_design
 from sizing.performance import performance, performance_of_designs
 from sizing.results.sizing import size
 from sizing.sized_structure import structure_masses_by_model, structure_parts
-from sizing.validity.checks import flight_checks, stall_margin_within_polar
+from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import (
     as_text,
     cell_texts,
@@ -276,22 +274,6 @@ def test_wings_with_narrow_caps_and_webs_with_a_core_are_inside_up_to_75_m():
     assert spans_told(76.0) == {"rib_wing_large"}
     assert spans_told(25.0, narrow_caps=False) == {"rib_wing"}
     assert spans_told(25.0, web_core=None) == {"rib_wing"}
-
-
-def test_the_stall_outside_of_the_polar_is_the_fenced_one():
-    where = mission(altitude_m=16000.0)
-    data = POLAR_DESIGN.model_dump()
-    data["airframe"]["aerodynamics"] |= {"lift_coefficient": 0.9}
-    aircraft = Aircraft.model_validate(data)
-    base = variables_of(aircraft)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
-    design = closed_design(aircraft, where, base)
-    it = DesignInFlight(aircraft, design)
-    assert float(it.reynolds_number) < 60000.0
-    fenced = float(stall_margin_within_polar(it))
-    assert fenced == pytest.approx(
-        fenced_margin(aircraft, float(it.reynolds_number), 0.9), rel=1e-6
-    )
-    assert fenced < float(it.stall_margin)
 
 
 def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_point():
