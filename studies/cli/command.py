@@ -1,18 +1,15 @@
-"""A command: a class that declares its options, and a function that takes an instance.
+"""A command: a class that declares its options, and whose ``run`` does it.
 
-The class stands in ``studies.cli.commands``, and is all that help needs; the function
-in ``studies.cli.bodies``, imported with everything heavy once the options go together.
+Help needs the declarations alone: ``run`` imports what is heavy once the options go together.
 """
 
 from __future__ import annotations
 
-import gc
 import os
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from importlib import import_module
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, dataclass_transform
 
@@ -28,35 +25,27 @@ _FIGURES, _WORK = "Figures", "Long computations"
 # Headings of ``--help`` for the options that many commands have, and these below each in their
 # order; the rest is the command's own.
 _SUBJECTS = {
-    _PLACE: ("--latitude", "--day-of-year", "--date", "--mass"),
-    "Solar power model, changes of the files": ("--model", "--correction", "--set"),
-    "Output": (
-        "--out",
-        "--table",
-        "--table-years",
-        "--plot",
-        "--pareto",
-        "--pdf",
-        "--report",
-        "--verbose",
-        "--json",
-    ),
-    _FIGURES: ("--figure-size", "--dpi", "--style", "--no-title"),
-    _WORK: ("--workers", "--scheduler", "--work", "--keep-parts"),
+    _PLACE: "--latitude --day-of-year --date --mass",
+    "Solar power model, changes of the files": "--model --correction --set",
+    "Output": "--out --table --table-years --plot --pareto --pdf --report --verbose --json",
+    _FIGURES: "--figure-size --dpi --style --no-title",
+    _WORK: "--workers --scheduler --work --keep-parts",
+}
+# Subject of an option, and its place there.
+_PLACES = {
+    name: (subject, place)
+    for subject, names in _SUBJECTS.items()
+    for place, name in enumerate(names.split())
 }
 # Subjects that the page of all commands explains once; the page of a command that has more options
 # than this names those of the first of them alone.
 _SHARED = (_FIGURES, _WORK, _PLACE)
 _MOST_OPTIONS = 18
-_BODIES = "studies.cli.bodies"
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
-@dataclass(frozen=True)
-class _Declared:
-    """Option or argument of a class of options; ``make`` takes its name."""
-
-    make: Callable[[str], click.Parameter]
+class _Declared(partial[click.Parameter]):
+    """Option or argument of a class of options: a function of its name that makes it."""
 
 
 def option(*spelled: str, **settings: Any) -> Any:
@@ -82,30 +71,28 @@ class CommandOptions:
             if "refuse" in vars(kind):
                 kind.refuse(self)  # type: ignore[attr-defined]  # looked up a line above
 
+    def run(self) -> None:
+        """Do what the command is for."""
+
     @classmethod
     def parameters(cls) -> list[click.Parameter]:
         """Return the options and arguments, those of the bases first."""
-        made: dict[str, click.Parameter] = {}
-        for kind in reversed(cls.__mro__):
-            fields = vars(kind).items()
-            made |= {
-                name: field.make(name) for name, field in fields if isinstance(field, _Declared)
-            }
-        return list(made.values())
+        fields = {
+            name: field for kind in reversed(cls.__mro__) for name, field in vars(kind).items()
+        }
+        return [field(name) for name, field in fields.items() if isinstance(field, _Declared)]
 
 
 class Command(click.Command):
     """Command whose options are the fields of a class, whose help text is its docstring.
 
-    ``body``: what is called with an instance, ``module:function`` of :mod:`studies.cli.bodies`.
-    ``task``: what it is for. ``examples``: calls as they are typed, shown first in the help text;
-    options stand by subject.
+    ``task``: what it is for, as its module is called. ``examples``: calls as they are typed, shown
+    first in the help text; options stand by subject.
     """
 
-    def __init__(
-        self, options: type[CommandOptions], task: str, summary: str, body: str, *examples: str
-    ) -> None:
-        self.options, self.task, self.body, self.examples = options, task, body, examples
+    def __init__(self, options: type[CommandOptions], summary: str, *examples: str) -> None:
+        self.options, self.examples = options, examples
+        self.task = options.__module__.rpartition(".")[2].capitalize()
         super().__init__(
             re.sub(r"(?<=[a-z])(?=[A-Z])", "-", options.__name__).lower(),
             help=options.__doc__,
@@ -115,35 +102,18 @@ class Command(click.Command):
         )
 
     def _perform(self, **values: Any) -> None:
-        options = self.options(**values)
-        if (values.get("workers") or 1) > 1 and not values.get("scheduler"):
-            from studies.engine.workers import fork_from
-
-            fork_from(self.module)  # while this process imports the same
-        body = self.loaded_body()
-        if not gc.isenabled():  # as the command was started: what is imported stays
-            gc.freeze()
-            gc.enable()
-        paths: dict[type[Any], dict[str, str | None]] = {OutputFile: {}, OutputFolder: {}}
+        options, files = self.options(**values), {}
         for parameter in self.params:
-            if type(parameter.type) in paths:
-                paths[type(parameter.type)][parameter.opts[0]] = values[str(parameter.name)]
-        check_outputs(paths[OutputFile], paths[OutputFolder])
+            path = values[str(parameter.name)]
+            if isinstance(parameter.type, OutputFile):
+                files[parameter.opts[0]] = path
+            elif isinstance(parameter.type, OutputFolder) and path is not None:
+                _check_folder(path, parameter.opts[0])
+        check_outputs(files)
         try:
-            body(options)
+            options.run()
         except TooManyDotsError as error:  # of a figure whose height is that of its content
             raise click.BadParameter(str(error), param_hint="--dpi") from None
-
-    @property
-    def module(self) -> str:
-        """Module of what the command does."""
-        return f"{_BODIES}.{self.body.partition(':')[0]}"
-
-    def loaded_body(self) -> Callable[[Any], None]:
-        """Import what the command does, and all that it needs."""
-        function = self.body.partition(":")[2]
-        body: Callable[[Any], None] = getattr(import_module(self.module), function)
-        return body
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options by subject; of many those that are explained elsewhere by name."""
@@ -155,20 +125,23 @@ class Command(click.Command):
         for name, rows in listed.items():
             with formatter.section(name):
                 formatter.write_dl(rows)
-        if named := [(name, _names(rows)) for name, rows in records.items() if name not in listed]:
+        named = [
+            (name, ", ".join(left.split()[0] for left, _ in rows))
+            for name, rows in records.items()
+            if name not in listed
+        ]
+        if named:
             with formatter.section("More, which solar-uav --help explains"):
                 formatter.write_dl(named)
 
     def records(self, ctx: click.Context) -> dict[str, list[tuple[str, str]]]:
         """Return rows of the help text by subject: an option, and what it does."""
         records: dict[str, list[tuple[str, str]]] = {_OWN: [], **{name: [] for name in _SUBJECTS}}
-        options = [
-            parameter for parameter in self.get_params(ctx) if isinstance(parameter, click.Option)
-        ]
-        for option in sorted(options, key=lambda option: _position(option.opts)):
+        options = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
+        for option in sorted(options, key=lambda option: _place(option)[1]):
             record = option.get_help_record(ctx)
             if record is not None:
-                records[_subject(option.opts)].append(_with_choices(option, *record))
+                records[_place(option)[0]].append(_with_choices(option, *record))
         return {name: rows for name, rows in records.items() if rows}
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -193,20 +166,15 @@ def write_examples(formatter: click.HelpFormatter, examples: Sequence[str]) -> N
             formatter.write(" \\\n".join(lines) + "\n")
 
 
-def _names(rows: Sequence[tuple[str, str]]) -> str:
-    """Return the names of options, of the rows that explain them."""
-    return ", ".join(left.split()[0] for left, _ in rows)
-
-
 # All commands by name, in the order in which they are declared.
 COMMANDS: dict[str, Command] = {}
 
 
-def command(task: str, summary: str, body: str, *examples: str) -> Callable[[Declared], Declared]:
+def command(summary: str, *examples: str) -> Callable[[Declared], Declared]:
     """Declare a class of options as the command of its name; see :class:`Command`."""
 
     def declared(options: Declared) -> Declared:
-        made = Command(options, task, summary, body, *examples)
+        made = Command(options, summary, *examples)
         COMMANDS[str(made.name)] = made
         return options
 
@@ -223,20 +191,22 @@ def write_shared_options(ctx: click.Context, formatter: click.HelpFormatter) -> 
             formatter.write_dl(list(rows.items()))
 
 
-def check_outputs(
-    files: Mapping[str, str | None], folders: Mapping[str, str | None] | None = None
-) -> None:
-    """Refuse what cannot be written, or not all of it, before any work is done for it.
+def _check_folder(path: str, option: str) -> None:
+    """Refuse a folder that cannot be written, before any work is done for it."""
+    from missions.files.writing import check_writable_folder  # not for help
 
-    ``files``, ``folders``: path given with each option.
+    if not path:
+        raise click.BadParameter("needs the name of a folder", param_hint=option)
+    check_writable_folder(Path(path))
+
+
+def check_outputs(files: Mapping[str, str | None]) -> None:
+    """Refuse files that cannot be written, or not all of them, before any work is done for them.
+
+    ``files``: path given with each option.
     """
-    from missions.files.writing import check_writable_file, check_writable_folder  # not for help
+    from missions.files.writing import check_writable_file  # not for help
 
-    for option, path in (folders or {}).items():
-        if path is not None:
-            if not path:
-                raise click.BadParameter("needs the name of a folder", param_hint=option)
-            check_writable_folder(Path(path))
     taken: dict[str, str] = {}
     for option, path in files.items():
         if path is None:
@@ -253,14 +223,9 @@ def check_outputs(
         taken[place] = option
 
 
-def _subject(options: Sequence[str]) -> str:
-    return next((name for name, names in _SUBJECTS.items() if set(names) & set(options)), _OWN)
-
-
-def _position(options: Sequence[str]) -> int:
-    """Return the place of an option in its subject; a command's own keep theirs, help is last."""
-    names = [*_SUBJECTS.get(_subject(options), ()), "--help"]
-    return next((place for place, name in enumerate(names) if name in options), 0)
+def _place(option: click.Option) -> tuple[str, int]:
+    """Return subject of an option and place there; a command's own keep their order."""
+    return next((_PLACES[name] for name in option.opts if name in _PLACES), (_OWN, 0))
 
 
 def _with_choices(option: click.Option, left: str, right: str) -> tuple[str, str]:

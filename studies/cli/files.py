@@ -5,6 +5,7 @@ What a command needs of them is told in terms of their files.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TypedDict, TypeVar
+from typing import Any, Generic, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -40,11 +41,9 @@ from sizing.day.module_power import path_troubles
 from sizing.library import refuse_named_twice
 from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
-from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from solar.names import ATTITUDE_MODELS
 from studies.cli.options import (
     CaseOptions,
-    JsonOptions,
-    LevelOptions,
     MassOptions,
     ModelOptions,
     PlaceOptions,
@@ -71,15 +70,6 @@ class Loaded(Generic[R]):
     sha256: str | None = None
 
 
-class StudyArguments(TypedDict):
-    """What a study is of, as its arguments are called."""
-
-    aircraft: Aircraft
-    mission: Mission
-    model: ModelName
-    correction: CorrectionName
-
-
 @dataclass(frozen=True)
 class Case:
     """What a command is asked about: an aircraft on a mission under a solar power model."""
@@ -88,14 +78,7 @@ class Case:
     mission_file: Loaded[Mission]
     mission_is_default: bool = False
     solar: SolarModel = field(default_factory=SolarModel)
-    as_json: bool = False
-    verbose: bool = False
     total_mass_kg: float | None = None
-
-    @property
-    def level(self) -> int:
-        """Level at which results are printed."""
-        return 2 if self.verbose else 1
 
     @property
     def aircraft(self) -> Aircraft:
@@ -114,12 +97,9 @@ class Case:
         return f"{self.aircraft.name} on {self.mission.name}{chosen}"
 
     @property
-    def arguments(self) -> StudyArguments:
+    def arguments(self) -> dict[str, Any]:
         """Arguments that all studies of the case have, by name."""
-        model, correction = self.solar.model, self.solar.correction
-        return StudyArguments(
-            aircraft=self.aircraft, mission=self.mission, model=model, correction=correction
-        )
+        return {"aircraft": self.aircraft, "mission": self.mission} | vars(self.solar)
 
     def named(self, record: Mapping[str, Any]) -> dict[str, Any]:
         """Return the record of a result with the names of aircraft and mission, JSON-ready."""
@@ -239,6 +219,9 @@ def load(options: CaseOptions) -> Case:
     options that are not given. Place, day, required excess time and total mass replace the files'
     own, for commands with such options.
     """
+    if not gc.isenabled():  # as the command was started: what is imported stays
+        gc.freeze()
+        gc.enable()
     aircraft, mission = options.aircraft, options.mission
     solar = SolarModel()
     if isinstance(options, ModelOptions):
@@ -269,14 +252,7 @@ def load(options: CaseOptions) -> Case:
     mission_file = _attempt(partial(open_mission, mission, of_mission), errors)
     if aircraft_file is None or mission_file is None:
         raise _joined_errors(errors)
-    case = Case(
-        aircraft_file,
-        mission_file,
-        is_default,
-        solar,
-        as_json=isinstance(options, JsonOptions) and options.as_json,
-        verbose=isinstance(options, LevelOptions) and options.verbose,
-    )
+    case = Case(aircraft_file, mission_file, is_default, solar)
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
@@ -371,14 +347,11 @@ def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
         raise InputError(problems)
 
 
-# Why a study cannot fly climbs.
-IN_WINDS = "the percentiles of the winds at several heights have none in common"
-
-
-def refuse_climb(case: Case, command: str, why: str) -> None:
-    """Refuse a mission with climbs where flight at constant altitude is meant."""
+def refuse_climb(case: Case) -> None:
+    """Refuse a mission with climbs where percentiles of the wind are those of one altitude."""
     if case.mission.climb is not None:
-        message = f"{command} flies at constant altitude, as {why}; remove climb"
+        why = "the percentiles of the winds at several heights have none in common"
+        message = f"station flies at constant altitude, as {why}; remove climb"
         raise located_error(case.mission_file.document, ("climb",), message)
 
 

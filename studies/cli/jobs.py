@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import signal
 import sys
@@ -25,20 +24,16 @@ from studies.study import Study
 
 
 @contextmanager
-def completed(
-    study: Study, options: WorkOptions, target: str | os.PathLike[str] | None
-) -> Iterator[Gridded]:
+def completed(study: Study, options: WorkOptions) -> Iterator[Gridded]:
     """Compute a study; inside the context its result is to be written and printed.
 
     After it the parts go. A signal ends the command with 128 plus its number and the way to go on;
     so does a disk that fills up, as an error. Where cells failed, standard error says so before and
     after the result, and the command ends with exit code 1; where all of them did there is no
     result.
-
-    ``target``: file of the result, beside which parts are kept; None keeps none.
     """
     job = study.job
-    folder = None if target is None else parts_folder(target)
+    folder = None if options.out_file is None else _parts_folder(Path(options.out_file))
     if options.work_dir is not None:
         folder = Path(options.work_dir)
     with ExitStack() as stack:
@@ -85,9 +80,6 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
     return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
 
 
-def parts_folder(target: str | os.PathLike[str]) -> Path | None:
+def _parts_folder(path: Path) -> Path | None:
     """Return the folder for the parts of a result file; None for a device or a pipe."""
-    path = Path(target)
-    if path.exists() and not path.is_file():
-        return None
-    return path.with_name(path.name + ".parts")
+    return path.with_name(f"{path.name}.parts") if path.is_file() or not path.exists() else None

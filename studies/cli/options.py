@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import datetime
 
     from missions.logs.clock import Span
+    from missions.logs.table import FlightLog
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -167,6 +168,7 @@ class RequirementOptions(CaseOptions):
 class WorkOptions(CommandOptions):
     """Where a command computes in chunks, and what it keeps of them."""
 
+    out_file: str | None
     workers: int | None = option(
         "--workers",
         type=click.IntRange(1, _MAXIMUM_WORKERS),
@@ -203,10 +205,15 @@ class WorkOptions(CommandOptions):
                     f"must be tcp://HOST:PORT or local-cluster (got {self.scheduler!r})",
                     param_hint="--scheduler",
                 )
-        if self.keep_parts and self.work_dir is None:
-            context = click.get_current_context(silent=True)
-            if context is not None and context.params.get("out_file") is None:
-                raise click.UsageError("--keep-parts needs --out or --work")
+        if self.keep_parts and self.work_dir is None and self.out_file is None:
+            raise click.UsageError("--keep-parts needs --out or --work")
+
+    def fork_workers(self, module: str) -> None:
+        """Start what workers are forked from while this process imports the same module."""
+        if (self.workers or 1) > 1 and not self.scheduler:
+            from studies.engine.workers import fork_from
+
+            fork_from(module)
 
 
 def out_option(contents: str) -> Any:
@@ -366,3 +373,13 @@ class LogOptions(CommandOptions):
         metavar="NAME",
         help="Column or quantity of the log that is not used. May be repeated.",
     )
+
+    def read_log(self) -> FlightLog:
+        """Read the flight log."""
+        from missions.logs.columns import ColumnMap, read_column_map
+        from missions.logs.csv import read_flight_log
+
+        file = self.columns_file
+        layout = ColumnMap() if file is None else read_column_map(file)
+        said = (self.timezone, self.start, self.ignore, self.exclude)
+        return read_flight_log(self.log_file, layout.with_options(dict(self.columns), *said))

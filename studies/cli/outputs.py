@@ -7,7 +7,8 @@ import shlex
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from pathlib import PurePath
+from pathlib import Path, PurePath
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
@@ -16,75 +17,102 @@ from click.core import ParameterSource
 from missions.files.errors import printable
 from missions.files.writing import to_json, write_files_atomically
 from sizing.results.result import Result
-from studies.cli.command import check_outputs
+from studies.cli.command import CommandOptions, check_outputs
 from studies.cli.files import DEFAULT_MISSION, Case, mission_beside
 from studies.cli.telling import tell_error
+from studies.output import gridded
 from studies.output.figures.drawing import to_bytes
-from studies.output.formats import image_format, table_bytes
+from studies.output.formats import grid_format, image_format, table_bytes
+from studies.output.run_folder import RunInputs, write_run_folder
 from studies.output.terminal import show, tell_line
-from studies.render.tables import Line, Summary, Table
+from studies.render.tables import SUMMARY, Line, Summary, Table
 from studies.report import pdf
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from studies.output.gridded import OnGrid
+
 PAGE, PRINTED = ".html", ".pdf"
 
 # Makes what a file holds, by its name.
 Content: TypeAlias = Callable[[str], bytes]
-Shown: TypeAlias = Result | Summary | Table
 
 
 def deliver(
     case: Case,
-    shown: Shown | Callable[[], Shown],
-    files: Mapping[str | None, Content] | None = None,
+    options: CommandOptions,
+    result: Result,
     *,
+    table: tuple[str, Callable[[], pd.DataFrame]] | None = None,
+    files: Mapping[str | None, Content] | None = None,
+    plot: Content | None = None,
+    folder: Callable[[], tuple[RunInputs, dict[str, bytes], dict[str, Content]]] | None = None,
+    page: Callable[[str], None] | None = None,
     record: Callable[[], Any] | None = None,
-    writers: Mapping[str | None, Callable[[str], None]] | None = None,
+    summary: Callable[[], Summary] | None = None,
     next_step: str | None = None,
 ) -> None:
-    """Write the files of a result that were asked for, and print it, also where one cannot be.
+    """Write what the options name of a result, and print it, also where one cannot be written.
 
     Aircraft and mission come first, which JSON has among its keys.
 
-    ``shown``: what is printed, or a function that makes it where it is. ``files``, ``writers``:
-    what files hold, and what writes others and folders, by their names; None where one was not
-    asked for. ``record``: makes what JSON has, by default that of the result. ``next_step``: what
-    to do next, for somebody at a terminal.
+    ``table``: title and what makes it. ``files``: what others hold by their names, None where one
+    was not asked for. ``plot``: what draws, see :func:`figure_of`. ``folder``: inputs, tables and
+    figures of a folder of results. ``page``: writes a report. ``record``, ``summary``: what JSON
+    and the terminal have, by default those of the result. ``next_step``: what to do next, for
+    somebody at a terminal.
     """
-    files, writers = files or {}, writers or {}
-    record = shown.to_dict if record is None and isinstance(shown, Result) else record
+    places = vars(options)
+    record = record or result.to_dict
+    contents = {path: made for path, made in (files or {}).items() if path is not None}
+    if table is not None and places["table_file"] is not None:
+        contents = {places["table_file"]: table_of(*table), **contents}
+    if plot is not None and places["plot_file"] is not None:
+        contents[places["plot_file"]] = plot
+    written = [*contents]
     try:
-        write_results(files)
-        for path, write in writers.items():
-            if path is not None:
-                write(path)
-    except BaseException:  # a signal, too: a report takes seconds
-        _print_result(case, record, shown)
-        raise
-    _print_result(case, record, shown)
-    if not case.as_json:
-        name_written([*files, *writers])
+        _write_files(contents)
+        if folder is not None and places["out_dir"] is not None:
+            written.append(places["out_dir"])
+            inputs, tables, figures = folder()
+            whole = case.named(record())
+            write_run_folder(Path(places["out_dir"]), inputs, whole, tables, figures)
+        if page is not None and places["report_file"] is not None:
+            written.append(places["report_file"])
+            page(places["report_file"])
+    finally:  # after a signal, too: a report takes seconds
+        if places["as_json"]:
+            print_json(case.named(record()))
+        else:
+            level = SUMMARY + places.get("verbose", False)
+            show(_headed(result.at_level(level) if summary is None else summary(), case))
+    if not places["as_json"]:
+        name_written(written)
         suggest(next_step)
 
 
-def _print_result(
-    case: Case, record: Callable[[], Any] | None, shown: Shown | Callable[[], Shown]
-) -> None:
-    if case.as_json:
-        print_json(case.named({} if record is None else record()))
-        return
-    result = shown if isinstance(shown, Result | Summary | Table) else shown()
-    show(_headed(result.at_level(case.level) if isinstance(result, Result) else result, case))
+def _write_files(files: Mapping[str, Content]) -> None:
+    """Make and write files; if one cannot be written, none is.
+
+    Where one cannot be made, those before it are written: data, where they cannot be drawn.
+    """
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    try:
+        for path, made in files.items():
+            contents[path] = made(path)
+    except Exception:
+        write_files_atomically(contents)
+        raise
+    if contents:
+        write_files_atomically(contents)
 
 
-def name_written(places: Iterable[str | os.PathLike[str] | None]) -> None:
-    """Name files and folders that were written; None where one was not asked for."""
+def name_written(places: Iterable[str]) -> None:
+    """Name files and folders that were written."""
     for place in places:
-        if place is not None:
-            tell_line(f"written to {place}")
+        tell_line(f"written to {place}")
 
 
 def suggest(step: str | None) -> None:
@@ -106,9 +134,8 @@ def call(verb: str, *others: str) -> str:
     return shlex.join([*words, *others])
 
 
-def _headed(shown: Summary | Table, case: Case) -> Summary:
+def _headed(summary: Summary, case: Case) -> Summary:
     """Return a summary whose first line names aircraft and mission, a default one as such."""
-    summary = Summary((shown,)) if isinstance(shown, Table) else shown
     first, *others = summary.blocks
     text = first if isinstance(first, str) else getattr(first, "text", getattr(first, "title", ""))
     before, aircraft, after = text.partition(case.aircraft.name)
@@ -122,33 +149,24 @@ def _headed(shown: Summary | Table, case: Case) -> Summary:
     return Summary((changed, *others))
 
 
-def write_results(files: Mapping[str | None, Content]) -> None:
-    """Make and write those files that were asked for; if one cannot be written, none is.
-
-    Where one cannot be made, those before it are written: data, where they cannot be drawn.
-    """
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    try:
-        for path, made in files.items():
-            if path is not None:
-                contents[path] = made(path)
-    except Exception:
-        write_files_atomically(contents)
-        raise
-    if contents:
-        write_files_atomically(contents)
-
-
-def table_of(frame: Callable[[], pd.DataFrame], title: str) -> Content:
+def table_of(title: str, frame: Callable[[], pd.DataFrame]) -> Content:
     """Return what makes a table in the format of its file's name."""
     return lambda path: table_bytes(frame(), path, title=title)
 
 
-def figure_of(draw: Callable[[], Figure]) -> Content:
-    """Return what makes a figure in the format of its file's name, which was checked before."""
+def grid_of(data: OnGrid, cells: str) -> Content:
+    """Return what makes a file of a result on a grid in the format of its name."""
+    return lambda path: gridded.to_bytes(data, grid_format(path), cells)
+
+
+def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any) -> Content:
+    """Return what makes a figure in the format of its file's name, which was checked before.
+
+    ``draw``: what draws it, or ``module:function``, which is imported for it.
+    """
 
     def content(path: str) -> bytes:
-        figure = draw()
+        figure = (resolve_name(draw) if isinstance(draw, str) else draw)(*arguments, **options)
         data = to_bytes(figure, image_format(path) or "png")
         if getattr(figure.get_layout_engine(), "collapsed", False):
             what = "the figure is too small for its axes and texts"
@@ -163,14 +181,13 @@ def print_json(record: Any) -> None:
     click.echo(to_json(record, indent=2))
 
 
-def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None]) -> None:
+def refuse_to_overwrite(option: str, path: str | None, source: str | None) -> None:
     """Refuse an output in place of what the command reads: a flight is not flown again."""
-    if path is None or not os.path.isfile(path):  # noqa: PTH113
+    if path is None or source is None or not (os.path.isfile(path) and os.path.isfile(source)):  # noqa: PTH113
         return
-    for source in read:
-        if source is not None and os.path.isfile(source) and os.path.samefile(source, path):  # noqa: PTH113, PTH121
-            message = f"{printable(path)!r} is read by this command; name another file"
-            raise click.BadParameter(message, param_hint=option)
+    if os.path.samefile(source, path):  # noqa: PTH121
+        message = f"{printable(path)!r} is read by this command; name another file"
+        raise click.BadParameter(message, param_hint=option)
 
 
 def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:

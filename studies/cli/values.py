@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -49,9 +49,8 @@ class Parsed(ParamType[Any]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Read a value."""
-        module, _, function = self._reader.partition(":")
         try:
-            converted = getattr(import_module(module), function)(str(value))
+            converted = resolve_name(self._reader)(str(value))
         except ValueError as error:
             self.fail(str(error), param, ctx)
         if self._stepped and str(value).count(":") == 2:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from sizing.program.objectives import RESIZE_NAMES
 from studies.cli.command import command, option
 from studies.cli.options import (
+    EXIT_FAILED,
     DrawnOptions,
     JsonOptions,
     LevelOptions,
@@ -21,13 +25,14 @@ from studies.cli.options import (
 )
 from studies.cli.values import Grid, RealRange
 
+if TYPE_CHECKING:
+    from studies.cli.files import Case
+
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
 
 @command(
-    "Analyse",
     "How long it flies, there and then.",
-    "analyse:analyse",
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
 )
 class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOptions):
@@ -52,11 +57,74 @@ class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOption
             return
         self.refuse_with_weather()
 
+    def run(self) -> None:
+        """Fly the mission, and tell what became of it."""
+        from sizing.results import analysis
+        from studies.cli.files import load_flyable
+        from studies.cli.outputs import deliver, figure_of, refuse_to_overwrite
+
+        for name, path in (("--table", self.table_file), ("--table-years", self.table_years)):
+            refuse_to_overwrite(name, path, self.weather_file)
+        case = load_flyable(self)
+        if self.weather_file is not None:
+            self._run_in_weather(case, self.weather_file)
+            return
+        result = analysis.analyse(**case.arguments, known_mass_kg=case.total_mass_kg)
+        drawn = ("cycle", result) if result.flight is None else ("flight", result, result.flight)
+        deliver(
+            case,
+            self,
+            result,
+            table=("cycle", result.trajectory),
+            plot=figure_of(
+                f"studies.output.cycle_plots:plot_{drawn[0]}", *drawn[1:], figure=self.figure
+            ),
+            next_step=_next_step(case, perpetual=result.is_perpetual),
+        )
+
+    def _run_in_weather(self, case: Case, weather_file: str) -> None:
+        """Fly the case through a weather record, and tell what became of it."""
+        from missions.weather.files import load_weather
+        from sizing.results.analysis import analyse
+        from sizing.results.weather import analyse_weather
+        from studies.cli.outputs import deliver, figure_of, table_of
+
+        weather = load_weather(weather_file, case.mission)
+        if self.table_years is not None and weather.typical:
+            raise click.UsageError("--table-years needs a record of years: this is a typical year")
+        result = analyse_weather(
+            **case.arguments, weather=weather, mission_chosen=not case.mission_is_default
+        )
+
+        def record() -> dict[str, Any]:
+            clear_day = analyse(**case.arguments | {"mission": result.mission}, replay=False)
+            return clear_day.to_dict() | {"weather": result.to_dict()}
+
+        deliver(
+            case,
+            self,
+            result,
+            table=("days", result.to_frame),
+            files={self.table_years: table_of("years", result.to_years_frame)},
+            plot=figure_of("studies.weather.plots:plot_weather", result, figure=self.figure),
+            record=record,
+        )
+
+
+def _next_step(case: Case, *, perpetual: bool) -> str:
+    """Return what to do after an analysis."""
+    from studies.cli.outputs import call
+
+    if perpetual:
+        return f"{call('map')} (where and when else)"
+    flies = "flies perpetually" if case.mission.flight is None else "lands with power left"
+    if case.aircraft.airframe.kind == "parametric":
+        return f"{call('size')} (a design that {flies})"
+    return f"{call('map')} (where and when it {flies})"
+
 
 @command(
-    "Analyse",
     "Where and when it flies perpetually.",
-    "map:map_",
     "solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png",
 )
 class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
@@ -97,11 +165,46 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         if self.objective is not None and self.endurance:
             raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
 
+    def run(self) -> None:
+        """Compute the cells of a map, write it, and tell it."""
+        self.fork_workers("studies.maps.study")
+        from studies.cli import files
+        from studies.cli.jobs import completed
+        from studies.cli.outputs import call, deliver, figure_of, grid_of
+        from studies.maps.results import MapResult
+        from studies.maps.study import prepare
+
+        case = files.load(self)
+        files.require_path(case, in_winds_of_cells=True)
+        if self.objective is None:
+            files.require_climber(case)
+        else:
+            message = "--resize needs a parametric aircraft, this one is measured"
+            files.require_parametric(case, message)
+            files.require_climb_power(case)
+        study = prepare(
+            case.aircraft,
+            case.mission,
+            self.latitudes,
+            self.days,
+            case.solar,
+            endurance=self.endurance,
+            objective=self.objective,
+        )
+        draw = "plot_map" if self.objective is None else "plot_resized_map"
+        with completed(study, self) as data:
+            deliver(
+                case,
+                self,
+                MapResult(data),
+                files={self.out_file: grid_of(data, "cells")},
+                plot=figure_of(f"studies.maps.plots:{draw}", data, figure=self.figure),
+                next_step=call("report", "--out", "report.html"),
+            )
+
 
 @command(
-    "Analyse",
     "How high it flies perpetually.",
-    "ceiling:ceiling",
     "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png",
 )
 class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
@@ -125,11 +228,36 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
     table_file: str | None = table_option("the altitudes")
     plot_file: str | None = plot_option("Draw them")
 
+    def run(self) -> None:
+        """Find the highest altitude of perpetual flight, and tell it."""
+        from missions.files.validation import located_error
+        from studies.ceiling import perpetual_ceiling
+        from studies.cli.files import load_flyable, refuse_polar_night
+        from studies.cli.outputs import deliver, figure_of
+        from studies.cli.telling import progress_of
+
+        case = load_flyable(self)
+        refuse_polar_night(case)
+        lowest_m, climb = case.mission.altitude_m, case.mission.climb
+        if climb is not None and climb.ceiling_m <= lowest_m:
+            message = f"must be above the night's floor of {lowest_m:g} (got {climb.ceiling_m:g})"
+            raise located_error(case.mission_file.document, ("climb", "ceiling_m"), message)
+        if self.highest_m is not None and self.highest_m <= lowest_m:
+            message = f"must be above the mission's altitude_m of {lowest_m:g}"
+            text = f"{message} (got {self.highest_m:g})"
+            raise click.BadParameter(text, param_hint="--highest")
+        with progress_of("altitudes", lines=False) as progress:
+            result = perpetual_ceiling(
+                **case.arguments, highest_m=self.highest_m, step_m=self.step_m, progress=progress
+            )
+        plot = figure_of("studies.ceiling:plot_ceiling", result, figure=self.figure)
+        deliver(case, self, result, table=("altitudes", result.to_frame), plot=plot)
+        if result.search.highest is None:
+            sys.exit(EXIT_FAILED)
+
 
 @command(
-    "Analyse",
     "How often it holds its place in the wind.",
-    "station:station",
     "solar-uav station my-aircraft.yaml -m my-mission.yaml --latitudes 0:60:5 --plot station.png",
 )
 class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
@@ -154,11 +282,35 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw them")
 
+    def run(self) -> None:
+        """Compute the time on station of each month, and tell it."""
+        self.fork_workers("studies.station")
+        from studies.cli import files
+        from studies.cli.jobs import completed
+        from studies.cli.outputs import deliver, figure_of
+        from studies.output.formats import grid_format, table_bytes
+        from studies.output.gridded import to_netcdf_bytes
+        from studies.station import prepare, station_of
+
+        case = files.load(self)
+        files.refuse_climb(case)
+        files.require_path(case)
+        files.require_parametric(case, "station needs a parametric aircraft, this one is measured")
+        study = prepare(case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar)
+        with completed(study, self) as data:
+            result = station_of(study, data)
+
+            def content(path: str) -> bytes:
+                if grid_format(path) == "nc":
+                    return to_netcdf_bytes(result.cells)
+                return table_bytes(result.to_frame(), path)
+
+            plot = figure_of("studies.station:plot_station", result, figure=self.figure)
+            deliver(case, self, result, files={self.out_file: content}, plot=plot)
+
 
 @command(
-    "Analyse",
     "How likely it flies perpetually when inputs scatter.",
-    "uncertainty:uncertainty",
     "solar-uav uncertainty atlantiksolar-as2 --samples 1024",
 )
 class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
@@ -186,11 +338,26 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     table_file: str | None = table_option("the draws")
     plot_file: str | None = plot_option("Draw them")
 
+    def run(self) -> None:
+        """Draw uncertain inputs, and tell what becomes of the flight."""
+        from sizing.results.uncertainty import analyse_uncertainty
+        from studies.cli.files import load_flyable, uncertain_inputs_of
+        from studies.cli.outputs import deliver, figure_of
+
+        case = load_flyable(self)
+        with uncertain_inputs_of(case):
+            result = analyse_uncertainty(
+                **case.arguments,
+                samples=self.samples,
+                seed=self.seed,
+                model_error=not self.no_model_error,
+            )
+        plot = figure_of("studies.uncertainty:plot_uncertainty", result, figure=self.figure)
+        deliver(case, self, result, table=("draws", result.to_frame), plot=plot)
+
 
 @command(
-    "Analyse",
     "A page on a design, to be read or printed.",
-    "report:report",
     "solar-uav report atlantiksolar-as2 -m rafz-july --out report.html",
 )
 class Report(ModelOptions, JsonOptions, MassOptions):
@@ -212,3 +379,29 @@ class Report(ModelOptions, JsonOptions, MassOptions):
         default=None,
         help="Whether inputs scatter.  [default: if aircraft or mission has uncertain inputs]",
     )
+
+    def run(self) -> None:
+        """Write a report on an aircraft and a mission."""
+        from missions.weather.files import load_weather
+        from studies.cli.files import load_flyable
+        from studies.cli.outputs import check_report, name_written, print_json
+
+        check_report(self.out_file, with_pdf=self.with_pdf)
+        case = load_flyable(self)
+        from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
+
+        weather = self.weather_file
+        subject = subject_of(
+            case,
+            sizing=sizing_of_folder(self.aircraft, case),
+            overrides=self.overrides,
+            with_uncertainty=self.uncertainty,
+            weather_record=None if weather is None else load_weather(weather, case.mission),
+            project=self.project,
+            author=self.author,
+        )
+        written = write_report(case, subject, self.out_file, with_pdf=self.with_pdf)
+        if self.as_json:
+            print_json(subject.results())
+        else:
+            name_written(written)

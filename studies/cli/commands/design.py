@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import click
 
 from sizing.program.objectives import OBJECTIVE_NAMES, RESIZE_NAMES, Objective
-from studies.cli.command import command, option
+from studies.cli.command import check_outputs, command, option
 from studies.cli.options import (
+    EXIT_FAILED,
     DrawnOptions,
     LevelOptions,
     MassOptions,
@@ -18,6 +22,7 @@ from studies.cli.options import (
     PlaceOptions,
     RequirementOptions,
     WorkOptions,
+    check_format,
     grid_option,
     mission_option,
     out_option,
@@ -28,10 +33,15 @@ from studies.cli.options import (
 from studies.cli.values import Parsed, RealRange
 
 if TYPE_CHECKING:
+    from sizing.results.sizing_study import SizingStudy
+    from studies.cli.files import Case
+    from studies.render.tables import Summary
+    from studies.study import Study
     from studies.sweeps.axes import Axis, SampleName
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
+_MOST_SCENARIOS = 12  # VM and FM take some 10 ms for each
 _SERVER = ("starlette", "uvicorn")  # of the extra ``explore``
 
 
@@ -41,9 +51,7 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
 
 
 @command(
-    "Design",
     "The best design for a mission.",
-    "size:size",
     "solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2",
     "solar-uav size atlantiksolar-design -m mission.yaml --weather FILE --survive 0.9",
 )
@@ -149,6 +157,125 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         """Objective of the optimiser."""
         return Objective(self.objective)
 
+    def run(self) -> None:
+        """Find the best design, write it, and tell it."""
+        from sizing.program.survival import check_survival
+        from studies.cli.files import load
+        from studies.cli.outputs import Content, check_report, deliver, figure_of
+        from studies.output.run_folder import RunInputs
+        from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
+
+        if self.survive is not None:
+            try:
+                check_survival(self.goal, self.survive)
+            except ValueError as error:
+                raise click.UsageError(str(error)) from error
+        case = load(self)
+        if self.hold_station is not None:
+            case = case.holding_station(self.hold_station)
+        self._refuse_unsizable(case)
+        check_report(self.report_file, option="--report")
+        study = self._designed(case)
+
+        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+            inputs = sized_inputs(study, case.inputs(self.weather_file))
+            drawn = sizing_figures(study, self.figure)
+            figures = {name: figure_of(draw) for name, draw in drawn.items()}
+            return inputs, sizing_tables(study), figures
+
+        def page(path: str) -> None:
+            from studies.cli.reports import report_on_sizing  # with all that a page has
+
+            record = case.named(study.to_dict())
+            report_on_sizing(case, study, record, path, overrides=self.overrides)
+
+        deliver(
+            case,
+            self,
+            study,
+            folder=folder if study.feasible else None,
+            page=page if study.feasible else None,
+            summary=lambda: self._summary(study),
+            next_step=self._next_step(study),
+        )
+        if not study.feasible:
+            sys.exit(EXIT_FAILED)
+
+    def _refuse_unsizable(self, case: Case) -> None:
+        """Refuse an aircraft or a mission that cannot be sized so."""
+        from sizing.program.reliability import check_reliability
+        from studies.cli import files
+
+        measured = "a measured aircraft cannot be sized; allowed: parametric"
+        files.require_parametric(case, measured)
+        files.require_climb_power(case)
+        if not self.goal.of_range and self.weather_file is None:
+            files.refuse_polar_night(case)
+        files.require_path(case)
+        if self.whole_cells:
+            files.require_whole_cells(case)
+        least = self.reliability
+        if least is not None:
+            with files.uncertain_inputs_of(case):
+                check_reliability(case.aircraft, case.mission, self.goal, case.solar, least)
+
+    def _designed(self, case: Case) -> SizingStudy:
+        """Find the design."""
+        from missions.weather.files import load_weather
+        from sizing.results import sizing
+        from sizing.results.weather_sizing import size_in_weather
+        from studies.cli.telling import progress_of
+
+        if self.weather_file is None or self.survive is None:
+            return sizing.size(
+                **case.arguments,
+                objective=self.goal,
+                with_sensitivities=self.with_sensitivities,
+                with_cross_check=self.with_cross_check,
+                with_margin=not self.whole_cells,
+                with_builds=True,
+                whole_cells=self.whole_cells,
+                reliability=self.reliability,
+            )
+        weather = load_weather(self.weather_file, case.mission)
+        with progress_of("steps of the search") as progress:
+            return size_in_weather(
+                **case.arguments,
+                weather=weather,
+                objective=self.goal,
+                survive=self.survive,
+                progress=progress,
+            )
+
+    def _summary(self, study: SizingStudy) -> Summary:
+        """Return the summary of a sizing, with what the other models say of the optimum."""
+        from sizing.day.module_power import path_troubles
+        from studies.models.solar_models import perpetual_by_model, perpetual_line
+        from studies.render.tables import SUMMARY, Line, Summary
+
+        summary: Summary = study.at_level(SUMMARY + self.verbose)
+        if not study.feasible or self.weather_file is not None:
+            return summary
+        aircraft, mission = study.sized_aircraft(), study.sized_mission()
+        blown = path_troubles(aircraft, mission)[0] is not None
+        if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
+            return summary
+        line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()), mission)
+        models = Line(f"the sized design with all solar power models: {line}")
+        return Summary((*summary.blocks, models))
+
+    def _next_step(self, study: SizingStudy) -> str:
+        """Return what to do after a sizing."""
+        if study.feasible and self.out_dir is not None:
+            folder = shlex.quote(self.out_dir)
+            return f"solar-uav report {folder} --out report.html; solar-uav analyse {folder}"
+        if study.feasible:
+            return "the same with --out FOLDER keeps the design, for analyse, map and report"
+        if eased := study.relaxations:
+            to = f"{eased[0].parameter}={eased[0].value:g}"
+            return f"the same with --set {to}, or another of these"
+        return "ease what holds it back; docs/sizing-answers.md, Infeasible, says how to read it"
+
 
 def _refuse_given(options: Mapping[str, bool], why: str) -> None:
     """Refuse the first of some options that is given; its name stands for the braces."""
@@ -158,9 +285,7 @@ def _refuse_given(options: Mapping[str, bool], why: str) -> None:
 
 
 @command(
-    "Design",
     "Trade study: vary keys, judge or size.",
-    "sweep:sweep",
     "solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5",
 )
 class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
@@ -234,11 +359,87 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         if self.pareto is not None and self.sort is not None:
             raise click.UsageError("a front has its own order: give --pareto or --sort")
 
+    def run(self) -> None:
+        """Compute the points of a trade study, write them, and tell them."""
+        self.fork_workers("studies.sweeps.study")
+        from studies.cli import files
+        from studies.cli.jobs import completed
+        from studies.cli.outputs import call, deliver, figure_of, grid_of
+        from studies.cli.telling import tell_error
+        from studies.sweeps.points import varies_climb
+
+        case = files.load(self)
+        climbs = case.mission.climb is not None or varies_climb(axis.key for axis in self.axes)
+        self._check_shown(climbs=climbs)
+        files.require_path(case)
+        (files.require_climber if self.objective is None else files.require_climb_power)(case)
+        with completed(self._prepared(case), self) as points:
+            from studies.sweeps.results import SweepResult  # pandas and xarray
+
+            data = points.to_xarray()
+            draw, columns = ("plot_sweep" if self.pareto is None else "plot_pareto", self.pareto)
+            plot = figure_of(
+                f"studies.sweeps.plots:{draw}", data, *columns or (), figure=self.figure
+            )
+            try:
+                deliver(
+                    case,
+                    self,
+                    SweepResult(data, self.sort, self.top, self.pareto),
+                    files={self.out_file: grid_of(data, "points")},
+                    plot=plot,
+                    next_step=f"{call('explore')} (the same with sliders)",
+                )
+            except ValueError as error:
+                # The points are worth keeping even where there is nothing to draw.
+                tell_error(f"solar-uav: no chart: {error}")
+                sys.exit(EXIT_FAILED)
+
+    def _prepared(self, case: Case) -> Study:
+        """Return points ready to be computed; refuse wrong ones by the option."""
+        from missions.files.errors import InputError
+        from studies.sweeps.study import prepare
+
+        try:
+            return prepare(
+                case.aircraft,
+                case.mission,
+                self.axes,
+                case.solar,
+                sample=self.sample,
+                samples=self.samples,
+                seed=self.seed,
+                resize=self.objective,
+                cover=self.cover,
+                total_mass_kg=case.total_mass_kg,
+            )
+        except InputError as error:
+            named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
+            raise InputError(named) from None
+
+    def _check_shown(self, *, climbs: bool) -> None:
+        """Refuse names that no result will have, before the work starts."""
+        from studies.output.gridded import DESCRIBED
+        from studies.study import blanks_of
+        from studies.sweeps.axes import axis_names
+        from studies.sweeps.points import described_flights
+
+        described = DESCRIBED if self.objective else described_flights(climbs=climbs)
+        varied = axis_names(self.axes)
+        numbers = [n for n, axis in zip(varied, self.axes, strict=True) if not axis.names]
+        numbers += [n for n, blank in blanks_of(described).items() if isinstance(blank, float)]
+        every = ["status", *(n for n in varied if n not in numbers), *numbers]
+        sort = () if self.sort is None else (self.sort.removeprefix("-"),)
+        shown = {"--pareto": (self.pareto or (), numbers), "--sort": (sort, every)}
+        for hint, (names, allowed) in shown.items():
+            for name in names:
+                if name not in allowed:
+                    text = f"{name!r} is not one of {', '.join(dict.fromkeys(allowed))}"
+                    raise click.BadParameter(text, param_hint=hint)
+
 
 @command(
-    "Design",
     "Sliders for a design, on a local page.",
-    "explore:explore",
     "solar-uav explore atlantiksolar-design -m central-europe-summer",
 )
 class Explore(ModelOptions):
@@ -261,11 +462,35 @@ class Explore(ModelOptions):
                 f"explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
             )
 
+    def run(self) -> None:
+        """Serve the page of a design."""
+        from studies.cli.files import load_flyable
+        from studies.cli.telling import tell_error
+        from studies.explorer.session import Session
+
+        case = load_flyable(self)
+        aircraft, mission = case.aircraft_file.document, case.mission_file.document
+        words = [self.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
+        words += [word for override in self.overrides for word in ("--set", override)]
+        session = Session(aircraft, mission, case.solar, command=words)
+        from studies.explorer.serve import ADDRESS, bound_socket, serve  # of the extra
+
+        try:
+            listening = bound_socket(self.port)
+        except OSError as error:
+            reason = f"cannot listen on {ADDRESS}:{self.port}: {error.strerror}; try --port 0"
+            tell_error(f"solar-uav: {reason}")
+            sys.exit(EXIT_FAILED)
+
+        def tell(address: str) -> None:
+            click.echo(address)  # which flushes, so that a program that started us can read it
+            tell_error(f"{case.title}; Ctrl-C ends it")
+
+        serve(session, listening, tell=tell, browser=not self.no_browser)
+
 
 @command(
-    "Design",
     "A design for other tools, papers and sheets.",
-    "exchange:export",
     "solar-uav export atlantiksolar-design --out wing.avl",
     "solar-uav export sized -m rafz-july --out design.tex --out design.xlsx",
 )
@@ -281,3 +506,46 @@ class Export(ModelOptions):
         help="Write geometry: .avl (AVL), .vspscript (OpenVSP), .py (AeroSandbox); or a table of "
         "the design on its mission: .tex, .xlsx, .csv, .parquet. May be given several times.",
     )
+
+    def run(self) -> None:
+        """Write a design for other tools: of several files those that can be written."""
+        from missions.files.writing import write_bytes_atomically
+        from sizing.results.analysis import analyse
+        from studies.cli.files import load_flyable
+        from studies.cli.telling import tell_error
+        from studies.exchange import files
+        from studies.output.terminal import tell_line
+
+        several, troubles = len(self.out_files) > 1, dict[str, Exception]()
+        for path in self.out_files:
+            try:
+                check_outputs({"--out": path})
+            except OSError as error:
+                troubles[path] = error
+            known = files.design_format(path)
+            try:
+                check_format(path, known, files.DESIGN_FORMATS, "--out")
+            except click.BadParameter as error:
+                if known is None:
+                    raise
+                troubles[path] = error
+            missing = files.missing_for(path)
+            if missing is not None:
+                troubles[path] = click.BadParameter(missing, param_hint="--out")
+        if len(troubles) == len(set(self.out_files)):
+            raise next(iter(troubles.values()))
+        analysis = analyse(**load_flyable(self).arguments, replay=False)
+        for path in self.out_files:
+            if path not in troubles:
+                try:
+                    write_bytes_atomically(path, files.design_bytes(analysis, path))
+                    tell_line(f"written to {path}")
+                except OSError as error:
+                    if not several:
+                        raise
+                    troubles[path] = error
+        for path, trouble in troubles.items():
+            reason = trouble.message if isinstance(trouble, click.BadParameter) else str(trouble)
+            tell_error(f"solar-uav: {path} is not written: {reason}")
+        if troubles:
+            sys.exit(EXIT_FAILED)

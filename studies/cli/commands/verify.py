@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -10,6 +12,7 @@ from sizing.program.objectives import RESIZE_NAMES
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import command, option
 from studies.cli.options import (
+    EXIT_FAILED,
     DrawnOptions,
     LevelOptions,
     LogOptions,
@@ -26,14 +29,13 @@ from studies.cli.values import Names, Parsed, RealRange
 if TYPE_CHECKING:
     from studies.flight_logs.errors import Window
 
-DEFAULT_OBJECTIVE = "min_wingspan"
 _LONGEST_FILTER_S = 86_400.0
+_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg", ".bin")
+_SAMPLES = "samples.csv"  # file of a folder of results
 
 
 @command(
-    "Verify",
     "All solar power models side by side.",
-    "compare:compare",
     "solar-uav compare atlantiksolar-design --objective min_mass --table models.csv",
 )
 class Compare(LevelOptions, RequirementOptions, DrawnOptions):
@@ -54,7 +56,7 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     objective: str = option(
         "--objective",
         type=click.Choice(RESIZE_NAMES),
-        default=DEFAULT_OBJECTIVE,
+        default="min_wingspan",
         show_default=True,
         help="What a parametric aircraft is sized for with every model.",
     )
@@ -71,19 +73,49 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
         if self.out_dir is not None and files != (None, None):
             raise click.UsageError("give --out, or --table and --plot, not both")
 
-    @property
-    def needs_path(self) -> str | None:
-        """Option that needs module surfaces and a flight path, None where there is none."""
-        for model in self.models or ():
-            if model in ATTITUDE_MODELS:
-                return f"--models {model}"
-        return "--corrections loiter" if "loiter" in (self.corrections or ()) else None
+    def run(self) -> None:
+        """Run all solar power models, and tell what each says."""
+        from studies.cli import files
+        from studies.cli.outputs import Content, deliver, figure_of
+        from studies.cli.telling import progress_of
+        from studies.models.comparison import compare
+        from studies.models.solar_models import attitude_is_known
+        from studies.output.formats import csv_bytes
+        from studies.output.run_folder import RunInputs
+
+        case = files.load(self)
+        files.require_climber(case)
+        files.refuse_polar_night(case)
+        paths = [f"--models {model}" for model in self.models or () if model in ATTITUDE_MODELS]
+        paths += ["--corrections loiter"] if "loiter" in (self.corrections or ()) else []
+        if paths or attitude_is_known(case.aircraft, case.mission):
+            # With surfaces and a path, the reference flies it even if no case does.
+            files.require_path(case, [*paths, "the reference"][0])
+        with progress_of("models", lines=False) as progress:
+            compared = compare(
+                case.aircraft,
+                case.mission,
+                models=self.models,
+                corrections=self.corrections,
+                objective=self.objective,
+                design=not self.no_design,
+                progress=progress,
+            )
+        plot = figure_of("studies.models.plots:plot_comparison", compared, figure=self.figure)
+
+        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+            table = csv_bytes(compared.to_frame())
+            return case.inputs(), {"comparison.csv": table}, {"comparison.png": plot}
+
+        table = ("models", compared.to_frame)
+        deliver(case, self, compared, table=table, plot=plot, folder=folder)
+        sized = [of_model.built for of_model in compared.cases if of_model.built is not None]
+        if sized and all(built.judged is None for built in sized):
+            sys.exit(EXIT_FAILED)
 
 
 @command(
-    "Verify",
     "The solar power models against a flight log.",
-    "verify:verify",
     "solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified",
 )
 class Verify(LogOptions, LevelOptions, DrawnOptions):
@@ -121,11 +153,55 @@ class Verify(LogOptions, LevelOptions, DrawnOptions):
     out_dir: str | None = out_option("samples and figures")
     report_file: str | None = report_option()
 
+    def run(self) -> None:
+        """Compare the models with a flight, write what was found, and tell it."""
+        from missions.files.shipped import shipped_names
+        from studies.cli.files import load
+        from studies.cli.outputs import (
+            Content,
+            check_report,
+            deliver,
+            figure_of,
+            refuse_to_overwrite,
+        )
+        from studies.flight_logs.verification import verify
+        from studies.output.run_folder import RunInputs
+
+        aircraft, log_file, folder_name = self.aircraft, self.log_file, self.out_dir
+        if folder_name is not None:
+            refuse_to_overwrite("--out", str(Path(folder_name) / _SAMPLES), log_file)
+        check_report(self.report_file, option="--report")
+        named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
+        if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
+            raise click.UsageError(f"the aircraft comes first: verify {log_file} {aircraft}")
+        case = load(self)
+        result = verify(
+            case.aircraft,
+            self.read_log(),
+            case.mission,
+            windows=self.windows,
+            filter_s=self.filter_s,
+            clock_offset_min=self.clock_offset_min,
+            heading_offset_deg=self.heading_offset_deg,
+        )
+
+        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+            from studies.flight_logs.plots import figures
+
+            drawn = figures(result, figure=self.figure)
+            pictures = {f"{name}.png": figure_of(draw) for name, draw in drawn}
+            return case.inputs(log=Path(log_file)), {_SAMPLES: result.to_csv().encode()}, pictures
+
+        def page(path: str) -> None:
+            from studies.cli.reports import report_on_log  # with all that a page has
+
+            report_on_log(case, result, log_file, path, overrides=self.overrides)
+
+        deliver(case, self, result, folder=folder, page=page)
+
 
 @command(
-    "Verify",
     "The four models on the morning they were published with.",
-    "reproduce:reproduce_report",
     "solar-uav reproduce-report --out reproduced",
 )
 class ReproduceReport(DrawnOptions):
@@ -136,3 +212,20 @@ class ReproduceReport(DrawnOptions):
 
     as_json: bool = json_option("Print JSON.")
     out_dir: str | None = out_option("figure and table")
+
+    def run(self) -> None:
+        """Fly the morning of the report with all four models."""
+        from studies.cli.files import Case, open_aircraft, open_mission
+        from studies.cli.outputs import Content, deliver, figure_of
+        from studies.models import report_reproduction as study
+        from studies.output.run_folder import RunInputs
+
+        case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
+        result = study.reproduce(case.aircraft, case.mission, vary=True)
+
+        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+            tables = "\n".join(table.to_markdown() for table in result.tables())
+            drawing = figure_of(study.reproduction_figure, result, figure=self.figure)
+            return case.inputs(), {"report.md": tables.encode()}, {"report.png": drawing}
+
+        deliver(case, self, result, folder=folder)

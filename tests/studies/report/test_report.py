@@ -389,7 +389,7 @@ def test_without_weasyprint_a_pdf_is_refused(run, monkeypatch):
 
 def test_commands_without_a_report_import_none_of_it():
     code = (
-        "import sys; from studies.cli.bodies import analyse, size, verify; "
+        "import sys; from studies.cli import commands, files, jobs; "
         "from studies.cli.outputs import check_report; check_report(None); print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
