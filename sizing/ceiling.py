@@ -11,6 +11,7 @@ bounds the floor.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -54,14 +55,14 @@ class AltitudeFlight:
 
     altitude_m: float
     excess_time_h: float
-    minimum_state_of_charge: float
-    propulsion_power_w: float
-    solar_energy_wh: float
-    load_energy_wh: float
-    airspeed_m_per_s: float
-    density_kg_per_m3: float
-    module_temperature_c: float
-    worst_scenario: int
+    minimum_state_of_charge: float = math.nan
+    propulsion_power_w: float = math.nan
+    solar_energy_wh: float = math.nan
+    load_energy_wh: float = math.nan
+    airspeed_m_per_s: float = math.nan
+    density_kg_per_m3: float = math.nan
+    module_temperature_c: float = math.nan
+    worst_scenario: int = 0
     extrapolations: tuple[Extrapolation, ...] = ()
     reason: str = ""
     maximum_altitude_m: float | None = None
@@ -185,24 +186,16 @@ def flight_at_altitude(
     """
     mission_at_altitude = mission.climbing_from(altitude_m)
     density_kg_per_m3 = float(mission_at_altitude.air_state().density_kg_per_m3)
-    nan = float("nan")
     try:
         result = performance(aircraft, mission_at_altitude, solar)
     except ImpossibleDesignError:
         reason = operating_reason(aircraft, mission_at_altitude) or "cannot carry its own mass"
         return AltitudeFlight(
-            altitude_m=altitude_m,
-            excess_time_h=HOPELESS_H,
-            minimum_state_of_charge=nan,
-            propulsion_power_w=nan,
-            solar_energy_wh=nan,
-            load_energy_wh=nan,
-            airspeed_m_per_s=nan,
+            altitude_m,
+            HOPELESS_H,
             density_kg_per_m3=density_kg_per_m3,
-            module_temperature_c=nan,
-            worst_scenario=0,
             reason=reason,
-            maximum_altitude_m=None if mission_at_altitude.climb is None else nan,
+            maximum_altitude_m=None if mission_at_altitude.climb is None else math.nan,
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
     airspeed, highest_m = design.airspeed_m_per_s, result.maximum_altitude_m
@@ -214,9 +207,9 @@ def flight_at_altitude(
         propulsion_power_w=float(design.propulsion_power_w),
         solar_energy_wh=float(cycle.energy_budget.solar_wh[worst]),
         load_energy_wh=float(cycle.energy_budget.load_wh[worst]),
-        airspeed_m_per_s=nan if airspeed is None else float(airspeed),
+        airspeed_m_per_s=math.nan if airspeed is None else float(airspeed),
         density_kg_per_m3=density_kg_per_m3,
-        module_temperature_c=nan if module_c is None else module_c,
+        module_temperature_c=math.nan if module_c is None else module_c,
         worst_scenario=worst,
         extrapolations=extrapolations(aircraft, result),
         maximum_altitude_m=None if highest_m is None else float(highest_m[worst]),

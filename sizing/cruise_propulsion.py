@@ -55,51 +55,28 @@ def with_operating_point(
         raise ValueError(f"propulsors must be 1 or more (got {propulsors})")
     before = 0.0
     for _ in range(_ROUNDS):
-        point = _point(aircraft, mission, propulsor, bus_voltage_v, propulsors)
-        aircraft = _with_efficiencies(aircraft, point)
+        chain = aircraft.airframe.propulsion
+        if not isinstance(chain, Propulsion):
+            raise ValueError(f"{aircraft.name} has a propulsion at its operating point already")
+        design = design_of(aircraft, mission)
+        airspeed = float(design.airspeed_m_per_s)
+        thrust_n = float(design.propulsion_power_w) * chain.efficiency / airspeed / propulsors
+        air = mission.air_state()
+        point = operating_point(propulsor, thrust_n, airspeed, air, bus_voltage_v)
+        if not point.feasible:
+            raise ImpossibleDesignError(
+                f"the propulsion of {aircraft.name} cannot do level flight on {mission.name}: "
+                f"{point.reason}"
+            )
+        links = {
+            f"{name}_efficiency": float(getattr(point, f"{link}_efficiency"))
+            for name, link in LINKS.items()
+        }
+        changed = chain.model_copy(update={"motor": None, "motor_voltage_v": None} | links)
+        aircraft = aircraft.with_airframe(propulsion=changed)
         if abs(float(point.efficiency) - before) < _TOLERANCE:
             return aircraft, point
         before = float(point.efficiency)
     raise ImpossibleDesignError(
         f"mass and propulsion of {aircraft.name} have no common operating point on {mission.name}"
     )
-
-
-def _point(
-    aircraft: Aircraft, mission: Mission, propulsor: Propulsor, bus_v: float, propulsors: int
-) -> OperatingPoint:
-    """Return the operating point of a propulsor in level flight."""
-    design = design_of(aircraft, mission)
-    power_w = float(design.propulsion_power_w) * _propulsion(aircraft).efficiency
-    airspeed = float(design.airspeed_m_per_s)
-    air = mission.air_state()
-    point = operating_point(propulsor, power_w / airspeed / propulsors, airspeed, air, bus_v)
-    if not point.feasible:
-        raise ImpossibleDesignError(
-            f"the propulsion of {aircraft.name} cannot do level flight on {mission.name}: "
-            f"{point.reason}"
-        )
-    return point
-
-
-def _propulsion(aircraft: Aircraft) -> Propulsion:
-    assert isinstance(aircraft.airframe, ParametricAirframe)
-    chain = aircraft.airframe.propulsion
-    if not isinstance(chain, Propulsion):
-        raise ValueError(f"{aircraft.name} has a propulsion at its operating point already")
-    return chain
-
-
-def _with_efficiencies(aircraft: Aircraft, point: OperatingPoint) -> Aircraft:
-    """Return the aircraft with the efficiencies of an operating point."""
-    changed = _propulsion(aircraft).model_copy(
-        update={
-            "motor": None,
-            "motor_voltage_v": None,
-            **{
-                f"{name}_efficiency": float(getattr(point, f"{link}_efficiency"))
-                for name, link in LINKS.items()
-            },
-        }
-    )
-    return aircraft.with_airframe(propulsion=changed)

@@ -61,19 +61,13 @@ class Parameter:
 @cache
 def catalogue() -> Mapping[str, Parameter]:
     """Return the parameters by their keys, in the order of the file."""
-    rows = data_rows("parameters")
-    return MappingProxyType({row["key"]: _from_row(row) for row in rows})
-
-
-def _from_row(row: dict[str, Any]) -> Parameter:
-    return Parameter(
-        **(
-            row
-            | {end: float(row[end]) for end in ("minimum", "maximum")}
-            | {"name": row["name"] or row["key"], "sensitive": row["sensitive"] == "yes"}
-            | {"about": row["about"] or ""}
-        )
-    )
+    known = {}
+    for row in data_rows("parameters"):
+        ends = {end: float(row[end]) for end in ("minimum", "maximum")}
+        words = {"name": row["name"] or row["key"], "about": row["about"] or ""}
+        values: dict[str, Any] = row | ends | words | {"sensitive": row["sensitive"] == "yes"}
+        known[row["key"]] = Parameter(**values)
+    return MappingProxyType(known)
 
 
 @cache

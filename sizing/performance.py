@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, blocks
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import Flights
+from sizing.day.flight import Launches
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import Endurance, longest_flight
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
@@ -50,7 +50,7 @@ class LevelFlights:
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Return the flight time of elements from launches with a full battery [h]."""
-        flights = Flights.of(self.time_h, self.solar_w, self.load_w, self.store)
+        flights = Launches.of(self.time_h, self.solar_w, self.load_w, self.store)
         return flights.hours(cells, launch_h)
 
     def longest(self) -> Endurance:
@@ -134,13 +134,9 @@ class Performance:
 
     def endurances(self) -> list[Endurance | None]:
         """Return the longest flight in every scenario of a single design; None where unlimited."""
-        flights, perpetual = self._longest_flights(), self.cycle.perpetual
-        return [
-            None if unlimited else Endurance(hours, launch)
-            for unlimited, hours, launch in zip(
-                perpetual, flights.endurance_h, flights.launch_h, strict=True
-            )
-        ]
+        flights = self._longest_flights()
+        each = zip(self.cycle.perpetual, flights.endurance_h, flights.launch_h, strict=True)
+        return [None if unlimited else Endurance(*flight) for unlimited, *flight in each]
 
     @cached_property
     def endurance_h(self) -> FloatArray:

@@ -7,21 +7,21 @@ simulator and optimiser call the same function.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from sizing.smooth import Value
-
-F = TypeVar("F")
 
 StructureFunction: TypeAlias = Callable[[Any], Value]  # of StructureInputs
 DragFunction: TypeAlias = Callable[[Value, Value, Value], Value]
 PropulsionMassFunction: TypeAlias = Callable[[Value], Value]
 PropulsionEfficiencyFunction: TypeAlias = Callable[[Value, Value, Value], Value]
 
-_STRUCTURES: dict[str, StructureFunction] = {}
-_DRAGS: dict[str, DragFunction] = {}
-_PROPULSION_MASSES: dict[str, PropulsionMassFunction] = {}
-_PROPULSION_EFFICIENCIES: dict[str, PropulsionEfficiencyFunction] = {}
+_KNOWN: dict[str, dict[str, Callable[..., Value]]] = {
+    "structure": {},
+    "drag": {},
+    "propulsion_mass": {},
+    "propulsion_efficiency": {},
+}
 
 
 def register_structure(name: str, mass_kg: StructureFunction) -> None:
@@ -43,7 +43,7 @@ def register_structure(name: str, mass_kg: StructureFunction) -> None:
     ValueError
         If the name is taken.
     """
-    _register(_STRUCTURES, "model of the structure", name, mass_kg)
+    _register("structure", "model of the structure", name, mass_kg)
 
 
 def register_drag(name: str, drag_coefficient: DragFunction) -> None:
@@ -62,7 +62,7 @@ def register_drag(name: str, drag_coefficient: DragFunction) -> None:
     ValueError
         If the name is taken.
     """
-    _register(_DRAGS, "drag model", name, drag_coefficient)
+    _register("drag", "drag model", name, drag_coefficient)
 
 
 def register_propulsion_mass(name: str, mass_kg: PropulsionMassFunction) -> None:
@@ -80,7 +80,7 @@ def register_propulsion_mass(name: str, mass_kg: PropulsionMassFunction) -> None
     ValueError
         If the name is taken.
     """
-    _register(_PROPULSION_MASSES, "mass model of the propulsion", name, mass_kg)
+    _register("propulsion_mass", "mass model of the propulsion", name, mass_kg)
 
 
 def register_propulsion_efficiency(name: str, efficiency: PropulsionEfficiencyFunction) -> None:
@@ -99,37 +99,19 @@ def register_propulsion_efficiency(name: str, efficiency: PropulsionEfficiencyFu
     ValueError
         If the name is taken.
     """
-    _register(_PROPULSION_EFFICIENCIES, "efficiency of the propulsion", name, efficiency)
+    _register("propulsion_efficiency", "efficiency of the propulsion", name, efficiency)
 
 
-def structure_function(name: str) -> StructureFunction:
-    """Return the structural model of a name; ValueError if there is none."""
-    return _named(_STRUCTURES, "register_structure", name)
-
-
-def drag_function(name: str) -> DragFunction:
-    """Return the drag model of a name; ValueError if there is none."""
-    return _named(_DRAGS, "register_drag", name)
-
-
-def propulsion_mass_function(name: str) -> PropulsionMassFunction:
-    """Return the mass model of the propulsion of a name; ValueError if there is none."""
-    return _named(_PROPULSION_MASSES, "register_propulsion_mass", name)
-
-
-def propulsion_efficiency_function(name: str) -> PropulsionEfficiencyFunction:
-    """Return the efficiency of the propulsion of a name; ValueError if there is none."""
-    return _named(_PROPULSION_EFFICIENCIES, "register_propulsion_efficiency", name)
-
-
-def _register(known: dict[str, F], what: str, name: str, function: F) -> None:
-    if name in known:
-        raise ValueError(f"there is a {what} {name} already")
-    known[name] = function
-
-
-def _named(known: dict[str, F], register: str, name: str) -> F:
+def user_function(kind: str, name: str) -> Callable[..., Value]:
+    """Return the function of a kind, ``structure``, ``drag`` ..., that is registered by a name."""
+    known = _KNOWN[kind]
     if name not in known:
         known_names = f"known are {', '.join(known)}" if known else "none is registered"
-        raise ValueError(f"{name!r} is not registered by sizing.{register}: {known_names}")
+        raise ValueError(f"{name!r} is not registered by sizing.register_{kind}: {known_names}")
     return known[name]
+
+
+def _register(kind: str, what: str, name: str, function: Callable[..., Value]) -> None:
+    if name in _KNOWN[kind]:
+        raise ValueError(f"there is a {what} {name} already")
+    _KNOWN[kind][name] = function

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, model_validator
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
-from sizing.user_models import drag_function
+from sizing.user_models import user_function
 from solar.schema import (
     Fraction,
     LiftCoefficient,
@@ -110,11 +110,11 @@ class UserDragPolar(AtLiftCoefficient):
     """User-defined drag model, by its name: see :func:`sizing.register_drag`."""
 
     model: Literal["own"]
-    name: Annotated[Text, AfterValidator(lambda name: drag_function(name) and name)]
+    name: Annotated[Text, AfterValidator(lambda name: user_function("drag", name) and name)]
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
         """Return the drag coefficient of the aircraft in level flight [-]."""
-        return drag_function(self.name)(self.lift_coefficient, aspect_ratio, reynolds)
+        return user_function("drag", self.name)(self.lift_coefficient, aspect_ratio, reynolds)
 
 
 def level_flight_power_w(

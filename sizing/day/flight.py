@@ -44,7 +44,7 @@ class Midnights(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Flights:
+class Launches:
     """Flights of a batch of days and batteries, any number of launches for each.
 
     ``follow``: the elements are days that follow each other; by default each repeats itself.
@@ -57,7 +57,7 @@ class Flights:
     @classmethod
     def of(
         cls, time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
-    ) -> Flights:
+    ) -> Launches:
         """Return flights over repeated days, the batch laid out flat; arguments as of a cycle."""
         cells, _ = Cells.of(time_h, solar_power_w, load_w, store, 0.0)
         return cls(ChargingDay.of(cells.balance), cells.store)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from sizing.day.balance import interval_reaching
 from sizing.day.battery import Store
-from sizing.day.flight import Flights
+from sizing.day.flight import Launches
 from solar.sun import HOURS_PER_DAY
 from solar.types import FloatArray, IntArray
 
@@ -50,7 +50,7 @@ def longest_flight(
     Endurance
         Infinite where the flight outlasts 366 days, as a perpetual one does.
     """
-    flights = Flights.of(time_h, solar_power_w, load_w, store)
+    flights = Launches.of(time_h, solar_power_w, load_w, store)
     hours, launch_h = _Search(flights, flights.day.balance.cumulative_deficit_h()).longest()
     shape = np.broadcast_shapes(np.shape(solar_power_w), np.shape(load_w))[:-1]
     return Endurance(hours.reshape(shape), launch_h.reshape(shape))
@@ -60,7 +60,7 @@ def longest_flight(
 class _Search:
     """Launches by the hours of deficit between midnight and them, at the nodes ``dark_h`` [h]."""
 
-    flights: Flights
+    flights: Launches
     dark_h: FloatArray
 
     def launch_h(self, level_h: FloatArray, cells: IntArray) -> FloatArray:

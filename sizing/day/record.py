@@ -25,7 +25,7 @@ from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, crossing_fraction, running_sum
 from sizing.day.battery import Store
-from sizing.day.flight import Flights
+from sizing.day.flight import Launches
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.march import ChargingDay, DayRun
 from sizing.day.record_conditions import WeatherDays
@@ -113,7 +113,7 @@ def weather_run(
     day = ChargingDay.of(PowerBalance.of(axis.time_h, (solar_w - load_w).T))
     run = carried_over(day, store, energy_wh[0])
     dawns = dawns_of(day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
-    hours = Flights(day, store, follow=True).hours(days, dawns.hour)
+    hours = Launches(day, store, follow=True).hours(days, dawns.hour)
     outlasts = np.isinf(hours)
     to_the_end_h = (len(axis) - days) * HOURS_PER_DAY - dawns.hour
     return WeatherRun(

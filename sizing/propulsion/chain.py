@@ -43,7 +43,7 @@ from sizing.propulsion.part_masses import (
 )
 from sizing.propulsion.propeller_choice import PropellerChoice
 from sizing.smooth import Value
-from sizing.user_models import propulsion_efficiency_function, propulsion_mass_function
+from sizing.user_models import user_function
 from solar.schema import (
     Fraction,
     NonNegativeReal,
@@ -69,9 +69,11 @@ LINKS = {
     "propeller": "propeller",
 }
 
-_MassModel = Annotated[Text, AfterValidator(lambda name: propulsion_mass_function(name) and name)]
+_MassModel = Annotated[
+    Text, AfterValidator(lambda name: user_function("propulsion_mass", name) and name)
+]
 _EfficiencyModel = Annotated[
-    Text, AfterValidator(lambda name: propulsion_efficiency_function(name) and name)
+    Text, AfterValidator(lambda name: user_function("propulsion_efficiency", name) and name)
 ]
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 
@@ -122,7 +124,7 @@ class Propulsion(CatalogueRecord):
         """
         if self.efficiency_model is None:
             return self
-        model = propulsion_efficiency_function(self.efficiency_model)
+        model = user_function("propulsion_efficiency", self.efficiency_model)
         single_link: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
         single_link["propeller_efficiency"] = model(power_w, airspeed_m_per_s, density_kg_per_m3)
         return self.model_copy(update=single_link | {"efficiency_model": None})
@@ -141,7 +143,7 @@ class Propulsion(CatalogueRecord):
     def mass_kg(self, rated_w: Value) -> Value:
         """Return the mass of the propulsion group for a rated electric power [kg]."""
         if self.mass_model is not None:
-            mass_kg = propulsion_mass_function(self.mass_model)(rated_w)
+            mass_kg = user_function("propulsion_mass", self.mass_model)(rated_w)
         else:
             mass_kg = self.mass_kg_per_w * rated_w
         return mass_kg if self.fixed_mass_kg is None else self.fixed_mass_kg + mass_kg

@@ -16,7 +16,7 @@ from sizing.structures.loads import StructureInputs, root_bending_moment_nm
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION, WebCore
 from sizing.structures.torsion import WingTorsion
-from sizing.user_models import structure_function
+from sizing.user_models import user_function
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Text
 
 # Fitted to the structure of AtlantikSolar.
@@ -146,11 +146,11 @@ class UserStructure(BuiltStructure):
     """
 
     model: Literal["own"]
-    name: Annotated[Text, AfterValidator(lambda name: structure_function(name) and name)]
+    name: Annotated[Text, AfterValidator(lambda name: user_function("structure", name) and name)]
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Return the structural mass [kg]."""
-        return self.mass_factor * structure_function(self.name)(inputs)
+        return self.mass_factor * user_function("structure", self.name)(inputs)
 
 
 Structure = Annotated[

@@ -7,7 +7,7 @@ from step_by_step import balance_of, march
 from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import Flights
+from sizing.day.flight import Launches
 from sizing.day.march import ChargingDay
 from sizing.day.record import Dawns, carried_over, dawns_of, days_that_close, runs_empty
 
@@ -172,7 +172,7 @@ def test_flights_end_when_a_battery_marched_alone_is_empty(clearness, energy, la
     days = len(clearness)
     balance, its_store = days_of(clearness), store(energy, days)
     launches = np.full(days, np.round(launch * 2.0) / 2.0)  # on a node, for the march alone
-    flights = Flights(ChargingDay.of(balance), its_store, follow=True)
+    flights = Launches(ChargingDay.of(balance), its_store, follow=True)
     hours = flights.hours(np.arange(days), launches)
     first = int(launches[0] * 2.0)
     for begin in range(days):

@@ -9,7 +9,7 @@ from step_by_step import advance, balance_of, intervals
 
 from sizing.battery.battery import NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
-from sizing.day.flight import Flights
+from sizing.day.flight import Launches
 from sizing.day.launch import longest_flight
 from sizing.day.light import day_axis_h
 
@@ -45,7 +45,7 @@ def flight_time_h(time_h, solar, load, store, launch_h):
     count = max(solar.size // len(time_h), 1)
     cells = np.broadcast_to(np.arange(count), (len(launch_h), count))
     launches = np.broadcast_to(launch_h.reshape(len(launch_h), -1), cells.shape)
-    flights = Flights.of(time_h, solar, load, store)
+    flights = Launches.of(time_h, solar, load, store)
     return flights.hours(cells.ravel(), launches.ravel()).reshape(cells.shape)
 
 
