@@ -264,21 +264,6 @@ def test_example_of_the_page():
     assert printed.getvalue() in page
 
 
-# AtlantikSolar needs 35.8 W at 1.10 kg/m3; published are controller 0.97, motor 0.82, gearbox 0.96
-# and propeller 0.82. Drag: 20.2 W of thrust power by the wing polar with nothing fitted
-# (docs/aerodynamics.md), 22.4 W if those efficiencies are right; flown at 8.4 m/s.
-@pytest.mark.parametrize(("thrust_power", "low", "high"), [(20.2, 31.0, 31.5), (22.4, 34.1, 34.6)])
-def test_power_of_atlantiksolar(thrust_power, low, high):
-    air = standard_air(1090.0)
-    assert air.density_kg_per_m3 == pytest.approx(1.10, abs=0.002)
-    bus = np.array([18.0, 22.2, 25.2])  # six cells, empty to full
-    point = operating_point(PROPULSOR, thrust_power / 8.4, 8.4, air, bus)
-    assert point.feasible.all()
-    assert np.all((point.bus_power_w > low) & (point.bus_power_w < high))
-    assert 0.76 < point.propeller_efficiency[1] < 0.82
-    assert 0.64 < point.efficiency[1] < 0.68
-
-
 def test_parts_near_a_flight_are_the_exact_ones():
     parts = aircraft().propulsion_by_parts
     air, volts = AIR, (22.0, 25.2)
