@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import click
 import pytest
@@ -306,7 +305,7 @@ def test_odd_names_of_aircraft(run, name):
 ROOT = str(Path(cli.__file__).parents[2])
 
 
-def python(*words: str, cwd: Path | None = None, **variables: str) -> Any:
+def python(*words, cwd=None, **variables):
     """Outcome of Python in a process, in which the same packages are found from any folder."""
     return subprocess.run(
         [sys.executable, *words],
@@ -319,7 +318,7 @@ def python(*words: str, cwd: Path | None = None, **variables: str) -> Any:
     )
 
 
-def imported(*calls: tuple[str, ...]) -> list[tuple[str, set[str]]]:
+def imported(*calls):
     """Output of each call, one after the other in one process, and all modules imported by then."""
     code = (
         "import contextlib, io, json, sys\n"
@@ -343,7 +342,7 @@ HEAVY = {
 }
 
 
-def heavy(modules: set[str]) -> set[str]:
+def heavy(modules):
     return HEAVY & {name.partition(".")[0] for name in modules}
 
 
@@ -441,7 +440,7 @@ def test_a_signal_ends_a_command_with_one_line(
     number = getattr(signal, name)
     ours = signal.getsignal(number)
 
-    def act(*arguments: Any, **options: Any) -> None:
+    def act(*arguments, **options):
         assert signal.getsignal(number) is not ours  # else the tests would end
         os.kill(os.getpid(), number)
 
@@ -469,7 +468,7 @@ def test_a_signal_that_is_swallowed_ends_the_command(tmp_path, act, code):
         assert (done.stdout, done.stderr.strip()) == ("", STOPPED["SIGINT"])
 
 
-def stopped(folder: Path, arguments: tuple[str, ...], target: str, act: str) -> Any:
+def stopped(folder, arguments, target, act):
     """Outcome of a command in which a function was replaced by one that acts."""
     module, function = target.split(":")
     code = (

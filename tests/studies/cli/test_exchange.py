@@ -11,7 +11,7 @@ from command_line import files
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
 
-def leave_out(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def leave_out(library, monkeypatch):
     """As where a library is not installed."""
     find = importlib.util.find_spec
     for module in ("importlib.util", "studies.exchange.airplane"):

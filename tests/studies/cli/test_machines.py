@@ -5,8 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -33,7 +31,7 @@ def locales(tmp_path_factory):
     return folder
 
 
-def analysed(folder: Path, *before: str, **variables: str) -> tuple[Any, str, str]:
+def analysed(folder, *before, **variables):
     """Record, text and messages of a process of its own."""
     code = "; ".join([*before, "from studies.cli.__main__ import main", "main()"])
     arguments = ["analyse", AS2, "--json", "--table", "day.csv"]

@@ -41,7 +41,7 @@ def test_lines_fit_and_words_are_whole_at_any_width(run, monkeypatch, form):
         assert not broad - set(printed[width].split())
 
 
-def _varies(word: str) -> bool:
+def _varies(word):
     """Rules, and times of the solver."""
     return set(word) <= {"\u2500"} or word.strip("(),").isdigit()
 
@@ -59,7 +59,7 @@ def terminal(monkeypatch):
     from studies.cli import outputs
 
     class Screen:
-        def isatty(self) -> bool:
+        def isatty(self):
             return True
 
     class System:

@@ -141,7 +141,7 @@ def test_reliability_is_kept_in_the_folder(run, tmp_path, monkeypatch):
 
 
 def test_a_result_is_printed_and_written_where_figures_and_report_fail(run, tmp_path, monkeypatch):
-    def fail(*_: object, **__: object) -> None:
+    def fail(*_, **__):
         raise OSError("cannot be drawn")
 
     usual = run("size", DESIGN, "-m", "rafz-july")

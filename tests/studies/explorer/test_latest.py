@@ -11,14 +11,14 @@ pytest.importorskip("starlette")
 from studies.explorer.app import Latest, SupersededError
 
 
-def outcomes(clients: list[str]) -> list[str]:
+def outcomes(clients):
     """What becomes of requests that come while the first is computed, and what was computed."""
-    computed: list[str] = []
+    computed = []
 
-    async def ask() -> list[str]:
+    async def ask():
         begun, go = threading.Event(), threading.Event()
 
-        def work(name: str, *, wait: bool = False) -> str:
+        def work(name, *, wait=False):
             if wait:
                 begun.set()
                 go.wait(10.0)
@@ -53,7 +53,7 @@ def test_pages_do_not_drop_those_of_others():
 
 
 def test_error_of_one_request_leaves_the_next_alone():
-    async def ask() -> str:
+    async def ask():
         with ThreadPoolExecutor(1) as executor:
             latest = Latest(executor)
             try:

@@ -5,11 +5,9 @@ import json
 import shlex
 import threading
 from functools import partial
-from typing import Any
 
 import pytest
 from browser_pages import DESKTOP, PHONE, accessibility_problems, headless, spilled, too_wide
-from command_line import Run
 from explorer_pages import DAY, LATITUDE, at_rest, number, shown, slider, typed
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -36,15 +34,15 @@ def page(open_page, address):
     return at_rest(open_page(address, waiting=True))
 
 
-def curve(page: Any) -> str:
+def curve(page):
     return str(page.locator("#day canvas").evaluate("canvas => canvas.toDataURL()"))
 
 
-def season(page: Any) -> str:
+def season(page):
     return str(page.locator("#season canvas").evaluate("canvas => canvas.toDataURL()"))
 
 
-def excess_of_command(page: Any, run: Run) -> dict[str, Any]:
+def excess_of_command(page, run):
     """What the command at the foot of the page prints."""
     words = shlex.split(page.locator("#command").inner_text())
     assert words[0] == "solar-uav"
@@ -192,7 +190,7 @@ def test_a_page_of_another_address_learns_and_changes_nothing(open_page, address
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *_: Any) -> None:
+    def log_message(self, *_):
         pass
 
 

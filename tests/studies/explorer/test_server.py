@@ -10,9 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import pytest
 
@@ -32,13 +30,13 @@ class Answer:
     headers: dict[str, str]
     body: bytes
 
-    def json(self) -> Any:
-        def refuse(constant: str) -> None:
+    def json(self):
+        def refuse(constant):
             raise AssertionError(f"{constant} is not JSON")
 
         return json.loads(self.body, parse_constant=refuse)
 
-    def error(self) -> dict[str, Any]:
+    def error(self):
         assert 400 <= self.status < 500, self.status
         found = self.json()["error"]
         assert found["message"]
@@ -53,19 +51,10 @@ class Server:
     explorer: Explorer
     host: str = field(init=False)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self):
         self.host = f"{ADDRESS}:{self.port}"
 
-    def ask(
-        self,
-        method: str,
-        path: str,
-        body: bytes | None = None,
-        *,
-        token: str | None = "",
-        host: str | None = None,
-        **headers: str,
-    ) -> Answer:
+    def ask(self, method, path, body=None, *, token="", host=None, **headers):
         connection = http.client.HTTPConnection(ADDRESS, self.port, timeout=300)
         connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
         given = {"Host": self.host if host is None else host}
@@ -91,7 +80,7 @@ class Server:
         connection.close()
         return answer
 
-    def head(self, path: str, length: str) -> bytes:
+    def head(self, path, length):
         """Head of a POST, for a body that is sent by hand."""
         return (
             f"POST {path} HTTP/1.1\r\nHost: {self.host}\r\nOrigin: http://{self.host}\r\n"
@@ -99,10 +88,10 @@ class Server:
             f"{length}\r\n\r\n"
         ).encode()
 
-    def get(self, path: str, **more: Any) -> Answer:
+    def get(self, path, **more):
         return self.ask("GET", path, **more)
 
-    def post(self, path: str, data: Any, **more: Any) -> Answer:
+    def post(self, path, data, **more):
         body = data if isinstance(data, bytes) else json.dumps(data).encode()
         return self.ask("POST", path, body, **more)
 
@@ -318,9 +307,9 @@ def test_a_length_of_thousands_of_digits_is_refused(server):
     headers = [(b"host", host), (b"authorization", b"Bearer " + server.token.encode())]
     scope = {"type": "http", "method": "GET", "path": "/", "query_string": b""}
     scope["headers"] = [*headers, (b"content-length", b"9" * 5000)]
-    sent: list[Any] = []
+    sent = []
 
-    async def send(message: Any) -> None:
+    async def send(message):
         sent.append(message)
 
     guarded = server.explorer.application(port=server.port, token=server.token)
@@ -454,7 +443,7 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server):
     task = SizingTask(made.aircraft, made.mission, Objective.min_mass, made.solar)
     worker, outcome = Worker(), []
 
-    def size() -> None:
+    def size():
         try:
             outcome.append(worker.run(sizing_record, task))
         except WorkerEndedError as error:
@@ -481,7 +470,7 @@ def test_leaving_the_page_ends_what_it_waited_for(server):
     until(lambda: server.post("/api/size", {}).status == 200)
 
 
-def until(true: Callable[[], bool]) -> None:
+def until(true):
     end = time.monotonic() + 20.0
     while not true():
         assert time.monotonic() < end

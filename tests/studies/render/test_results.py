@@ -3,8 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,34 +10,31 @@ import pytest
 import missions
 import sizing
 from missions.files.writing import to_yaml
-from sizing.aircraft import Aircraft
 from sizing.chosen_parts import sized_data
 from sizing.relaxed_flight import Relaxation
-from sizing.results.analysis import Analysis
-from sizing.results.sizing_study import SizingStudy
 from studies import quantities as q
 from studies.render.analysis import flight_table
 from studies.render.parts import relaxation_table
 
 
 @pytest.fixture(scope="module")
-def design() -> Aircraft:
+def design():
     return sizing.load_aircraft("atlantiksolar-design")
 
 
 @pytest.fixture(scope="module")
-def analysis(design: Aircraft) -> Analysis:
+def analysis(design):
     mission = missions.load_mission("central-europe-summer")
     return sizing.analyse(design, mission, model="CAM", correction="report")
 
 
 @pytest.fixture(scope="module")
-def sized(design: Aircraft) -> SizingStudy:
+def sized(design):
     mission = missions.load_mission("central-europe-summer")
     return sizing.size(design, mission, "min_wingspan", required_excess_time_h=3.0)
 
 
-def test_an_analysis_prints_itself(analysis: Analysis) -> None:
+def test_an_analysis_prints_itself(analysis):
     text, one_line = str(analysis), repr(analysis)
     assert "atlantiksolar-design on central-europe-summer" in text
     assert "\n" not in one_line
@@ -57,9 +52,7 @@ def test_an_analysis_prints_itself(analysis: Analysis) -> None:
         ("twin-boom-design", "rafz-july", {"dates": {"on": "10-15"}}),
     ],
 )
-def test_an_analysis_prints_itself_in_15_lines_of_80_columns(
-    aircraft: str, mission: str, changes: dict[str, Any]
-) -> None:
+def test_an_analysis_prints_itself_in_15_lines_of_80_columns(aircraft, mission, changes):
     where = missions.load_mission(mission, changes)
     result = sizing.analyse(sizing.load_aircraft(aircraft), where)
     lines, every = (result.at_level(level).to_text().splitlines() for level in (1, 2))
@@ -67,7 +60,7 @@ def test_an_analysis_prints_itself_in_15_lines_of_80_columns(
     assert max(map(len, lines + every)) <= 80
 
 
-def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis: Analysis) -> None:
+def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis):
     frame, record = analysis.to_frame(), analysis.to_dict()
     json.dumps(record, allow_nan=False)
     assert len(frame) == len(record["scenarios"])
@@ -79,7 +72,7 @@ def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis: Anal
     assert trajectory["state_of_charge"].between(0.0, 1.0).all()
 
 
-def test_a_sizing_prints_itself_in_25_lines_of_80_columns(sized: SizingStudy) -> None:
+def test_a_sizing_prints_itself_in_25_lines_of_80_columns(sized):
     lines = str(sized).splitlines()
     assert len(lines) <= 25  # a page of a terminal
     assert max(map(len, lines)) <= 80
@@ -92,11 +85,10 @@ def test_a_sizing_prints_itself_in_25_lines_of_80_columns(sized: SizingStudy) ->
 
 
 @pytest.mark.parametrize("objective", ["min_mass", "max_payload_mass", "max_excess_time"])
-def test_a_margin_is_the_sizing_of_a_mission_that_has_it(design: Aircraft, objective: str) -> None:
+def test_a_margin_is_the_sizing_of_a_mission_that_has_it(design, objective):
     july = missions.load_mission("rafz-july")
     both = sizing.size(design, july, objective, required_excess_time_h=2.0, with_margin=True)
     guarded = both.with_margin
-    assert guarded is not None
     margins = {"uncertainty_margins.solar_model_sigmas": 1.0}
     alone = sizing.size(
         design,
@@ -121,12 +113,10 @@ def test_a_margin_is_the_sizing_of_a_mission_that_has_it(design: Aircraft, objec
     assert "on the edge" not in str(both)
 
 
-def test_a_margin_that_no_design_keeps_is_told(design: Aircraft) -> None:
+def test_a_margin_that_no_design_keeps_is_told(design):
     july = missions.load_mission("rafz-july")
     best = sizing.size(design, july, "max_excess_time", with_margin=True)
     least_h, most_h = best.with_margin.result.objective_value, best.result.objective_value
-    assert least_h is not None
-    assert most_h is not None
     between = (least_h + most_h) / 2.0
     both = sizing.size(design, july, required_excess_time_h=between, with_margin=True)
     assert both.feasible
@@ -139,13 +129,13 @@ def test_a_margin_that_no_design_keeps_is_told(design: Aircraft) -> None:
     )
 
 
-def test_a_mission_with_margins_gets_no_others(design: Aircraft) -> None:
+def test_a_mission_with_margins_gets_no_others(design):
     guarded = missions.load_mission("rafz-july", {"uncertainty_margins.solar_model_sigmas": 0.5})
     assert sizing.size(design, guarded, with_margin=True).with_margin is None
     assert "with_margin" not in sizing.size(design, guarded, with_margin=True).to_dict()
 
 
-def test_less_sun_is_told_of_the_scenario_that_it_weakens_most(sized: SizingStudy) -> None:
+def test_less_sun_is_told_of_the_scenario_that_it_weakens_most(sized):
     """Less sun makes the northern end of the mission the worst one, instead of its southern end."""
     margin = {"uncertainty_margins.solar_model_sigmas": 1.0}
     mission = missions.load_mission("central-europe-summer", margin)
@@ -158,7 +148,7 @@ def test_less_sun_is_told_of_the_scenario_that_it_weakens_most(sized: SizingStud
     assert f"between {dim.excess_time_h:.2f} h (50° N, 15 Aug) and" in text
 
 
-def test_a_design_on_the_edge_says_so_and_names_the_way_out(sized: SizingStudy) -> None:
+def test_a_design_on_the_edge_says_so_and_names_the_way_out(sized):
     record = sized.to_dict()["uncertainty"]
     assert record["excess_time_low_h"] < 3.0 < record["excess_time_high_h"]
     text = " ".join(str(sized).split())
@@ -171,7 +161,7 @@ def test_a_design_on_the_edge_says_so_and_names_the_way_out(sized: SizingStudy) 
     assert "on the edge" not in str(safe)
 
 
-def test_a_sized_aircraft_flies_as_the_sizing_says(sized: SizingStudy) -> None:
+def test_a_sized_aircraft_flies_as_the_sizing_says(sized):
     flown = sizing.analyse(sized.sized_aircraft(), sized.sized_mission())
     simulated = sized.to_dict()["simulated"]
     assert flown.excess_time_h == pytest.approx(simulated["excess_time_h"], rel=1e-9)
@@ -181,7 +171,7 @@ def test_a_sized_aircraft_flies_as_the_sizing_says(sized: SizingStudy) -> None:
     assert sized.scenarios()["excess_time_h"].min() == simulated["excess_time_h"]
 
 
-def test_a_variable_at_its_bound_is_said_first(design: Aircraft) -> None:
+def test_a_variable_at_its_bound_is_said_first(design):
     mission = missions.load_mission("rafz-july")
     largest = sizing.size(design, mission, "max_excess_time")
     said = " ".join(str(largest).splitlines()[1:3])
@@ -190,12 +180,12 @@ def test_a_variable_at_its_bound_is_said_first(design: Aircraft) -> None:
 
 
 @pytest.fixture(scope="module")
-def infeasible(design: Aircraft) -> SizingStudy:
+def infeasible(design):
     mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
     return sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
 
 
-def test_an_infeasible_sizing_has_no_design_and_says_why(infeasible: SizingStudy) -> None:
+def test_an_infeasible_sizing_has_no_design_and_says_why(infeasible):
     none = infeasible
     assert none.status is sizing.SizingStatus.infeasible
     assert not none.feasible
@@ -214,7 +204,7 @@ def test_an_infeasible_sizing_has_no_design_and_says_why(infeasible: SizingStudy
         )
 
 
-def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told() -> None:
+def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told():
     design = sizing.load_aircraft("stratosphere-design")
     windy = {"latitude_deg": {"from_deg": 30.0, "to_deg": 40.0, "count": 2}, "dates.to": "12-21"}
     none = sizing.size(design, missions.load_mission("stratosphere-mission", windy))
@@ -236,14 +226,12 @@ def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told() -> None:
         ),
     ],
 )
-def test_options_are_checked_at_the_call(
-    design: Aircraft, options: dict[str, Any], message: str
-) -> None:
+def test_options_are_checked_at_the_call(design, options, message):
     with pytest.raises(ValueError, match=message):
         sizing.size(design, missions.load_mission("rafz-july"), **options)
 
 
-def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual() -> None:
+def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual():
     aircraft = sizing.load_aircraft("atlantiksolar-as2")
     analysis = sizing.analyse(aircraft, missions.load_mission("rafz-july"))
     assert analysis.is_perpetual
@@ -254,7 +242,7 @@ def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual() -> None:
     assert math.isfinite(short.to_frame()["endurance_h"][0])
 
 
-def test_names_are_no_aircraft_and_no_mission(design: Aircraft) -> None:
+def test_names_are_no_aircraft_and_no_mission(design):
     mission = missions.load_mission("rafz-july")
     with pytest.raises(TypeError, match=r"sizing.load_aircraft\(name or path\) reads one"):
         sizing.analyse("atlantiksolar-as2", mission)  # type: ignore[arg-type]
@@ -264,14 +252,14 @@ def test_names_are_no_aircraft_and_no_mission(design: Aircraft) -> None:
         sizing.load_aircraft("sky-sailor", "power.avionics_w=8")
 
 
-def test_results_are_compared_by_identity(analysis: Analysis) -> None:
+def test_results_are_compared_by_identity(analysis):
     again = sizing.analyse(analysis.aircraft, analysis.mission, correction="report")
     assert analysis == analysis
     assert analysis != again
     assert len({analysis, again}) == 2
 
 
-def test_a_replayed_flight_is_told_by_its_facts() -> None:
+def test_a_replayed_flight_is_told_by_its_facts():
     aircraft, mission = sizing.load_aircraft("atlantiksolar-as2"), missions.load_mission("rafz-28h")
     flight = sizing.analyse(aircraft, mission).flight
     rows = dict(flight_table(flight).rows)
@@ -280,14 +268,14 @@ def test_a_replayed_flight_is_told_by_its_facts() -> None:
     assert list(rows)[-2:] == ["flight time", "state of charge at the end"]
 
 
-def test_needed_values_of_relaxations_stand_to_the_right() -> None:
+def test_needed_values_of_relaxations_stand_to_the_right():
     one = Relaxation("wingspan_m", "m", 4.0, "at least", 5.25, 1.0)
     text = relaxation_table([one, replace(one, value=100.5)]).to_text()
     ends = {line.index(" m ") for line in text.splitlines() if "at least" in line}
     assert len(ends) == 1
 
 
-def test_the_numbers_of_the_record_are_attributes_of_an_analysis() -> None:
+def test_the_numbers_of_the_record_are_attributes_of_an_analysis():
     aircraft = sizing.load_aircraft("atlantiksolar-as2")
     for mission in ("rafz-july", "rafz-28h"):
         on = {} if mission == "rafz-28h" else {"dates.on": "12-21"}
@@ -303,9 +291,7 @@ def test_the_numbers_of_the_record_are_attributes_of_an_analysis() -> None:
         assert np.isinf(analysis.endurance_h) == analysis.is_perpetual
 
 
-def test_frames_of_an_infeasible_sizing_hold_nan(
-    infeasible: SizingStudy, sized: SizingStudy
-) -> None:
+def test_frames_of_an_infeasible_sizing_hold_nan(infeasible, sized):
     assert infeasible.masses_kg is None
     for frame, full in (
         (infeasible.to_frame(), sized.to_frame()),
@@ -328,9 +314,7 @@ def test_frames_of_an_infeasible_sizing_hold_nan(
         ("", {"battery": 3}, "Aircraft: battery: must be a mapping"),
     ],
 )
-def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(
-    design: Aircraft, part: str, update: dict[str, object], said: str
-) -> None:
+def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(design, part, update, said):
     mission = missions.load_mission("rafz-july")
     changed = getattr(design, part).model_copy(update=update) if part else None
     wrong = design.model_copy(update={part: changed} if part else update)
@@ -345,7 +329,7 @@ def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(
         sizing.analyse(design, mission.model_copy(update={"clearness": -1.0}))
 
 
-def test_modules_beyond_their_coverage_are_told() -> None:
+def test_modules_beyond_their_coverage_are_told():
     # The wing has 1.73 m2, of which 85 % may be covered.
     wide = sizing.load_aircraft("atlantiksolar-design", ["modules.area_m2=1.6"])
     mission = missions.load_mission("rafz-july")
@@ -355,7 +339,7 @@ def test_modules_beyond_their_coverage_are_told() -> None:
     assert "The modules cover" not in str(sizing.analyse(narrow, mission))
 
 
-def test_an_optimum_without_the_whole_cells_of_its_file_can_be_read(tmp_path: Path) -> None:
+def test_an_optimum_without_the_whole_cells_of_its_file_can_be_read(tmp_path):
     """What boards and cells of the catalogue gave is in the file, beside their names no value."""
     cells = {"cell": "lg-mh1", "voltage": {"cells_in_series": 6}, "pack": {"cells_in_parallel": 9}}
     own = sizing.load_aircraft("twin-boom-design", {"battery": cells})

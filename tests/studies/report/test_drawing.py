@@ -1,12 +1,9 @@
 """Three views: to scale, by the numbers of the models, dashed where they have none."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from sizing.library import load_aircraft
 from sizing.structures.rib_wing import RibWingStructure
@@ -14,7 +11,7 @@ from studies.report.geometry import aircraft_drawing
 from studies.report.three_view import description, plot_three_view
 
 
-def shapes(figure: Figure, part: str, view: int = 0) -> list[Any]:
+def shapes(figure, part, view=0):
     """Corners [m] of the shapes of a part in one view: from above, from ahead, from the left."""
     return [one.get_xy() for one in figure.axes[view].patches if one.get_gid() == part]
 

@@ -4,7 +4,6 @@ import pytest
 from browser_pages import (
     DESKTOP,
     PHONE,
-    Sheet,
     accessibility_problems,
     sheets,
     too_wide,
@@ -37,7 +36,7 @@ def reports(tmp_path_factory):
     return {name: folder / f"{name}.html" for name in pages}
 
 
-def check_sheets(printed: list[Sheet]) -> None:
+def check_sheets(printed):
     """Sheets hold text, and are white paper."""
     assert 3 <= len(printed) <= 20
     for number, sheet in enumerate(printed, 1):
