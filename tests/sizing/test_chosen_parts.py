@@ -25,13 +25,6 @@ def ranged(motor=PARTS["motor"], **ranges):
     return aircraft(space, motor=motor)
 
 
-def held(subject, **values):
-    """Aircraft with other parts, and nothing of them chosen."""
-    propeller = PARTS["propeller"] | {k: v for k, v in values.items() if k != "ratio"}
-    gear = PARTS["gear"] | {k: v for k, v in values.items() if k == "ratio"}
-    return aircraft(propeller=propeller, gear=gear)
-
-
 def parts_of(subject):
     parts = getattr(subject.airframe, "propulsion", None)
     assert isinstance(parts, OperatingPointPropulsion)
@@ -58,22 +51,6 @@ def test_a_chosen_propeller_has_the_exact_chain(chosen):
     exact = sizing.design_of(chosen.sized_aircraft(), MISSION)
     assert chosen.design.chain.efficiency == pytest.approx(exact.chain.efficiency, rel=2e-6)
     assert chosen.design.total_mass_kg == pytest.approx(float(exact.total_mass_kg), rel=2e-6)
-
-
-@pytest.mark.parametrize("factor", [0.94, 1.06])
-@pytest.mark.parametrize("part", ["diameter_m", "ratio"])
-def test_no_other_diameter_or_gear_is_lighter(chosen, part, factor):
-    best = {
-        "diameter_m": chosen.variables.propeller_diameter_m,
-        "ratio": chosen.variables.gear_ratio,
-    }
-    other = best | {part: factor * float(best[part] or 0.0)}
-    try:
-        worse = sizing.size(held(chosen.aircraft, **other), MISSION)
-    except sizing.ImpossibleDesignError:
-        return  # beyond a limit of the parts
-    # The limits of the parts are kept by half a per cent.
-    assert worse.design.total_mass_kg > chosen.design.total_mass_kg * (1.0 - 1e-4)
 
 
 def test_a_chosen_propeller_keeps_the_limits_of_the_motor():

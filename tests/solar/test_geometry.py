@@ -2,18 +2,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pvlib import irradiance
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 from solar.geometry import (
     ModuleGeometry,
     ModuleSurface,
-    cos_angle_of_incidence,
     direction_cosines,
     surface_normal,
 )
-from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned
 
 angles = st.floats(-1.4, 1.4)
 
@@ -61,22 +58,6 @@ def test_area_shares_add_up():
     geometry = ModuleGeometry(surfaces=(surface("left", area=0.5), surface("right", area=1.5)))
     assert geometry.area_m2 == pytest.approx(2.0)
     assert geometry.area_shares == pytest.approx([0.25, 0.75])
-
-
-@given(angles, angles, st.floats(0.0, 6.28), st.floats(0.0, 24.0), st.floats(-80.0, 80.0))
-def test_angle_of_incidence_equals_pvlib(roll, pitch, yaw, hour, latitude):
-    normal = direction_cosines(roll, pitch, yaw) @ np.array([0.0, 0.0, -1.0])
-    dec, w = declination(172.5), hour_angle(hour)
-    sun = sun_vector_ned(latitude, dec, w)
-    ours = np.degrees(np.arccos(np.clip(cos_angle_of_incidence(normal, sun), -1.0, 1.0)))
-    # From both components: the arc cosine alone takes small tilts for none.
-    tilt = np.degrees(np.arctan2(np.hypot(normal[0], normal[1]), -normal[2]))
-    azimuth = np.degrees(np.arctan2(normal[1], normal[0])) % 360.0
-    zenith = np.degrees(np.arctan2(np.hypot(sun[0], sun[1]), cos_zenith(latitude, dec, w)))
-    sun_azimuth = np.degrees(np.arctan2(sun[1], sun[0])) % 360.0
-    theirs = irradiance.aoi_projection(tilt, azimuth, zenith, sun_azimuth)
-    # 1e-9 in the cosine: arccos loses half the digits at grazing and head-on angles.
-    assert np.cos(np.radians(ours)) == pytest.approx(theirs, abs=1e-9)
 
 
 def test_a_centre_with_dihedral_and_a_geometry_without_a_surface_are_refused():

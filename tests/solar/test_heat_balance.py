@@ -89,17 +89,3 @@ def test_a_bare_wing_is_as_warm_as_modules_in_the_wind(wind_m_per_s):
     theirs = faiman_rad(1000.0, 20.0, wind_m_per_s, ir_down=float(down))
     # Modules on racks, whose wind turns, are 9.7 to 15.6 K warmer than the air at these speeds.
     assert ours == pytest.approx(float(theirs), abs=3.0)
-
-
-def test_more_flow_and_less_absorption_cool():
-
-    def kelvins(convection, **heat):
-        cell = CELL.model_copy(update={"thermal": ModuleHeat(**heat)})
-        around = Surroundings(-56.5, convection, 0.05)
-        return float(balanced_temperature_c(1200.0, 1200.0, 280.0, cell, around))
-
-    assert kelvins(10.0) < kelvins(5.0) < kelvins(2.0)
-    assert kelvins(5.0, absorptance=0.8) < kelvins(5.0)
-    assert kelvins(5.0, emissivity=0.95) < kelvins(5.0) < kelvins(5.0, emissivity=0.5)
-    # A wing of foam keeps the heat of the upper face.
-    assert kelvins(5.0, underside_share=0.0) > kelvins(5.0) + 20.0

@@ -32,22 +32,6 @@ def test_load_of_a_trial_is_the_one_asked_for():
     assert changed.aircraft.power == trial.aircraft.power
 
 
-def test_battery_is_nearly_full_before_it_is_full():
-    full_h = study.FLIGHTS["as2-28h"].quantity("full charge on the first day (CEST)").compute
-    trial = study.FLIGHTS["as2-28h"].trial()
-    instants = [full_h(replace(trial, full_charge=c)) for c in (0.98, 0.99, 0.999, 1.0)]
-    assert instants == sorted(instants)
-    assert instants[-1] == pytest.approx(trial.replay().full_charge_clock_h[0], abs=1e-3)
-    # The last per cent at the measured 0.8 and 0.6 A of 25 V: 7.32 Wh take 0.37 to 0.49 h.
-    assert 0.37 <= instants[-1] - instants[1] <= 0.52
-
-
-def test_full_charge_that_is_not_reached_is_the_end_of_the_day():
-    full_h = study.FLIGHTS["as2-81h-clock"].quantity("full charge on the second day (CEST)").compute
-    dim = study.FLIGHTS["as2-81h-clock"].trial().with_mission(clearness=0.2)
-    assert full_h(dim) == full_h(replace(dim, full_charge=0.99)) == 24.0
-
-
 def test_every_fact_has_a_source():
     for flight in study.FLIGHTS.values():
         for fact in flight.facts:

@@ -91,14 +91,6 @@ def test_a_design_of_another_flow_has_its_own_temperature(model, span_m, where):
     assert found == pytest.approx(exact, rel=2e-4 if model in ("VM", "FM") else 5e-5)
 
 
-def test_a_sized_design_is_analysed_as_it_was_sized():
-    study = size(STRATOSPHERE, mission(**SUMMER), "min_mass")
-    again = analyse(study.sized_aircraft(), mission(**SUMMER))
-    sized_h = float(np.min(study.result.simulated.cycle.excess_time_h))
-    # 0.003 % of the sun's energy is a second of a night.
-    assert again.excess_time_h == pytest.approx(sized_h, abs=1e-3)
-
-
 SUMMER = {
     "altitude_m": 18000.0,
     "latitude_deg": 30.0,
@@ -106,6 +98,17 @@ SUMMER = {
     "payload": {"mass_kg": 5.0, "power_w": 50.0},
     "required_excess_time_h": 1.0,
 }
+
+
+def test_a_sized_design_is_analysed_as_it_was_sized_with_the_heater_of_its_battery():
+    study = size(STRATOSPHERE, mission(**SUMMER), "min_mass")
+    again = analyse(study.sized_aircraft(), mission(**SUMMER))
+    sized_h = float(np.min(study.result.simulated.cycle.excess_time_h))
+    # 0.003 % of the sun's energy is a second of a night.
+    assert again.excess_time_h == pytest.approx(sized_h, abs=1e-3)
+    told_w = study.to_dict()["battery_condition"]["heater_power_w"]
+    loads_w = float(study.result.simulated.design.constant_power_w) - 50.0 - 50.0
+    assert told_w == pytest.approx(loads_w, rel=1e-9)
 
 
 def test_a_first_guess_that_cannot_fly_has_a_flow():
@@ -137,14 +140,6 @@ def test_a_battery_without_temperature_is_heated_high_up():
         same = analyse(craft.model_copy(update={"battery": given}), where)
         assert heater_w > 1.0
         assert same.excess_time_h == pytest.approx(result.excess_time_h, abs=1e-9)
-
-
-def test_a_sized_battery_has_the_heater_of_its_mass():
-    study = size(STRATOSPHERE, mission(**SUMMER), "min_mass")
-    design = study.result.simulated.design
-    told_w = study.to_dict()["battery_condition"]["heater_power_w"]
-    loads_w = float(design.constant_power_w) - 50.0 - 50.0
-    assert told_w == pytest.approx(loads_w, rel=1e-9)
 
 
 def test_a_climbing_design_is_cooled_as_in_its_own_file():

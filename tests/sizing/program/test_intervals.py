@@ -103,11 +103,3 @@ def test_light_of_all_heights_is_that_of_the_flight_at_its_heights():
     bright = flight_w > 0.0
     ratios = known[:, bright] / known[0, bright]
     assert ratios == pytest.approx(np.repeat(factors[:, np.newaxis], bright.sum(), 1), rel=1e-12)
-
-
-def test_weights_are_those_of_the_polynomial_through_the_levels():
-    place = np.linspace(-0.1, 1.1, 13)
-    for degree in range(LEVELS):
-        nodes = np.linspace(0.0, 1.0, LEVELS) ** degree
-        values = nodes @ np.stack(lagrange(place, LEVELS))
-        assert values == pytest.approx(place**degree, abs=1e-12)

@@ -98,17 +98,6 @@ def test_a_chosen_propeller_scales_and_its_file_says_so():
     assert mass_kg == pytest.approx(float(study.design.masses.propulsion), rel=1e-4)
 
 
-def test_the_line_through_the_propellers_foretells_others_of_the_maker():
-    """APC's list has weights of propellers that the catalogue has not [oz]."""
-    fit = propeller_mass_fit()
-    assert fit.number == 15
-    for inches, ounces in ((12.0, 0.95), (16.0, 1.98), (25.0, 7.87), (27.0, 8.18)):
-        weighed_kg = ounces * 0.0283495
-        assert fit.mass_kg(inches * 0.0254) == pytest.approx(weighed_kg, rel=0.2)
-    # Between a plate's square and the cube of the same shape.
-    assert 2.0 < fit.exponent < 3.0
-
-
 def test_a_propeller_without_a_mass_has_that_of_its_diameter():
     propeller = {"diameter_m": 0.66, "pitch_m": 0.60}
     estimated, without = (aircraft(propeller=propeller | more) for more in ({}, {"mass_kg": 0.0}))

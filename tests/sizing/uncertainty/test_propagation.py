@@ -104,17 +104,6 @@ def test_draws_are_what_each_is_alone(name, spreads, model):
         assert flights.total_mass_kg[number] == pytest.approx(design.total_mass_kg, rel=1e-8)
 
 
-def test_endurance_is_that_of_each_alone():
-    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
-    values = {"mission.clearness": np.array([0.35, 0.4, 1.0])}
-    hours = Propagation(aircraft, mission, SolarModel()).endurance_h(values)
-    for number in (0, 1):
-        drawn, where = alone(aircraft, mission, values, number)
-        flight = sizing.analyse(drawn, where).endurances[0]
-        assert hours[number] == pytest.approx(float(flight.endurance_h), abs=0.01)
-    assert np.isinf(hours[2])
-
-
 def test_the_models_error_is_a_factor_on_its_power():
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
     study = Propagation(aircraft, mission, SolarModel())
