@@ -292,8 +292,8 @@ def cross_check_line(check: CrossCheck, objective: Objective) -> str:
 
     better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
     text = (
-        f"the best of them has {with_unit(check.best_found, '.5g', objective)} "
-        f"({check.found_by}), better by {with_unit(check.advantage, '.2g', objective)}"
+        f"the best of them has {with_unit(check.best_found, '.5g', objective)}, better by "
+        f"{with_unit(check.advantage, '.2g', objective)}"
         if better
         else "none is better by more than the tolerance"
     )
