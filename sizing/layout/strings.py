@@ -59,7 +59,7 @@ class Strings(Record):
 
     Voltages and current of a cell hold at 1000 W/m2 and 25 C; their default is in the catalogue's
     entry. ``voltage_coefficient_per_k`` is the relative loss of voltage per kelvin; its default is
-    the loss of power, which is larger and so conservative.
+    the loss of power, of which that of the current, a gain, is a part.
     """
 
     cells_in_series: CellCount | tuple[CellCount, ...]

@@ -171,7 +171,7 @@ class _Cells:
         without = [cell for cell, search in self.searches.items() if search.status is open_status]
         self._run({cell: Search(self.tasks[cell]) for cell in without})
         branches = {
-            cell: Search(task.with_values(continuous=True))
+            cell: Search(replace(task, continuous=True))
             for cell, task in enumerate(self.tasks)
             if task.has_continuous_sun
         }

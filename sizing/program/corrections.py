@@ -36,7 +36,6 @@ from sizing.program.transcription import (
     LEVELS,
     RESERVE_SCALE_H,
     BlockData,
-    Form,
     PartsData,
     limits_of_parts,
     power_surface,
@@ -61,7 +60,6 @@ class Linearisation:
     """
 
     values: dict[str, float]
-    scenarios: tuple[int, ...]
     blocks: tuple[BlockData, ...]
     charge: tuple[FloatArray, ...]
     height: tuple[FloatArray, ...]
@@ -88,7 +86,6 @@ class Scenario:
     way_h: float = 0.0
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
-    first: int = 0
     profile: Profile | None = None
 
     def share(self) -> FloatArray:
@@ -139,10 +136,11 @@ def linearised(
     form = task.form(len(known))
     return Linearisation(
         dict(values),
-        tuple(known),
         tuple(blocks),
         charge=tuple(charges),
-        height=tuple(_heights(form, scenario) for scenario in known.values()),
+        height=tuple(
+            np.clip(it.share(), *INSIDE) if form.climbs else np.zeros(0) for it in known.values()
+        ),
         speed=tuple(np.full(form.speeds, _speed(task, perf, number)) for number in known),
         load_w=load_w,
         mass_kg=mass_kg,
@@ -170,11 +168,6 @@ def unserved(task: SizingTask, perf: Performance, number: int) -> float:
     night_wh = float(positive_part_wh(-net[:-1], -net[1:], np.diff(day.time_h)).sum())
     lacking_wh = np.broadcast_to(perf.cycle.energy_budget.unserved_wh, perf.cycle.status.shape)
     return float(lacking_wh[0, number]) / max(night_wh, 1e-9)
-
-
-def _heights(form: Form, scenario: Scenario) -> FloatArray:
-    """Heights at the nodes to start from."""
-    return np.clip(scenario.share(), *INSIDE) if form.climbs else np.zeros(0)
 
 
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:
@@ -262,7 +255,7 @@ def _block(
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if laid_anew := scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
-    scenario.clock_h, scenario.first = day.time_h[scenario.nodes], day.first
+    scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
     area = area * values.get(SOLAR_TECHNOLOGY, 1.0)  # of freed modules, as the program has it
@@ -278,7 +271,7 @@ def _block(
         )
         way_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
         rows, _ = levels.at_heights(number, way_m)  # of the first design
-        at_heights = Day.of(time_h, rows, np.zeros_like(rows), scenario.first)
+        at_heights = Day.of(time_h, rows, np.zeros_like(rows), day.first)
         mean_light = light_at_heights(
             at_heights, scenario.nodes, scenario.share(), mean_light
         ).ravel(order="F")

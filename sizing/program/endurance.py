@@ -53,7 +53,7 @@ def longest_flight_of_all(
         """Search for the design of most excess time, keep it if its flight is longer."""
         nonlocal best, longest_h, launch_h, report
         first = None if best is None else task.first_values(best)
-        search = Search(task.with_values(mission=there, day=light), first).run()
+        search = Search(replace(task, mission=there, day=light), first).run()
         report += search.report
         if (judged := search.outcome) is None:
             return False

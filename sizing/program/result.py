@@ -95,21 +95,7 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """Return the same without a design.
-
-        Parameters
-        ----------
-        status : SizingStatus
-            Why there is none.
-        nearest : Performance or None
-            Flight of the design that comes nearest.
-        *violations : Violation
-            What that design misses.
-
-        Returns
-        -------
-        SizingResult
-        """
+        """Return the same without a design; ``violations``: what the nearest one misses."""
         return replace(
             self,
             status=status,

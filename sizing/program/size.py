@@ -57,7 +57,7 @@ def size_aircraft(
     first = None if start is None else task.first_values(start)
     search = best_search(task, first, stop_at_merit)
     if explain and search.best is None and aircraft.propulsion_by_parts is not None:
-        _check_parts(best_search(task.with_values(beyond_limits=True), first))
+        _check_parts(best_search(replace(task, beyond_limits=True), first))
     result = _explained(search) if explain and search.best is None else _result(search)
     if result.simulated is not None and mission.holds_station:
         _check_held(task, result.simulated)
@@ -81,7 +81,7 @@ def best_search(
 
     searches = []
     if task.has_continuous_sun:
-        searches.append(run(task.with_values(continuous=True)))
+        searches.append(run(replace(task, continuous=True)))
     unlimited = searches and searches[0].best and np.isinf(searches[0].best.excess_h).all()
     if not (task.maximises_excess and unlimited):
         searches.append(run(task))
@@ -151,8 +151,8 @@ def _explained(search: Search) -> SizingResult:
     task, report, source = search.task, search.report, search
     if task.required_h > 0.0:
         mission = least_mission(task.aircraft, task.mission, task.objective)
-        easiest = task.with_values(
-            mission=mission, objective=Objective.max_excess_time, required_h=0.0
+        easiest = replace(
+            task, mission=mission, objective=Objective.max_excess_time, required_h=0.0
         )
         first = None if search.nearest is None else search.nearest.values
         largest = best_search(easiest, first)

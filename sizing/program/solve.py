@@ -108,7 +108,7 @@ class Solution:
     @property
     def scenarios(self) -> tuple[int, ...]:
         """Scenarios in the blocks of the program."""
-        return self.linearisation.scenarios
+        return tuple(self.linearisation.known)
 
     @property
     def excess_time_h(self) -> float:

@@ -200,10 +200,6 @@ class SizingTask:
         longest = self.objective is Objective.max_excess_time
         return (Objective.min_mass if longest and self.continuous else self.objective).cost
 
-    def with_values(self, **changes: object) -> SizingTask:
-        """The same task with some fields replaced."""
-        return replace(self, **changes)  # type: ignore[arg-type]  # names are those of fields
-
     # --- simulator ------------------------------------------------------------------------------
 
     def design_variables(self, values: Values) -> DesignVariables:
