@@ -241,7 +241,6 @@ def test_only_more_than_half_a_per_cent_is_told_to_be_better(share, told):
     assert told in cross_check_line(check, Objective.min_wingspan)
 
 
-
 # ---- multipliers of constraints
 
 
