@@ -306,23 +306,24 @@ class _Cells:
             worst = _missed_most(self.searches[cell])
             columns["requirement"][cell], columns["message"][cell] = worst.requirement, worst.text
             columns["shortfall"][cell] = worst.shortfall
-        best = {cell: it.values for cell in range(count) if (it := self.searches[cell].best)}
+        best = {cell: it for cell in range(count) if (it := self.searches[cell].best)}
         names = {*variables_of(first.aircraft).chosen(), *_PAYLOADS}
         variables = {name: np.full(count, np.nan) for name in names}
+        for cell, judged in best.items():
+            perf, task = judged.flight, self.tasks[cell]
+            columns["objective_value"][cell] = objective_value(task.objective, perf)
+            columns["total_mass_kg"][cell] = perf.design.total_mass_kg
+            columns["airspeed_m_per_s"][cell] = perf.design.airspeed_m_per_s
+            columns["load_w"][cell] = np.ravel(perf.nominal_load_w)[0]
+            for name in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge"):
+                columns[name][cell] = getattr(perf.cycle, name)[judged.worst]
+            chosen = task.held | task.design_variables(judged.values).chosen()
+            for name in chosen.keys() & set(DesignVariables._fields):
+                variables.setdefault(name, np.full(count, np.nan))[cell] = chosen[name]
         if best:
             kept = np.array(list(best))
-            perf = self.performance(list(best.values()), kept)
-            checked = self._checked(kept, merit_of(first.objective, perf), seed)
+            checked = self._checked(kept, np.array([it.merit for it in best.values()]), seed)
             status[kept] = np.where(checked, SizingStatus.cross_checked, SizingStatus.optimal)
-            columns["objective_value"][kept] = objective_value(first.objective, perf)
-            columns["total_mass_kg"][kept] = perf.design.total_mass_kg
-            columns["airspeed_m_per_s"][kept] = perf.design.airspeed_m_per_s
-            columns["load_w"][kept] = perf.nominal_load_w[:, 0]
-            worst_of = (np.arange(len(kept)), perf.cycle.excess_time_h.argmin(axis=-1))
-            for name in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge"):
-                columns[name][kept] = getattr(perf.cycle, name)[worst_of]
-            for name, column in perf.design.variables.chosen().items():
-                variables.setdefault(name, np.full(count, np.nan))[kept] = column
         columns["variables"] = DesignVariables(**variables)
         return CellSizings(**columns)
 

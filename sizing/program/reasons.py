@@ -96,11 +96,6 @@ def least_mission(aircraft: Aircraft, mission: Mission, objective: Objective) ->
     return with_parameter(aircraft, mission, objective.payload_key, 0.0)[1]
 
 
-def names_of_limits(solution: Solution) -> tuple[str, ...]:
-    """Return the names of what holds a solution back."""
-    return tuple(limit.name for limit in limits_of(solution))
-
-
 def violations(
     task: SizingTask, nearest: Performance, missed: Mapping[str, float]
 ) -> tuple[Violation, ...]:

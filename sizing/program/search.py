@@ -71,6 +71,13 @@ class JudgedDesign:
         return int(np.argmin(self.excess_h))
 
     @property
+    def flight(self) -> Performance:
+        """Flight of the design without its neighbours."""
+        if self.accepted and self.climbs is not None:
+            return self.climbs
+        return self.perf.of_designs(0)
+
+    @property
     def flies(self) -> bool:
         """Whether the design carries its own mass."""
         mass_kg = float(np.asarray(self.perf.design.total_mass_kg)[0])
@@ -131,8 +138,9 @@ class Search:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
             reach = solution.linearisation.reach
-            if number > 1 and not _goes_on(solution, last):
-                reach /= 2.0
+            if number > 1 and last is not None:
+                goes_on = solution.is_limited and float(solution.step @ last.step) > 0.0
+                reach = reach if goes_on else reach / 2.0
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -316,11 +324,6 @@ class Search:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
         elif solution.violation <= LACKING and not far:
             scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
-
-
-def _goes_on(solution: Solution, last: Solution | None) -> bool:
-    """Return whether a step is as long as allowed, and in the direction of the last one."""
-    return last is not None and solution.is_limited and float(solution.step @ last.step) > 0.0
 
 
 def _left_h(perf: Performance, number: int) -> tuple[float, float]:

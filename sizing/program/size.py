@@ -13,13 +13,13 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import NO_FLIGHT_W, DesignVariables
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
-from sizing.performance import Performance, performance_of_designs
-from sizing.program.climbing import Profile, simulate
+from sizing.performance import Performance
+from sizing.program.climbing import Profile
 from sizing.program.corrections import Scenario
 from sizing.program.objectives import Objective
-from sizing.program.reasons import least_mission, missed_by, names_of_limits, violations
+from sizing.program.reasons import least_mission, limits_of, missed_by, violations
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
-from sizing.program.search import JudgedDesign, Search
+from sizing.program.search import Search
 from sizing.program.task import SizingTask, Values
 
 
@@ -123,23 +123,13 @@ def _result(search: Search) -> SizingResult:
         status=search.status,
         objective=task.objective,
         required_excess_time_h=task.required_h,
-        active_constraints=() if solution is None else names_of_limits(solution),
+        active_constraints=() if solution is None else tuple(it.name for it in limits_of(solution)),
         solver=search.report,
     )
     if best is None:
-        nearest = None if search.nearest is None else _flight(task, search.nearest)
+        nearest = None if search.nearest is None else search.nearest.flight
         return replace(result, nearest=nearest)
-    return replace(result.with_design(_flight(task, best)), optimum=solution)
-
-
-def _flight(task: SizingTask, judged: JudgedDesign) -> Performance:
-    """Return the flight of a design without its neighbours."""
-    if judged.accepted and judged.climbs is not None:
-        return judged.climbs
-    if task.mission.climb is not None:
-        return simulate(task, [judged.values], judged.profiles).of_designs(0)
-    design = task.design_variables(judged.values)
-    return performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
+    return replace(result.with_design(best.flight), optimum=solution)
 
 
 def _explained(search: Search) -> SizingResult:
