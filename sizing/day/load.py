@@ -105,6 +105,16 @@ def _single_part_load(
     return _part_load(propulsion, flight, np.asarray(level_w), ends, bus_v)
 
 
+def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
+    """Return the largest relative error of a single design's table, half-way between its nodes."""
+    part = part_load_of(aircraft, mission, design)
+    assert isinstance(part, PartLoad)
+    propulsion, flight = flight_of(aircraft, mission, design)
+    load, bus_v = part.between(), aircraft.battery.nominal_voltage_v
+    exact_w = propulsion.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+    return float(np.max(np.abs(part.at(load) * design.propulsion_power_w / exact_w - 1.0)))
+
+
 class Load(NamedTuple):
     """Electric load of designs over the thrust power of the moment, the time last.
 
