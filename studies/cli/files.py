@@ -8,10 +8,9 @@ from __future__ import annotations
 import gc
 import hashlib
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -52,7 +51,6 @@ from studies.cli.options import (
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
-T = TypeVar("T")
 R = TypeVar("R", Aircraft, Mission)
 
 DEFAULT_MISSION = " (default mission)"  # behind the name of one that nobody chose
@@ -174,42 +172,40 @@ class WrongKindError(InputError):
         super().__init__([Problem(source, None, None, "", f"{message}: {hint}")])
 
 
-def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Sort ``key=value`` overrides into those of the aircraft and those of the mission."""
-    of_mission = [o for o in overrides if o.startswith(MISSION_PREFIX)]
-    of_aircraft = [
-        _with_whole_key(o.removeprefix(_AIRCRAFT_PREFIX)) for o in overrides if o not in of_mission
+def opened(
+    kind: Kind, name_or_path: str, overrides: Sequence[str] = (), *, of_run: bool = False
+) -> Loaded[Any]:
+    """Read an aircraft or a mission by its shipped name, or the path of a file; refuse the other.
+
+    ``overrides``: texts ``key=value`` of both kinds, which replace or add keys of the file.
+    ``of_run``: whether a run wrote it, with its overrides in it.
+    """
+    is_aircraft = kind == "aircraft"
+    record, other = (Aircraft, Mission) if is_aircraft else (Mission, Aircraft)
+    mine = [
+        _with_whole_key(text.removeprefix(_AIRCRAFT_PREFIX))
+        if is_aircraft
+        else text.removeprefix(MISSION_PREFIX)
+        for text in overrides
+        if text.startswith(MISSION_PREFIX) is not is_aircraft
     ]
-    return of_aircraft, [o.removeprefix(MISSION_PREFIX) for o in of_mission]
+    if is_aircraft:
+        _refuse_keys_of_missions(mine)
+    document = find_document(kind, name_or_path)
+    keys = set(document.data)
+    if len(keys & set(other.model_fields)) > len(keys & set(record.model_fields)):
+        raise WrongKindError(document.source, _OTHER[kind])
+    document = with_overrides(document, mine, prefix="" if is_aircraft else MISSION_PREFIX)
+    checked = validate(document, record)
+    if is_aircraft and not of_run:
+        refuse_named_twice(document)
+    return Loaded(checked, document, _checksum(kind, name_or_path))
 
 
 def _with_whole_key(override: str) -> str:
     """Return an override with the whole key of a design variable's short name."""
     key, equals, value = override.partition("=")
     return f"{design_keys().get(key, key)}{equals}{value}"
-
-
-def open_aircraft(
-    name_or_path: str, overrides: Sequence[str] = (), *, of_run: bool = False
-) -> Loaded[Aircraft]:
-    """Read an aircraft by name or path.
-
-    ``name_or_path``: name of a shipped one, or path of a file. ``overrides``: texts
-    ``dotted.key=value`` that replace or add keys of the file. ``of_run``: whether a run wrote it,
-    with its overrides in it.
-    """
-    _refuse_keys_of_missions(overrides)
-    document = with_overrides(_find("aircraft", name_or_path), overrides)
-    record = validate(document, Aircraft)
-    if not of_run:
-        refuse_named_twice(document)
-    return Loaded(record, document, _checksum("aircraft", name_or_path))
-
-
-def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> Loaded[Mission]:
-    """Read a mission by name or path, as :func:`open_aircraft` does."""
-    document = with_overrides(_find("mission", name_or_path), overrides, prefix=MISSION_PREFIX)
-    return Loaded(validate(document, Mission), document, _checksum("mission", name_or_path))
 
 
 def load(options: CaseOptions) -> Case:
@@ -245,24 +241,23 @@ def load(options: CaseOptions) -> Case:
         tell_error(f"solar-uav: flown is the mission beside it, -m {beside}")
     if mission is None:
         raise click.UsageError("Missing option '--mission' / '-m'.")
-    of_aircraft, of_mission = split_overrides(options.overrides)
+    files: list[Loaded[Any]] = []
     errors: list[InputError] = []
-    of_run = folder is not None
-    aircraft_file = _attempt(partial(open_aircraft, aircraft, of_aircraft, of_run=of_run), errors)
-    mission_file = _attempt(partial(open_mission, mission, of_mission), errors)
-    if aircraft_file is None or mission_file is None:
+    named: dict[Kind, str] = {"aircraft": aircraft, "mission": mission}
+    for kind, name in named.items():
+        try:
+            files.append(opened(kind, name, options.overrides, of_run=folder is not None))
+        except InputError as error:
+            errors.append(error)
+    if errors:
         raise _joined_errors(errors)
+    aircraft_file, mission_file = files
     case = Case(aircraft_file, mission_file, is_default, solar)
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
-    return _with_values(case, options)
-
-
-def _with_values(case: Case, options: CaseOptions) -> Case:
-    """Return the case with what options give in place of the files' values."""
     if isinstance(options, PlaceOptions):
         case = case.at(options)
     if isinstance(options, RequirementOptions) and options.required_h is not None:
@@ -286,14 +281,6 @@ def mission_beside(aircraft: str) -> str | None:
     return beside if os.path.isfile(beside) else None  # noqa: PTH113
 
 
-def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:
-    try:
-        return read()
-    except InputError as error:
-        errors.append(error)
-        return None
-
-
 def _joined_errors(errors: Sequence[InputError]) -> InputError:
     """Return all problems as one error; two files in each other's place are one mistake."""
     swapped = [error for error in errors if isinstance(error, WrongKindError)]
@@ -310,16 +297,6 @@ def _is_default(option: str) -> bool:
     if context is None:
         return False
     return context.get_parameter_source(option) is ParameterSource.DEFAULT
-
-
-def _find(kind: Kind, name_or_path: str) -> Document:
-    """Return the document of an aircraft or a mission; refuse one of the other kind."""
-    document = find_document(kind, name_or_path)
-    kind_of_record, other = (Aircraft, Mission) if kind == "aircraft" else (Mission, Aircraft)
-    keys = set(document.data)
-    if len(keys & set(other.model_fields)) > len(keys & set(kind_of_record.model_fields)):
-        raise WrongKindError(document.source, _OTHER[kind])
-    return document
 
 
 def _checksum(kind: Kind, name_or_path: str) -> str | None:

@@ -10,7 +10,7 @@ import click
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import CommandOptions, argument, option
-from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange
+from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange, latitude_deg
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 from studies.output.formats import (
     GRID_FORMATS,
@@ -121,7 +121,7 @@ class PlaceOptions(CaseOptions):
 
     latitude: float | None = option(
         "--latitude",
-        type=Parsed("deg", "studies.cli.values:latitude_deg"),
+        type=Parsed("deg", latitude_deg),
         help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
     )
     day_of_year: int | None = option(
@@ -257,10 +257,7 @@ def plot_option(text: str) -> Any:
 
 
 def check_format(path: str, kind: str | None, allowed: Iterable[str], option: str) -> None:
-    """Refuse the name of a file if its format is not one that can be written.
-
-    ``found``: its format, none where it is not one of the allowed.
-    """
+    """Refuse the name of a file if its format, ``kind``, is not one that can be written."""
     missing = missing_writer(kind)
     if kind is None:
         missing = f"{path!r} must end in {', '.join(f'.{name}' for name in allowed)}"

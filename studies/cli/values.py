@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -24,33 +25,24 @@ class OutputFolder(click.Path):
     """Folder that a command writes; it is checked before any work is done for it."""
 
 
-if TYPE_CHECKING:
-    from click import ParamType as ParamType
-else:
+class Parsed(click.ParamType):  # type: ignore[type-arg]  # click before 8.4 takes none
+    """Values that a function reads, which takes text, and raises ValueError.
 
-    class ParamType(click.ParamType):
-        """Base of the types below; click before 8.4 does not say of which values one is."""
-
-        def __class_getitem__(cls, item: Any) -> type[ParamType]:
-            """Take the type of values, for readers alone."""
-            return cls
-
-
-class Parsed(ParamType[Any]):
-    """Values that a function of a study reads; it is imported when there is a value.
-
-    ``reader``: module and function, ``package.module:function``; it takes text, and raises
-    ValueError. ``stepped``: whether ``first:last:step`` may stand in a value, of which ``values``
-    then are read.
+    ``reader``: the function, or ``package.module:function``, which is imported when there is a
+    value. ``stepped``: whether ``first:last:step`` may stand in a value, of which ``values`` then
+    are read.
     """
 
-    def __init__(self, name: str, reader: str, *, stepped: bool = False) -> None:
+    def __init__(
+        self, name: str, reader: str | Callable[[str], Any], *, stepped: bool = False
+    ) -> None:
         self.name, self._reader, self._stepped = name, reader, stepped
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Read a value."""
         try:
-            converted = resolve_name(self._reader)(str(value))
+            reader = self._reader
+            converted = (resolve_name(reader) if isinstance(reader, str) else reader)(str(value))
         except ValueError as error:
             self.fail(str(error), param, ctx)
         if self._stepped and str(value).count(":") == 2:
@@ -79,7 +71,7 @@ def latitude_deg(text: str) -> float:
     return number
 
 
-class Grid(ParamType["list[float]"]):
+class Grid(click.ParamType):  # type: ignore[type-arg]  # click before 8.4 takes none
     """Numbers ``first:last:step``, or one: first, and steps from there that do not go beyond last.
 
     Where they do not lead to ``last`` itself, a note on standard error says where they end.
@@ -96,10 +88,7 @@ class Grid(ParamType["list[float]"]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> list[float]:
-        """Read the numbers and check their range.
-
-        Returns from the first to the last in steps, both in the unit of the option.
-        """
+        """Read the numbers, and check their range."""
         try:
             parts: list[Any] = str(value).split(":")
             if len(parts) == 1:
@@ -151,10 +140,7 @@ class RealRange(click.FloatRange):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Read the number and check its range.
-
-        Returns in :attr:`unit`, within the range.
-        """
+        """Read the number, and check its range."""
         try:
             number = float(value)
         except ValueError:
@@ -166,27 +152,15 @@ class RealRange(click.FloatRange):
         return number
 
 
-class Names(ParamType["tuple[str, ...]"]):
-    """Names separated by commas, each of a given set."""
+def names_of(allowed: tuple[str, ...]) -> Parsed:
+    """Return the type of names separated by commas, in their usual order, without repetition."""
 
-    name = "a,b"
+    def read(text: str) -> tuple[str, ...]:
+        by_lower, names = {name.lower(): name for name in allowed}, []
+        for part in map(str.strip, text.split(",")):
+            if part.lower() not in by_lower:
+                raise ValueError(f"{part!r} is not one of {', '.join(allowed)}")
+            names.append(by_lower[part.lower()])
+        return tuple(name for name in allowed if name in names)
 
-    def __init__(self, allowed: tuple[str, ...]) -> None:
-        self.allowed = allowed
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
-        """Read the names in their usual order, without repetition.
-
-        Returns names, those of ``allowed``.
-        """
-        by_lower = {name.lower(): name for name in self.allowed}
-        models = []
-        for part in str(value).split(","):
-            name = by_lower.get(part.strip().lower())
-            if name is None:
-                allowed = ", ".join(self.allowed)
-                self.fail(f"{part.strip()!r} is not one of {allowed}", param, ctx)
-            models.append(name)
-        return tuple(name for name in self.allowed if name in models)
+    return Parsed("a,b", read)

@@ -24,7 +24,7 @@ from studies.cli.options import (
     report_option,
     table_option,
 )
-from studies.cli.values import Names, Parsed, RealRange
+from studies.cli.values import Parsed, RealRange, names_of
 
 if TYPE_CHECKING:
     from studies.flight_logs.errors import Window
@@ -43,13 +43,13 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
 
     models: tuple[ModelName, ...] | None = option(
         "--models",
-        type=Names(MODEL_NAMES),
+        type=names_of(MODEL_NAMES),
         metavar="M,M,...",
         help=f"Models to compare.  [default: {','.join(MODEL_NAMES)}]",
     )
     corrections: tuple[CorrectionName, ...] | None = option(
         "--corrections",
-        type=Names(CORRECTION_NAMES),
+        type=names_of(CORRECTION_NAMES),
         metavar="C,C,...",
         help=f"Corrections to compare.  [default: {','.join(CORRECTION_NAMES)}]",
     )
@@ -215,12 +215,12 @@ class ReproduceReport(DrawnOptions):
 
     def run(self) -> None:
         """Fly the morning of the report with all four models."""
-        from studies.cli.files import Case, open_aircraft, open_mission
+        from studies.cli.files import Case, opened
         from studies.cli.outputs import Content, deliver, figure_of
         from studies.models import report_reproduction as study
         from studies.output.run_folder import RunInputs
 
-        case = Case(open_aircraft(study.AIRCRAFT), open_mission(study.MISSION))
+        case = Case(opened("aircraft", study.AIRCRAFT), opened("mission", study.MISSION))
         result = study.reproduce(case.aircraft, case.mission, vary=True)
 
         def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
