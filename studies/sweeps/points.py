@@ -66,29 +66,59 @@ class SweepConfiguration:
     """Inputs common to all points; aircraft and mission as plain data of files.
 
     ``tables``: texts of files that the aircraft names, for workers on other machines. ``names``: by
-    key, names whose indices are the values. ``total_mass_kg``: of all simulated points, if known.
+    key, names whose indices are the values. ``cover``: the module area is the largest that the wing
+    takes. ``total_mass_kg``: of all simulated points, if known.
     """
 
     aircraft: Mapping[str, Any]
     mission: Mapping[str, Any]
     keys: tuple[str, ...]
     solar: SolarModel
-    cover: bool
     objective: Objective | None
     tables: Mapping[str, str]
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    cover: bool = False
     total_mass_kg: float | None = None
+
+    @property
+    def measured(self) -> bool:
+        """Whether the aircraft's masses and power are measured ones."""
+        return bool(self.aircraft["airframe"]["kind"] == "measured")
+
+    def files(self, values: Mapping[str, float]) -> tuple[Aircraft, Mission]:
+        """Return aircraft and mission with values set by key, checked like files.
+
+        Keys of the mission begin with ``mission.``; a value below 0 keeps a name of the file.
+        """
+        of_aircraft: list[str] = []
+        of_mission: list[str] = []
+        for key, value in values.items():
+            # An integer passes for a real, but not the other way round.
+            whole = value == round(value) and abs(value) < 1e15
+            text = str(int(value)) if whole else repr(float(value))
+            if key in self.names:
+                if value < 0.0:
+                    continue
+                text = self.names[key][int(value)]
+            texts = of_mission if key.startswith(MISSION_PREFIX) else of_aircraft
+            texts.append(f"{key.removeprefix(MISSION_PREFIX)}={text}")
+        aircraft, mission = (
+            Document("aircraft", dict(self.aircraft)),
+            Document("mission", dict(self.mission)),
+        )
+        with texts_as_read(self.tables):
+            return (
+                validate(with_overrides(aircraft, of_aircraft), Aircraft),
+                validate(with_overrides(mission, of_mission, prefix=MISSION_PREFIX), Mission),
+            )
 
     @property
     def described(self) -> dict[str, tuple[str, str]]:
         """Unit and long name of the columns of points."""
-        return (
-            gridded.DESCRIBED
-            if self.objective is not None
-            else described_flights(
-                climbs=bool(self.mission.get("climb")) or varies_climb(self.keys)
-            )
-        )
+        if self.objective is not None:
+            return gridded.DESCRIBED
+        climbs = bool(self.mission.get("climb")) or varies_climb(self.keys)
+        return described_flights(climbs=climbs)
 
 
 def described_flights(*, climbs: bool) -> dict[str, tuple[str, str]]:
@@ -118,37 +148,6 @@ def plain_data(value: Any) -> Any:
     return value
 
 
-def _text(value: float) -> str:
-    """Return a number as in a file: an integer passes for a real, but not the other way round."""
-    whole = value == round(value) and abs(value) < 1e15
-    return str(int(value)) if whole else repr(float(value))
-
-
-def varied_files(
-    aircraft: Document,
-    mission: Document,
-    keys: Sequence[str],
-    values: Sequence[float],
-    names: Mapping[str, tuple[str, ...]],
-) -> tuple[Aircraft, Mission]:
-    """Return aircraft and mission with values set by key, checked like files.
-
-    Keys of the mission begin with ``mission.``. ``names``: by key, names whose indices are the
-    values; a value below 0 keeps the file's.
-    """
-    texts = [
-        f"{key}={names[key][int(value)] if key in names else _text(value)}"
-        for key, value in zip(keys, values, strict=True)
-        if key not in names or value >= 0.0
-    ]
-    of_mission = [t.removeprefix(MISSION_PREFIX) for t in texts if t.startswith(MISSION_PREFIX)]
-    of_aircraft = [t for t in texts if not t.startswith(MISSION_PREFIX)]
-    return (
-        validate(with_overrides(aircraft, of_aircraft), Aircraft),
-        validate(with_overrides(mission, of_mission, prefix=MISSION_PREFIX), Mission),
-    )
-
-
 def _reason_not_to_fly(
     solar: SolarModel, aircraft: Aircraft, mission: Mission
 ) -> tuple[str, str] | None:
@@ -174,11 +173,7 @@ def valid_groups(
 
     Sets the rows of cells that are invalid or cannot fly.
     """
-    documents = (
-        Document("aircraft", dict(configuration.aircraft)),
-        Document("mission", dict(configuration.mission)),
-    )
-    measured = configuration.aircraft["airframe"]["kind"] == "measured"
+    measured = configuration.measured
     in_files = [measured or design_variable(key) is None for key in configuration.keys]
     keys = list(itertools.compress(configuration.keys, in_files))
     groups: dict[tuple[float, ...], list[int]] = {}
@@ -186,8 +181,7 @@ def valid_groups(
         groups.setdefault(tuple(itertools.compress(cell, in_files)), []).append(number)
     for values, numbers in groups.items():
         try:
-            with texts_as_read(configuration.tables):
-                aircraft, mission = varied_files(*documents, keys, values, configuration.names)
+            aircraft, mission = configuration.files(dict(zip(keys, values, strict=True)))
         except InputError as error:
             text = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
             row: dict[str, Any] = {"status": statuses.invalid, "message": text}

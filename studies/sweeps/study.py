@@ -8,20 +8,17 @@ others sized.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.files.errors import InputError, Problem, did_you_mean
-from missions.files.texts import texts_as_read
 from missions.files.writing import to_json
-from missions.files.yaml import Document
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.day.metrics import ENDS, Status
 from sizing.parameters import MISSION_PREFIX
@@ -54,7 +51,6 @@ from studies.sweeps.points import (
     SweepConfiguration,
     plain_data,
     simulate_points,
-    varied_files,
     varies_climb,
 )
 
@@ -169,26 +165,24 @@ def prepare(
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
     check_user_models(aircraft, mission)
     objective = None if resize is None else resize_objective(resize)
-    files = _Files(aircraft, mission, {axis.key: axis.names for axis in axes if axis.names})
-    _check_request(files, axes, objective, cover, combined=sample != "one-at-a-time")
-    base = None
-    if sample == "one-at-a-time":
-        base = [_base_value(aircraft, mission, axis) for axis in axes]
+    configuration = SweepConfiguration(
+        plain_data(aircraft),
+        plain_data(mission),
+        tuple(axis.key for axis in axes),
+        solar,
+        objective,
+        aircraft.texts_read,
+        {axis.key: axis.names for axis in axes if axis.names},
+        total_mass_kg=total_mass_kg,
+    )
+    one_at_a_time = sample == "one-at-a-time"
+    covers = _checked_cover(configuration, axes, cover, combined=not one_at_a_time)
+    configuration = replace(configuration, cover=covers)
+    base = [_base_value(aircraft, mission, axis) for axis in axes] if one_at_a_time else None
     try:
         table, varied = points(axes, sample, base=base, samples=samples, seed=seed)
     except ValueError as error:
         raise _error("", str(error)) from None
-    configuration = SweepConfiguration(
-        files.aircraft_file.data,
-        files.mission_file.data,
-        tuple(axis.key for axis in axes),
-        solar,
-        _modules_cover_wing(aircraft, axes, objective, cover),
-        objective,
-        aircraft.texts_read,
-        {axis.key: axis.names for axis in axes if axis.names},
-        total_mass_kg,
-    )
     title = f"Trade study of {aircraft.name} on {mission.name}"
     about = attributes(title, aircraft, mission, solar)
     if varies_climb(configuration.keys) or (CLIMB in about and _ALTITUDE in configuration.keys):
@@ -227,47 +221,17 @@ def _error(key: str, message: str) -> InputError:
     return InputError([Problem(key or "the study", None, None, "", message)])
 
 
-@dataclass(frozen=True)
-class _Files:
-    """Aircraft and mission, and their data as in files."""
+def _checked_cover(
+    configuration: SweepConfiguration, axes: Sequence[Axis], cover: bool | None, *, combined: bool
+) -> bool:
+    """Refuse a study with values that are right at no point; return whether modules fill wings.
 
-    aircraft: Aircraft
-    mission: Mission
-    names: Mapping[str, tuple[str, ...]]
-
-    @cached_property
-    def aircraft_file(self) -> Document:
-        return Document("aircraft", plain_data(self.aircraft))
-
-    @cached_property
-    def mission_file(self) -> Document:
-        return Document("mission", plain_data(self.mission))
-
-    def wrong(self, values: Mapping[str, float]) -> InputError | None:
-        """Return the error of values set in the files, None if they are right."""
-        try:
-            with texts_as_read(self.aircraft.texts_read):
-                keys = list(values)
-                numbers = list(values.values())
-                varied_files(self.aircraft_file, self.mission_file, keys, numbers, self.names)
-        except InputError as error:
-            return error
-        return None
-
-
-def _check_request(
-    files: _Files,
-    axes: Sequence[Axis],
-    resize: Objective | None,
-    cover: bool | None,
-    *,
-    combined: bool,
-) -> None:
-    """Refuse a study with values that are right at no point."""
+    ``combined``: points differ from the file in several keys at once.
+    """
     if not axes:
         raise _error("", "nothing is varied")
-    measured = isinstance(files.aircraft.airframe, MeasuredAirframe)
-    if measured and (cover or resize is not None):
+    objective, measured = configuration.objective, configuration.measured
+    if measured and (cover or objective is not None):
         option = "cover" if cover else "resize"
         raise _error("", f"{option} needs a parametric aircraft, this one is measured")
     for number, axis in enumerate(axes):
@@ -278,58 +242,60 @@ def _check_request(
                 axis.key,
                 "a measured aircraft's power does not follow from its wing; take a parametric one",
             )
-        if resize is not None and axis.design_variable == resize.variable:
+        if objective is not None and axis.design_variable == objective.variable:
             raise _error(axis.key, "is varied and cannot be minimised as well")
         others = [*axes[:number], *axes[number + 1 :]] if combined else []
-        _check_values(files, axis, others)
+        _check_values(configuration, axis, others)
+    varied = {axis.design_variable for axis in axes}
+    if objective is not None and cover:
+        raise _error("", "cover: with resize the module area is sized, or varied")
+    if cover and "module_area_m2" in varied:
+        raise _error("modules.area_m2", "is varied and cannot follow the wing as well")
+    if cover is not None or objective is not None:
+        return bool(cover)
+    return not measured and bool(varied & _WING) and "module_area_m2" not in varied
 
 
-def _check_values(files: _Files, axis: Axis, others: Sequence[Axis]) -> None:
+def _check_values(configuration: SweepConfiguration, axis: Axis, others: Sequence[Axis]) -> None:
+    """Refuse values of a key that are wrong with all of the other keys' ends."""
+    key, values = axis.key, axis.values
+    low, high = min(values), max(values)
     if axis.design_variable is not None:
         # A design variable alone may contradict the file's others, which is no mistake.
         least = 0.0 if axis.design_variable == "module_area_m2" else _LEAST
-        low, high = min(axis.values), max(axis.values)
         if low < least or high > _LARGEST:
             wrong = low if low < least else high
-            raise _error(axis.key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
+            raise _error(key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
         return
-    for value in _values_to_check(axis.values):
-        error = files.wrong({axis.key: value})
+    if len(values) > _CHECKED_VALUES:  # the ends, and the first that is no integer
+        values = (low, high, *[value for value in values if value != round(value)][:1])
+    combined = others[:_COMBINED_KEYS]
+    ends = [[(other.key, end(other.values)) for end in (min, max)] for other in combined]
+    corners = list(map(dict, itertools.product(*ends))) if ends else []
+    for value in values:
+        error = _trouble(configuration, {key: value})
         # A value that the file's other values forbid may be right at other points.
-        if error is not None and not any(
-            files.wrong({axis.key: value} | corner) is None for corner in _corners(others)
+        if error is None or any(
+            _trouble(configuration, {key: value} | corner) is None for corner in corners
         ):
-            hint = _hint_for_key(axis.key)
-            if hint is not None:
-                raise _error(axis.key, hint)
-            raise InputError([replace(error.problems[0], source=axis.key, line=None)])
+            continue
+        first = key.partition(".")[0]
+        if first in Aircraft.model_fields or key.startswith(MISSION_PREFIX):
+            raise InputError([replace(error.problems[0], source=key, line=None)])
+        if first in Mission.model_fields:
+            raise _error(key, f"is a key of the mission: write {MISSION_PREFIX}{key}")
+        allowed = ", ".join([*DESIGN_KEYS, *Aircraft.model_fields, "mission"])
+        meant = did_you_mean(key, DESIGN_KEYS) or f"; allowed: {allowed}"
+        raise _error(key, f"unknown key{meant}")
 
 
-def _corners(axes: Sequence[Axis]) -> Iterator[dict[str, float]]:
-    """Yield combinations of least and largest values of the first axes."""
-    combined = axes[:_COMBINED_KEYS]
-    ends = [(min(axis.values), max(axis.values)) for axis in combined]
-    for values in itertools.product(*ends) if combined else ():
-        yield {axis.key: value for axis, value in zip(combined, values, strict=True)}
-
-
-def _hint_for_key(key: str) -> str | None:
-    """Return a hint for a key that no aircraft file has, None for one it has."""
-    first = key.partition(".")[0]
-    if first in Aircraft.model_fields or key.startswith(MISSION_PREFIX):
-        return None
-    if first in Mission.model_fields:
-        return f"is a key of the mission: write {MISSION_PREFIX}{key}"
-    allowed = ", ".join([*DESIGN_KEYS, *Aircraft.model_fields, "mission"])
-    return f"unknown key{did_you_mean(key, DESIGN_KEYS) or f'; allowed: {allowed}'}"
-
-
-def _values_to_check(values: Sequence[float]) -> list[float]:
-    """Return the values to check: of many the ends, and the first that is no integer."""
-    if len(values) <= _CHECKED_VALUES:
-        return list(values)
-    broken = [value for value in values if value != round(value)][:1]
-    return [min(values), max(values), *broken]
+def _trouble(configuration: SweepConfiguration, values: Mapping[str, float]) -> InputError | None:
+    """Return the error of values set in the files, None if they are right."""
+    try:
+        configuration.files(values)
+    except InputError as error:
+        return error
+    return None
 
 
 def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
@@ -344,23 +310,6 @@ def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
     if isinstance(node, bool) or not isinstance(node, int | float):
         raise _error(axis.key, "has no single number in the file to start from")
     return float(node)
-
-
-def _modules_cover_wing(
-    aircraft: Aircraft, axes: Sequence[Axis], resize: Objective | None, cover: bool | None
-) -> bool:
-    """Return true if the module area follows the wing."""
-    varied = {axis.design_variable for axis in axes}
-    parametric = not isinstance(aircraft.airframe, MeasuredAirframe)
-    if resize is not None:
-        if cover:
-            raise _error("", "cover: with resize the module area is sized, or varied")
-        return False
-    if cover and "module_area_m2" in varied:
-        raise _error("modules.area_m2", "is varied and cannot follow the wing as well")
-    if cover is not None:
-        return cover
-    return parametric and bool(varied & _WING) and ("module_area_m2" not in varied)
 
 
 # ---- Points
