@@ -120,10 +120,15 @@ class Study:
     def gridded(self, outcome: Outcome) -> Gridded:
         """Return the result with CF attributes, as plain arrays."""
         sizes = {c.dims[0]: len(c.values) for c in self.coordinates.values()}
+        known, failures = dict(outcome.columns), outcome.failures
+        if "message" in known and failures:
+            messages = known["message"].astype(object)
+            messages[list(failures)] = list(failures.values())
+            known["message"] = messages.astype(str)
         columns = {
             name: values.reshape(tuple(sizes.values()))
             # Varied columns are coordinates, not results.
-            for name, values in _with_reasons(outcome).items()
+            for name, values in known.items()
             if name not in self.coordinates
         }
         return Gridded(
@@ -153,15 +158,6 @@ class Study:
             )
             lines.append(f"{', '.join(texts)}: {reason}")
         return {"failed_cells": "\n".join(lines)} if lines else {}
-
-
-def _with_reasons(outcome: Outcome) -> dict[str, NDArray[Any]]:
-    """Return the columns with the reasons of failed cells as their messages."""
-    if "message" not in outcome.columns or not outcome.failures:
-        return outcome.columns
-    messages = outcome.columns["message"].astype(object)
-    messages[list(outcome.failures)] = list(outcome.failures.values())
-    return outcome.columns | {"message": messages.astype(str)}
 
 
 def blanks_of(described: Mapping[str, Any]) -> dict[str, Any]:

@@ -33,9 +33,11 @@ def completed(study: Study, options: WorkOptions) -> Iterator[Gridded]:
     result.
     """
     job = study.job
-    folder = None if options.out_file is None else _parts_folder(Path(options.out_file))
-    if options.work_dir is not None:
-        folder = Path(options.work_dir)
+    folder = None if options.work_dir is None else Path(options.work_dir)
+    if folder is None and options.out_file is not None:
+        target = Path(options.out_file)
+        if target.is_file() or not target.exists():  # no device and no pipe
+            folder = target.with_name(f"{target.name}.parts")
     with ExitStack() as stack:
         store = None
         if folder is not None:
@@ -78,8 +80,3 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
     count = sum(store.path(key).is_file() for key in keys)
     command = shlex.join(["solar-uav", *sys.argv[1:]])
     return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
-
-
-def _parts_folder(path: Path) -> Path | None:
-    """Return the folder for the parts of a result file; None for a device or a pipe."""
-    return path.with_name(f"{path.name}.parts") if path.is_file() or not path.exists() else None

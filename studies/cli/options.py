@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import click
 
@@ -21,12 +21,6 @@ from studies.output.formats import (
     missing_writer,
     table_format,
 )
-
-if TYPE_CHECKING:
-    import datetime
-
-    from missions.logs.clock import Span
-    from missions.logs.table import FlightLog
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -323,60 +317,3 @@ class DrawnOptions(CommandOptions):
         """How figures look."""
         style = {} if self.style is None else {"style": self.style}
         return FigureOptions(self.size_in, self.dots_per_inch, title=not self.no_title, **style)
-
-
-class LogOptions(CommandOptions):
-    """A flight log, and how it is written: its columns, and its clock."""
-
-    log_file: str = argument(metavar="LOG", type=click.Path())
-    columns_file: str | None = option(
-        "--columns",
-        type=click.Path(),
-        metavar="FILE",
-        help="YAML that says which column is what; what it does not say is guessed.",
-    )
-    columns: tuple[tuple[str, str], ...] = option(
-        "--column",
-        type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
-        multiple=True,
-        metavar="QUANTITY=COLUMN",
-        help="Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
-        "May be repeated.",
-    )
-    timezone: datetime.tzinfo | None = option(
-        "--timezone",
-        type=Parsed("zone", "missions.logs.clock:parse_zone"),
-        metavar="ZONE",
-        help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
-    )
-    start: float | None = option(
-        "--start",
-        type=Parsed("instant", "missions.logs.clock:parse_instant"),
-        metavar="TIME",
-        help="Time of the first row with its zone, where times count from there.",
-    )
-    exclude: tuple[Span, ...] = option(
-        "--exclude",
-        type=Parsed("times", "missions.logs.clock:parse_span"),
-        multiple=True,
-        metavar="TIMES",
-        help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
-        "day; by the clock of --timezone, else UTC. May be repeated.",
-    )
-    ignore: tuple[str, ...] = option(
-        "--ignore",
-        type=Parsed("name", "missions.logs.columns:column_name"),
-        multiple=True,
-        metavar="NAME",
-        help="Column or quantity of the log that is not used. May be repeated.",
-    )
-
-    def read_log(self) -> FlightLog:
-        """Read the flight log."""
-        from missions.logs.columns import ColumnMap, read_column_map
-        from missions.logs.csv import read_flight_log
-
-        file = self.columns_file
-        layout = ColumnMap() if file is None else read_column_map(file)
-        said = (self.timezone, self.start, self.ignore, self.exclude)
-        return read_flight_log(self.log_file, layout.with_options(dict(self.columns), *said))

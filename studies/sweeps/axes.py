@@ -254,7 +254,9 @@ def points(
         return _grid(axes)
     if sample == "one-at-a-time":
         assert base is not None
-        return _single_key_points(axes, base)
+        pairs = [(index, value) for index, axis in enumerate(axes) for value in axis.values]
+        rows = [[*base[:index], value, *base[index + 1 :]] for index, value in pairs]
+        return np.array([base, *rows], float), np.array([-1, *(index for index, _ in pairs)])
     if not 1 <= samples <= MAXIMUM_POINTS:
         raise ValueError(f"the number of samples must be from 1 to {MAXIMUM_POINTS}")
     return _sampled_points(axes, sample, samples, seed)
@@ -269,19 +271,6 @@ def _grid(axes: Sequence[Axis]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         raise ValueError(f"the grid has {count} points, at most {MAXIMUM_POINTS} are allowed")
     grid = np.array(list(itertools.product(*(axis.values for axis in axes))), float)
     return grid, np.full(count, -1)
-
-
-def _single_key_points(
-    axes: Sequence[Axis], base: Sequence[float]
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    rows, varied = [list(base)], [-1]
-    for index, axis in enumerate(axes):
-        for value in axis.values:
-            row = list(base)
-            row[index] = value
-            rows.append(row)
-            varied.append(index)
-    return np.array(rows, float), np.array(varied)
 
 
 def _sampled_points(

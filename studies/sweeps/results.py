@@ -118,7 +118,11 @@ class SweepResult(Result):
         names += ["why"] if rows["why"].any() else []
         columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
         cells = rows[names].astype(object).itertuples(index=False, name=None)
-        return Table("", columns, tuple(tuple(map(_spaced, row)) for row in cells))
+        spaced = (
+            tuple(cell.replace("_", " ") if isinstance(cell, str) else cell for cell in row)
+            for row in cells
+        )
+        return Table("", columns, tuple(spaced))
 
 
 def headline(result: SweepResult) -> str:
@@ -156,10 +160,6 @@ def _column(data: xr.Dataset, name: str, form: str) -> Column:
     """Return the column of a result or a varied key."""
     unit = data[name].attrs.get("units", "1") if name in data else "1"
     return Column(name, _plain(name), "" if unit == "1" else unit_label(unit), form)
-
-
-def _spaced(value: Any) -> Any:
-    return value.replace("_", " ") if isinstance(value, str) else value
 
 
 # ---- Which points are best

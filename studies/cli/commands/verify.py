@@ -10,12 +10,11 @@ import click
 
 from sizing.program.objectives import RESIZE_NAMES
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
-from studies.cli.command import command, option
+from studies.cli.command import argument, command, option
 from studies.cli.options import (
     EXIT_FAILED,
     DrawnOptions,
     LevelOptions,
-    LogOptions,
     RequirementOptions,
     json_option,
     mission_option,
@@ -27,6 +26,9 @@ from studies.cli.options import (
 from studies.cli.values import Parsed, RealRange, names_of
 
 if TYPE_CHECKING:
+    import datetime
+
+    from missions.logs.clock import Span
     from studies.flight_logs.errors import Window
 
 _LONGEST_FILTER_S = 86_400.0
@@ -118,9 +120,51 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     "The solar power models against a flight log.",
     "solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified",
 )
-class Verify(LogOptions, LevelOptions, DrawnOptions):
+class Verify(LevelOptions, DrawnOptions):
     """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
 
+    log_file: str = argument(metavar="LOG", type=click.Path())
+    columns_file: str | None = option(
+        "--columns",
+        type=click.Path(),
+        metavar="FILE",
+        help="YAML that says which column is what; what it does not say is guessed.",
+    )
+    columns: tuple[tuple[str, str], ...] = option(
+        "--column",
+        type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
+        multiple=True,
+        metavar="QUANTITY=COLUMN",
+        help="Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
+        "May be repeated.",
+    )
+    timezone: datetime.tzinfo | None = option(
+        "--timezone",
+        type=Parsed("zone", "missions.logs.clock:parse_zone"),
+        metavar="ZONE",
+        help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
+    )
+    start: float | None = option(
+        "--start",
+        type=Parsed("instant", "missions.logs.clock:parse_instant"),
+        metavar="TIME",
+        help="Time of the first row with its zone, where times count from there.",
+    )
+    exclude: tuple[Span, ...] = option(
+        "--exclude",
+        type=Parsed("times", "missions.logs.clock:parse_span"),
+        multiple=True,
+        metavar="TIMES",
+        help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
+        "day; by the clock of --timezone, else UTC. May be repeated.",
+    )
+    ignore: tuple[str, ...] = option(
+        "--ignore",
+        type=Parsed("name", "missions.logs.columns:column_name"),
+        multiple=True,
+        metavar="NAME",
+        help="Column or quantity of the log that is not used. May be repeated.",
+    )
     mission: str | None = mission_option("rafz-28h")
     windows: tuple[Window, ...] = option(
         "--window",
@@ -156,6 +200,8 @@ class Verify(LogOptions, LevelOptions, DrawnOptions):
     def run(self) -> None:
         """Compare the models with a flight, write what was found, and tell it."""
         from missions.files.shipped import shipped_names
+        from missions.logs.columns import ColumnMap, read_column_map
+        from missions.logs.csv import read_flight_log
         from studies.cli.files import load
         from studies.cli.outputs import (
             Content,
@@ -175,9 +221,12 @@ class Verify(LogOptions, LevelOptions, DrawnOptions):
         if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
             raise click.UsageError(f"the aircraft comes first: verify {log_file} {aircraft}")
         case = load(self)
+        columns = self.columns_file
+        layout = ColumnMap() if columns is None else read_column_map(columns)
+        said = (self.timezone, self.start, self.ignore, self.exclude)
         result = verify(
             case.aircraft,
-            self.read_log(),
+            read_flight_log(log_file, layout.with_options(dict(self.columns), *said)),
             case.mission,
             windows=self.windows,
             filter_s=self.filter_s,
