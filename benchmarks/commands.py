@@ -138,9 +138,10 @@ def _sweep() -> Any:
 
 
 def _computed(job: Any) -> Any:
-    from studies.engine.run import pool_of, run
+    from studies.engine.run import run
+    from studies.engine.workers import Pool
 
-    return run(job, pool_of(1))
+    return run(job, Pool(1))
 
 
 # ---- Measuring processes

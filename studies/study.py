@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from sizing.validity.ranges import Extrapolation
 from solar.types import BoolArray, FloatArray, IntArray
-from studies.engine.run import ChunkFunction, Job, Outcome, Progress, pool_of, run
+from studies.engine.run import ChunkFunction, Job, Outcome, Progress, run
 from studies.engine.workers import Pool
 from studies.output.gridded import Gridded, Labelled, extrapolation_attribute, variables
 
@@ -81,8 +81,16 @@ class Study:
         scheduler: str | None,
         tell: Callable[[str], None] | None = None,
     ) -> Pool:
-        """Return the pool that computes the study, see :func:`studies.engine.run.pool_of`."""
-        return pool_of(workers, scheduler, tell, self.cell_s * len(self.cells))
+        """Return the pool of the options ``--workers`` and ``--scheduler``, for one run.
+
+        ``workers``: 1 for this process alone, more for so many processes; None for what pays.
+        ``tell``: called with what the user should know while the work waits.
+        """
+        if scheduler is None:
+            return Pool(workers, self.cell_s * len(self.cells))
+        from studies.engine.dask_pool import DaskPool
+
+        return DaskPool(scheduler, workers, tell)
 
     def trouble(self, outcome: Outcome) -> str | None:
         """Return the number of failed cells and the first reason, None without failures."""

@@ -57,29 +57,29 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     size_in = (10.0, max(3.6, 1.8 + 0.42 * count))
     narrow = is_narrow(figure, size_in)
     notes: tuple[str, ...] = (analysis.solar.label, analysis.mission.climb_label)
-    if count == 1:
-        (only,) = analysis.inputs.inputs
-        notes = (*notes, f"one input scatters: {only.label}")
-        drawn, (spread,) = new_figure(
-            canvas=figure, title=analysis.headline(), notes=notes, size_in=(7.0, 4.2), lines=True
-        )
-        _draw_spread(spread, analysis)
-        add_legend(drawn, spread.get_legend_handles_labels()[0], 4)
-        return drawn
-    drawn, (spread, causes) = new_figure(
-        *((2, 1) if narrow else (1, 2)),
+    single = count == 1
+    if single:
+        notes = (*notes, f"one input scatters: {analysis.inputs.inputs[0].label}")
+        size_in = (7.0, 4.2)
+    elif narrow:
+        size_in = (size_in[0], 1.9 * size_in[1])
+    beside = not (single or narrow)
+    drawn, panels = new_figure(
+        1 if beside or single else 2,
+        2 if beside else 1,
         canvas=figure,
         title=analysis.headline(),
         notes=notes,
-        size_in=(size_in[0], (1.9 if narrow else 1.0) * size_in[1]),
+        size_in=size_in,
         lines=True,
-        grid="x",
-        width_ratios=(1.0,) if narrow else (1.0, 1.15),
+        grid="both" if single else "x",
+        width_ratios=(1.0, 1.15) if beside else (1.0,),
     )
-    _draw_spread(spread, analysis)
-    _draw_causes(causes, analysis)
-    handles = [h for axes in (spread, causes) for h in axes.get_legend_handles_labels()[0]]
-    add_legend(drawn, handles, 6)
+    _draw_spread(panels[0], analysis)
+    if not single:
+        _draw_causes(panels[1], analysis)
+    handles = [h for axes in panels for h in axes.get_legend_handles_labels()[0]]
+    add_legend(drawn, handles, 4 if single else 6)
     return drawn
 
 

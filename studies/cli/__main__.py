@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import warnings
-from typing import TextIO
+from typing import Any
 
 import click
 
@@ -98,7 +98,12 @@ def main() -> None:
     signals, code = Signals(), 0
     try:
         with interruptible() as signals:
-            code = _code(signals)
+            try:
+                code = cli.main(prog_name="solar-uav", standalone_mode=False) or 0
+            except Exception as error:
+                # What a signal breaks is of no interest: an import ends as an ImportError.
+                if signals.signum is None:
+                    code = _tell_mistake(error)
     except KeyboardInterrupt as stopped:
         signals.signum = getattr(stopped, "signum", signal.SIGINT)
     if signals.signum is not None:  # even if a library swallowed the interrupt
@@ -108,31 +113,14 @@ def main() -> None:
     sys.exit(code)
 
 
-def _code(signals: Signals) -> int:
-    """Run the command, and return its exit code."""
-    try:
-        code: int | None = cli.main(prog_name="solar-uav", standalone_mode=False)
-    except Exception as error:
-        # What a signal breaks is of no interest: an import ends as an ImportError.
-        if signals.signum is not None:
-            return 0
-        return _tell_mistake(error)
-    return code or 0
-
-
 def _tell_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
+    message: Warning | str, category: type[Warning], *place: Any, **others: Any
 ) -> None:
     """Tell of a deprecated key in one line, without the place in our code."""
     if issubclass(category, DeprecatedKeyWarning):
         click.echo(f"note: {message}", err=True)
     else:
-        _SHOW_WARNING(message, category, filename, lineno, file, line)
+        _SHOW_WARNING(message, category, *place, **others)
 
 
 def _tell_mistake(error: BaseException) -> int:

@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-import click
-
 from missions.files.writing import OutputError
 from studies.cli.options import EXIT_FAILED, WorkOptions
 from studies.cli.start import let_dask_in
@@ -33,11 +31,9 @@ def completed(study: Study, options: WorkOptions) -> Iterator[Gridded]:
     result.
     """
     job = study.job
-    folder = None if options.work_dir is None else Path(options.work_dir)
-    if folder is None and options.out_file is not None:
-        target = Path(options.out_file)
-        if target.is_file() or not target.exists():  # no device and no pipe
-            folder = target.with_name(f"{target.name}.parts")
+    folder = None if options.out_file is None else parts_folder(options.out_file)
+    if options.work_dir is not None:
+        folder = Path(options.work_dir)
     with ExitStack() as stack:
         store = None
         if folder is not None:
@@ -46,7 +42,9 @@ def completed(study: Study, options: WorkOptions) -> Iterator[Gridded]:
         try:
             if options.scheduler is not None:
                 let_dask_in()
-            pool = study.pool(options.workers, options.scheduler, _tell)
+            pool = study.pool(
+                options.workers, options.scheduler, lambda text: tell_error(f"solar-uav: {text}")
+            )
             with progress_of(study.unit) as progress:
                 outcome = run(job, pool, store, progress)
             trouble = study.trouble(outcome)
@@ -69,10 +67,6 @@ def completed(study: Study, options: WorkOptions) -> Iterator[Gridded]:
         sys.exit(EXIT_FAILED)
 
 
-def _tell(text: str) -> None:
-    click.echo(f"solar-uav: {text}", err=True)
-
-
 def _kept(job: Job, store: ChunkStore | None) -> str:
     if store is None:
         return "nothing is kept (--out or --work would keep what is finished)"
@@ -80,3 +74,9 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
     count = sum(store.path(key).is_file() for key in keys)
     command = shlex.join(["solar-uav", *sys.argv[1:]])
     return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
+
+
+def parts_folder(target: str) -> Path | None:
+    """Return the folder for the parts of a result file; None for a device or a pipe."""
+    path = Path(target)
+    return path.with_name(f"{path.name}.parts") if path.is_file() or not path.exists() else None

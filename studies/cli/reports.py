@@ -4,27 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from missions.files.texts import read_plain_file
 from missions.files.writing import write_files_atomically
-from missions.mission import Mission
 from sizing.performance import performance
-from sizing.results.sizing_study import SizingStudy
 from studies.cli.files import Case, uncertain_inputs_of
 from studies.cli.outputs import PAGE, PRINTED
 from studies.cli.telling import progress_of
 from studies.output.run_folder import RESULTS, RunFolder
-from studies.output.sizing_files import sized_inputs
 from studies.quantities import EXCESS_TIME, TOTAL_MASS
 from studies.report import document
 from studies.report.pdf import to_pdf
 from studies.report.subject import Subject
-
-if TYPE_CHECKING:
-    from studies.flight_logs.verification import Verification
 
 _MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
@@ -66,30 +59,6 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     )
     same = all(abs(a - b) <= _SAME_H for a, b in zip(promised, reached, strict=True))
     return dict(record) if same else None
-
-
-def report_on_sizing(
-    case: Case, study: SizingStudy, record: dict[str, Any], path: str, *, overrides: tuple[str, ...]
-) -> None:
-    """Write the report of a sizing: the optimum on the mission that it was sized for."""
-    inputs = sized_inputs(study, case.inputs())
-    mission = Mission.model_validate(inputs.mission)
-    sized = replace(
-        case,
-        aircraft_file=replace(case.aircraft_file, record=study.sized_aircraft()),
-        mission_file=replace(case.mission_file, record=mission),
-    )
-    subject = subject_of(sized, inputs=inputs, sizing=record, overrides=overrides)
-    write_report(case, subject, path)
-
-
-def report_on_log(
-    case: Case, verification: Verification, log_file: str, path: str, *, overrides: tuple[str, ...]
-) -> None:
-    """Write the report of a verification."""
-    inputs = case.inputs(log=Path(log_file))
-    subject = subject_of(case, inputs=inputs, verification=verification, overrides=overrides)
-    write_report(case, subject, path)
 
 
 def write_report(case: Case, subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:

@@ -103,25 +103,6 @@ class Outcome:
     kept_chunks: int
 
 
-def pool_of(
-    workers: int | None = None,
-    scheduler: str | None = None,
-    tell: Callable[[str], None] | None = None,
-    work_s: float = 0.0,
-) -> Pool:
-    """Return the pool of the options ``--workers`` and ``--scheduler``, for one run.
-
-    ``workers``: 1 for this process alone, more for so many processes; None for what pays. ``tell``:
-    called with what the user should know while the work waits. ``work_s``: time of the work on one
-    core, roughly [s].
-    """
-    if scheduler is None:
-        return Pool(workers, work_s)
-    from studies.engine.dask_pool import DaskPool
-
-    return DaskPool(scheduler, workers, tell)
-
-
 def run(
     job: Job, pool: Pool, store: ChunkStore | None = None, progress: Progress | None = None
 ) -> Outcome:

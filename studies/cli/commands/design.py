@@ -159,6 +159,7 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
 
     def run(self) -> None:
         """Find the best design, write it, and tell it."""
+        from missions.mission import Mission
         from sizing.program.survival import check_survival
         from studies.cli.files import load
         from studies.cli.outputs import Content, check_report, deliver, figure_of
@@ -184,10 +185,17 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
             return inputs, sizing_tables(study), figures
 
         def page(path: str) -> None:
-            from studies.cli.reports import report_on_sizing  # with all that a page has
+            from studies.cli.reports import subject_of, write_report  # with all that a page has
 
-            record = case.named(study.to_dict())
-            report_on_sizing(case, study, record, path, overrides=self.overrides)
+            inputs = sized_inputs(study, case.inputs())
+            mission = Mission.model_validate(inputs.mission)  # that it was sized for
+            sized = replace(
+                case,
+                aircraft_file=replace(case.aircraft_file, record=study.sized_aircraft()),
+                mission_file=replace(case.mission_file, record=mission),
+            )
+            about = {"sizing": case.named(study.to_dict()), "overrides": self.overrides}
+            write_report(case, subject_of(sized, inputs=inputs, **about), path)
 
         deliver(
             case,

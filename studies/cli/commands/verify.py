@@ -242,9 +242,11 @@ class Verify(LevelOptions, DrawnOptions):
             return case.inputs(log=Path(log_file)), {_SAMPLES: result.to_csv().encode()}, pictures
 
         def page(path: str) -> None:
-            from studies.cli.reports import report_on_log  # with all that a page has
+            from studies.cli.reports import subject_of, write_report  # with all that a page has
 
-            report_on_log(case, result, log_file, path, overrides=self.overrides)
+            inputs = case.inputs(log=Path(log_file))
+            about = {"verification": result, "overrides": self.overrides}
+            write_report(case, subject_of(case, inputs=inputs, **about), path)
 
         deliver(case, self, result, folder=folder, page=page)
 

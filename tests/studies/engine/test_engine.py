@@ -391,13 +391,14 @@ from pathlib import Path
 from chunk_functions import numbered_job
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.run import pool_of
+from studies.engine.dask_pool import DaskPool
+from studies.engine.workers import Pool
 from studies.signals import Stopped
 
 if __name__ == "__main__":
     folder, log, workers, scheduler = sys.argv[1:]
     job = numbered_job(pause_s=0.05, log=log, cells=60, each=2)
-    pool = pool_of(int(workers), scheduler or None)
+    pool = DaskPool(scheduler, int(workers)) if scheduler else Pool(int(workers))
     with ChunkStore(Path(folder)).opened() as store:
         print("begin", flush=True)
         try:
