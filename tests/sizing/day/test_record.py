@@ -282,3 +282,15 @@ def test_the_heater_of_a_cold_day_is_load():
     lacking_k = 10.0 - float(done[0].days.light.temperature_c.mean())
     assert 20.0 < lacking_k < 20.5
     assert heater_w == pytest.approx(np.full((3, 49), 0.4 * lacking_k))
+
+
+def test_less_light_never_helps():
+    closes, charges = [], []
+    for share in (0.5, 0.7, 1.0):
+        record = clear_record(20, first="2001-07-14", share=share)
+        run = weather_performance(AS2, mission_at(record), record).recorded
+        closes.append(run.closes.sum())
+        charges.append(run.dawn_state_of_charge)
+    assert closes == sorted(closes)
+    assert np.all(charges[0] <= charges[1] + 1e-12)
+    assert np.all(charges[1] <= charges[2] + 1e-12)

@@ -30,6 +30,7 @@ from sizing.program.result import SizingStatus
 from sizing.program.sensitivity import sensitivities
 from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation, rounded
+from sizing.roots import bisect
 
 pytestmark = pytest.mark.slow
 
@@ -592,3 +593,17 @@ def test_relaxations_in_words_and_by_their_size():
     less = Relaxation("airframe.structure.calibration", "1", 1.0, "at most", 0.8, 1.0)
     assert less.text == "airframe.structure.calibration <= 0.8 (now 1)"
     assert less.relative_change == pytest.approx(0.2, rel=1e-12)
+
+
+@pytest.mark.parametrize(("present", "found", "edge"), [(200.0, 300.0, 250.2), (10.0, 5.0, 8.004)])
+def test_value_that_the_program_overshot_is_bisected(present, found, edge):
+    tried: list[float] = []
+
+    def suffices(value: float) -> bool:
+        tried.append(value)
+        return value >= edge if found > present else value <= edge
+
+    told = bisect(present, found, suffices, lambda value: 1e-3 * value)
+    assert suffices(told)
+    assert abs(told - edge) <= 1e-3 * told
+    assert len(tried) <= 12  # from half of the value to a thousandth are ten halvings

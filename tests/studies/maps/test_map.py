@@ -212,3 +212,10 @@ def test_endurance_of_the_days_without_perpetual_flight_is_told():
     assert "endurance" in str(MapResult(result))
     plain = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[1])
     assert "least_endurance_h" not in MapResult(plain).to_dict()
+
+
+def test_tropics_fly_all_year_and_polar_winter_never(data):
+    assert int(study.season_length(data).sel(latitude=0.0)) == len(DAYS)
+    assert int(data["status"].sel(latitude=89.0, day=355)) == Status.never_lit
+    assert int(data["status"].sel(latitude=89.0, day=172)) == Status.always_lit
+    assert np.isinf(data["excess_time"].sel(latitude=89.0, day=172))
