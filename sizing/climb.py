@@ -9,6 +9,7 @@ is that of level flight, which holds for shallow paths (1 - cos of 3 degrees is 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -38,12 +39,35 @@ class ClimbPerformance:
         return self.performance.altitude_m
 
     @property
+    def maximum_altitude_m(self) -> FloatArray:
+        """Return the highest altitude of the day [m]."""
+        return np.asarray(self.altitude_m.max(axis=-1))
+
+    @property
+    def ceiling_m(self) -> float:
+        """Return the ceiling of the mission's climbs [m]."""
+        assert self.performance.mission.climb is not None
+        return self.performance.mission.climb.ceiling_m
+
+    @property
+    def constant_altitude_excess_time_h(self) -> FloatArray:
+        """Return the excess time at the constant altitude [h]."""
+        return self.constant.cycle.excess_time_h
+
+    @property
+    def dawn_altitude_m(self) -> FloatArray:
+        """Return the altitude at equal power in the morning, or at midnight without one [m]."""
+        time_h, dawns_h = self.performance.day.time_h, self.performance.cycle.equal_power_morning_h
+        ways = zip(np.nan_to_num(dawns_h), self.altitude_m, strict=True)
+        return np.array([np.interp(dawn_h, time_h, altitude_m) for dawn_h, altitude_m in ways])
+
+    @property
     def _levels(self) -> FlightLevels:
         assert self.performance.levels is not None
         return self.performance.levels
 
     @property
-    def gain_h(self) -> FloatArray:
+    def gain_in_excess_time_h(self) -> FloatArray:
         """Gain of excess time by climbing [h]; 0 where both are infinite."""
         ours, theirs = self.performance.cycle.excess_time_h, self.constant.cycle.excess_time_h
         unlimited = np.isinf(ours) & np.isinf(theirs)
@@ -81,6 +105,18 @@ class ClimbPerformance:
         dark = perf.solar_power_w < perf.nominal_load_w[:, np.newaxis]
         sinks = (np.diff(self.altitude_m) < -_SINKS_M) & dark[:, 1:]
         return np.asarray(sinks @ np.diff(perf.day.time_h))
+
+
+@dataclass(frozen=True)
+class ClimbOfDay:
+    """Climbs of a scenario: its element of what :class:`ClimbPerformance` has of all."""
+
+    climbs: ClimbPerformance
+    index: int
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self.climbs, name)
+        return float(value[self.index]) if isinstance(value, np.ndarray) else value
 
 
 def fine_step_excess_time_h(aircraft: Aircraft, perf: Performance) -> float:

@@ -132,16 +132,20 @@ class Performance:
             altitude_m=None if self.altitude_m is None else self.altitude_m[designs],
         )
 
-    def endurances(self) -> list[Endurance | None]:
-        """Return the longest flight in every scenario of a single design; None where unlimited."""
-        flights = self._longest_flights()
-        each = zip(self.cycle.perpetual, flights.endurance_h, flights.launch_h, strict=True)
-        return [None if unlimited else Endurance(*flight) for unlimited, *flight in each]
-
     @cached_property
+    def endurances(self) -> Endurance:
+        """Return the longest flights of a single design by scenario, infinite where unlimited."""
+        return self._longest_flights()
+
+    @property
     def endurance_h(self) -> FloatArray:
         """Return the longest flight of a single design in every scenario [h]."""
-        return self._longest_flights().endurance_h
+        return self.endurances.endurance_h
+
+    @property
+    def least_excess_time_h(self) -> float:
+        """Least excess time of all scenarios [h]."""
+        return float(np.min(self.cycle.excess_time_h))
 
     @cached_property
     def worst_endurance_h(self) -> FloatArray:

@@ -5,7 +5,7 @@ paths to their values, ``key=path``, or ``key`` alone where the path is the same
 
 * a path is of attributes; a method on it is called; a value behind None is None
 * a key with dots makes records within the record; ``key?`` leaves out None and an empty tuple
-* ``path:Name`` writes the value by the entry of that name
+* ``key:Name`` and ``key=path:Name`` write the value by the entry of that name
 * ``+`` stands for all fields, ``-key`` leaves one out, ``*path`` stands for all keys of a record
 """
 
@@ -27,18 +27,27 @@ RECORDS = {
     # ---- What is analysed
     "Analysis": """
         *worst_scenario
-        climb.program_excess_time_h?=climb_check_h.program_excess_time_h
-        climb.one_minute_excess_time_h?=climb_check_h.one_minute_excess_time_h
+        climb.program_excess_time_h?=climb_check_h.0
+        climb.one_minute_excess_time_h?=climb_check_h.1
         aircraft=aircraft.name mission=mission.name total_mass_kg=design.total_mass_kg
         masses_kg structure battery_energy_wh=design.battery_energy_wh
         propulsion_power_w=design.propulsion_power_w
         airspeed_m_per_s=design.airspeed_m_per_s power_budget airspeed_above_wind limited_flight
         relaxations extrapolations *software scenarios part_masses? varying_efficiency?
         battery_condition? whole_cells?=cells drag_coefficients? balance? wind?
-        from_catalogues? reading_notes? flight?=calendar_flight
+        from_catalogues? reading_notes? flight?
         """,
     "Scenario": """
-        *quantities model correction latitude_deg day_of_year date uncertainty climb?
+        *quantities model=analysis.performance.solar.model
+        correction=analysis.performance.solar.correction latitude_deg day_of_year date
+        uncertainty.solar_power_rms_relative=analysis.performance.solar.rms_relative
+        uncertainty.excess_time_low_h=excess_time_low_h
+        uncertainty.excess_time_high_h=excess_time_high_h climb?
+        """,
+    "WorstScenario": "latitude_deg day_of_year label",
+    "CalendarRun": """
+        launch=launch.text utc_offset_h=launch.utc_offset_h duration_h full_charge_clock_h
+        minimum_state_of_charge final_state_of_charge empty_clock_h
         """,
     # ---- What is sized
     "SizingStudy": """
@@ -46,13 +55,15 @@ RECORDS = {
         objective.value=result.objective_value
         objective.required_excess_time_h=result.required_excess_time_h
         active_constraints=result.active_constraints violated_requirements=result.violations
-        solver=result.solver *software battery_condition? nearest quantities margins
-        *result:Optimum power_out_w worst_scenario simulated power_budget part_masses? structure
-        balance? model=solar.model correction=solar.correction wind? uncertainty
-        extrapolations from_catalogues? reading_notes?
-        range? relaxations? sensitivities? constraint_multipliers?=multipliers
-        cross_check? with_margin?=with_margin:Guarded as_assumed? reliability? weather?=survival
-        whole_cells?=cells climb? without_climbs?=without_climbs:LevelFlight builds?
+        solver=result.solver *software battery_condition? nearest:NearestDesign quantities
+        margins *result:Optimum power_out_w=optimum.power_out_w
+        worst_scenario=optimum.worst_scenario:WorstScenario simulated=optimum:Reached
+        power_budget=optimum.power_budget part_masses?=optimum.part_masses structure
+        balance?=optimum.balance model=solar.model correction=solar.correction wind?
+        uncertainty=optimum:LeastExcessTime extrapolations from_catalogues? reading_notes?
+        range? relaxations? sensitivities? constraint_multipliers?=multipliers cross_check?
+        with_margin?:Guarded as_assumed?:Reached reliability? weather?=survival
+        whole_cells?=cells climb?=optimum.worst_scenario.climb without_climbs?:LevelFlight builds?
         """,
     "Optimum": """
         *design.variables:DesignVariables total_mass_kg=design.total_mass_kg masses_kg=design.masses
@@ -62,7 +73,7 @@ RECORDS = {
     "Guarded": """
         status solar_model_sigmas=mission.uncertainty_margins.solar_model_sigmas
         objective_value=result.objective_value *result:Optimum
-        least_excess_time_h=simulated.excess_time_h excess_time_h=as_assumed.excess_time_h
+        least_excess_time_h=optimum.excess_time_h excess_time_h=as_assumed.excess_time_h
         """,
     "LevelFlight": """
         status objective_value wingspan_m=design.variables.wingspan_m
@@ -75,7 +86,17 @@ RECORDS = {
         total_mass_kg=design.total_mass_kg battery_mass_kg=design.variables.battery_mass_kg
         module_area_m2=design.variables.module_area_m2
         """,
-    "NearestDesign": "*variables total_mass_kg excess_time_h worst_scenario",
+    "Reached": """
+        excess_time_h charge_margin_h minimum_state_of_charge total_mass_kg
+        model=performance.solar.model correction=performance.solar.correction
+        """,
+    "LeastExcessTime": """
+        solar_power_rms_relative=performance.solar.rms_relative
+        excess_time_low_h=low.least_excess_time_h excess_time_high_h=high.least_excess_time_h
+        """,
+    "NearestDesign": """
+        *design.variables.chosen total_mass_kg excess_time_h worst_scenario=worst_scenario.label
+        """,
     "Relaxation": "+ text",
     "Reliability": """
         required achieved=achieved.value low=achieved.low high=achieved.high samples
@@ -251,10 +272,10 @@ def _keys(entry: str) -> list[tuple[str, bool, str, str]]:
     """Return the keys of an entry: key, whether it may be left out, path, entry of its value."""
     keys = []
     for word in RECORDS[entry].split():
+        word, _, of = word.partition(":")
         key, _, path = word.partition("=")
         if key.startswith("*"):
             key, path = "*", key[1:]
-        path, _, of = path.partition(":")
         keys.append((key.rstrip("?"), key.endswith("?"), path or key.rstrip("?"), of))
     return keys
 
@@ -264,7 +285,10 @@ def _reach(value: Any, path: str) -> Any:
     for name in path.split("."):
         if value is None:
             return None
-        value = value[name] if isinstance(value, Mapping) else getattr(value, name)
+        if name.isdigit():
+            value = value[int(name)]
+        else:
+            value = value[name] if isinstance(value, Mapping) else getattr(value, name)
         value = value() if callable(value) else value
     return value
 

@@ -44,7 +44,7 @@ def climbs() -> Table:
             result.gliding_h,
             result.constant.cycle.excess_time_h,
             result.performance.cycle.excess_time_h,
-            result.gain_h,
+            result.gain_in_excess_time_h,
         )
         rows.append((date, ceiling_m, *(float(value[0]) for value in values)))
     columns = (

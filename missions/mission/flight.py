@@ -42,6 +42,11 @@ class Launch(Record):
             raise wrong_value("launch", "a launch by clock time needs longitude_deg on the mission")
 
     @property
+    def text(self) -> str:
+        """Return date and local clock time."""
+        return f"{self.date} {self.time_local}"
+
+    @property
     def clock_h(self) -> float:
         """Return the local clock time of the launch [h]."""
         return _clock_h(self.time_local)

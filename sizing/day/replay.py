@@ -56,6 +56,16 @@ class CalendarRun:
     empty_clock_h: float | None
 
     @property
+    def duration_h(self) -> float:
+        """Flight time [h]."""
+        return float(self.clock_h[-1] - self.clock_h[0])
+
+    @property
+    def final_state_of_charge(self) -> float:
+        """State of charge at the end [-]."""
+        return float(self.state_of_charge[-1])
+
+    @property
     def minimum_state_of_charge(self) -> float:
         """Return the least state of charge after the first full charge, or of all without one."""
         begin = self.full_charge_clock_h[0] if self.full_charge_clock_h else self.clock_h[0]

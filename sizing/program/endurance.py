@@ -63,8 +63,8 @@ def longest_flight_of_all(
         hours = float(perf.endurance_h[at]) - required_h
         if task.meets(judged.values, perf) and hours > longest_h:
             longest_h, best = hours, variables
-            if (launch := perf.endurances()[at]) is not None:
-                launch_h = float(launch.launch_h)
+            if not perf.cycle.perpetual[at]:
+                launch_h = float(perf.endurances.launch_h[at])
         return search.best is not None
 
     def window(hours: float) -> Mission:

@@ -4,27 +4,38 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.balance.assessment import drag_shares
+from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
-from sizing.climb import ClimbPerformance, climb_performance, fine_step_excess_time_h
-from sizing.day.launch import Endurance
+from sizing.climb import (
+    ClimbOfDay,
+    ClimbPerformance,
+    compare_with_constant,
+    fine_step_excess_time_h,
+)
+from sizing.day.heights import checked_climb_limits
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
-from sizing.results.conditions import CalendarFlight, ClimbOfDay, ModelError
 from sizing.results.design_result import DesignResult, check_subjects
 from sizing.results.measures import MEASURES, OF_SCENARIO
-from sizing.results.propulsion import VaryingEfficiency, varying_efficiency
+from sizing.results.propulsion import (
+    PartMasses,
+    PowerBudget,
+    VaryingEfficiency,
+    part_masses,
+    power_budget,
+    varying_efficiency,
+)
 from sizing.results.result import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
@@ -52,13 +63,6 @@ _OF_FRAME = (
 )
 
 
-class ClimbCheck(NamedTuple):
-    """Excess time of heights by the program that chose them, and in steps of a minute [h]."""
-
-    program_excess_time_h: float
-    one_minute_excess_time_h: float
-
-
 @dataclass(frozen=True)
 class LimitedFlight:
     """Flights that start full and end with an empty battery, in solar time [h].
@@ -82,16 +86,51 @@ class LimitedFlight:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A scenario of an analysis, by its quantities; ``climb`` for a mission with climbs alone."""
+    """A scenario of an analysis: where, when, and what becomes of the flight there."""
 
-    quantities: dict[str, Any]
-    model: str
-    correction: str
-    latitude_deg: float
-    day_of_year: int
-    date: str
-    uncertainty: ModelError
-    climb: ClimbOfDay | None
+    analysis: Analysis
+    index: int
+
+    @property
+    def quantities(self) -> dict[str, Any]:
+        """Measures: infinite where unlimited, NaN where there is none."""
+        return {key: values[self.index] for key, values in self.analysis.values.items()}
+
+    @property
+    def latitude_deg(self) -> float:
+        """Latitude [deg]."""
+        return float(self.analysis.performance.day.scenarios.latitude_deg[self.index])
+
+    @property
+    def day_of_year(self) -> int:
+        """Day of the year."""
+        return int(self.analysis.performance.day.scenarios.day_of_year[self.index])
+
+    @property
+    def date(self) -> str:
+        """Date, ``MM-DD``."""
+        return date_code(self.day_of_year)
+
+    @property
+    def label(self) -> str:
+        """Latitude and date in words."""
+        return self.analysis.performance.day.scenarios.label(self.index)
+
+    @property
+    def excess_time_low_h(self) -> float:
+        """Excess time with one RMS error of the model less solar power [h]."""
+        return float(self.analysis.low.cycle.excess_time_h[self.index])
+
+    @property
+    def excess_time_high_h(self) -> float:
+        """Excess time with one RMS error of the model more solar power [h]."""
+        return float(self.analysis.high.cycle.excess_time_h[self.index])
+
+    @property
+    def climb(self) -> ClimbOfDay | None:
+        """Its climbs; None without them."""
+        climbs = self.analysis.climb
+        return None if climbs is None else ClimbOfDay(climbs, self.index)
 
 
 def _in_worst(key: str, text: str) -> property:
@@ -116,12 +155,8 @@ class Analysis(DesignResult):
         What was analysed.
     performance : Performance
         Cycles of all scenarios.
-    low, high : Performance
-        The same with the solar power one RMS error of the model lower and higher.
     flight : CalendarRun or None
         Replay of the mission's launch, where it has one.
-    climb : ClimbPerformance or None
-        For a mission with climbs, which the three performances then have.
     known_mass_kg : float or None
         Total mass that :attr:`relaxations` keep [kg].
     """
@@ -129,10 +164,7 @@ class Analysis(DesignResult):
     aircraft: Aircraft
     mission: Mission
     performance: Performance
-    low: Performance
-    high: Performance
-    flight: CalendarRun | None
-    climb: ClimbPerformance | None = None
+    flight: CalendarRun | None = None
     known_mass_kg: float | None = None
 
     @property
@@ -175,24 +207,39 @@ class Analysis(DesignResult):
         return bool(np.all(self.performance.cycle.sufficient))
 
     @cached_property
-    def endurances(self) -> list[Endurance | None]:
-        """Longest flight of every scenario; None where it is unlimited."""
-        return self.performance.endurances()
+    def low(self) -> Performance:
+        """Flight with the solar power one RMS error of the model lower."""
+        return self._with_model_error(-1.0)
+
+    @cached_property
+    def high(self) -> Performance:
+        """Flight with the solar power one RMS error of the model higher."""
+        return self._with_model_error(1.0)
+
+    def _with_model_error(self, errors: float) -> Performance:
+        flight, solar = self.performance, self.performance.solar
+        day = flight.day.scaled(1.0 + errors * solar.rms_relative)
+        return performance(self.aircraft, flight.mission, solar, day=day, design=flight.design)
+
+    @cached_property
+    def climb(self) -> ClimbPerformance | None:
+        """Climbs beside flight at constant altitude; None for a mission without them."""
+        flight = self.performance
+        if flight.mission.climb is None:
+            return None
+        return compare_with_constant(self.aircraft, flight, flight.design, flight.day)
 
     @cached_property
     def limited_flight(self) -> LimitedFlight | None:
         """Flights in the worst scenario; None where it is unlimited or outlasts a year."""
-        longest, at = self.endurances[self.worst], self.worst
-        if longest is None or not np.isfinite(longest.endurance_h):
+        launch_h, endurance_h = self.best_launch_h, self.endurance_h
+        if not np.isfinite(endurance_h):
             return None
-        performance = self.performance
-        launch_h, endurance_h = float(longest.launch_h), float(longest.endurance_h)
-        sunrise_h = float(self.scenario()["sunrise_h"])
         from_sunrise_h = from_noon_h = np.nan
-        if np.isfinite(sunrise_h):
-            from_sunrise_h, from_noon_h = performance.flight_time_h(at, [sunrise_h, 12.0])
-        dawn_h = float(performance.cycle.equal_power_morning_h[at])
-        before_sun_h = (dawn_h - launch_h - endurance_h) % 24.0
+        if np.isfinite(self.sunrise_h):
+            launches_h = [self.sunrise_h, 12.0]
+            from_sunrise_h, from_noon_h = self.performance.flight_time_h(self.worst, launches_h)
+        before_sun_h = (self.equal_power_morning_h - launch_h - endurance_h) % 24.0
         return LimitedFlight(
             launch_h, endurance_h, before_sun_h, float(from_sunrise_h), float(from_noon_h)
         )
@@ -209,13 +256,16 @@ class Analysis(DesignResult):
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
     @cached_property
-    def climb_check_h(self) -> ClimbCheck | None:
-        """Excess time of the worst scenario by other ways; None where it does not climb."""
+    def climb_check_h(self) -> tuple[float, float] | None:
+        """Excess time of the worst scenario's heights by the program, and in steps of a minute [h].
+
+        None where it does not climb.
+        """
         program_h = self.performance.program_excess_h
         if program_h is None or np.isnan(program_h[self.worst]):
             return None
         by_minute_h = fine_step_excess_time_h(self.aircraft, self.performance)
-        return ClimbCheck(float(program_h[self.worst]), by_minute_h)
+        return float(program_h[self.worst]), by_minute_h
 
     @property
     def _repeats(self) -> bool:
@@ -236,6 +286,21 @@ class Analysis(DesignResult):
     def structure(self) -> StructureAssessment | None:
         """What sizes the structure; None where the aircraft's model of it does not say."""
         return structure_assessment(self.aircraft, self.performance.design)
+
+    @cached_property
+    def power_budget(self) -> PowerBudget:
+        """Where the power of level flight goes, at the mission's altitude."""
+        return power_budget(self.aircraft, self.mission, self.design)
+
+    @cached_property
+    def part_masses(self) -> PartMasses | None:
+        """Masses of the propulsion's parts that are estimated; None where there are none."""
+        return part_masses(self.aircraft, self.design)
+
+    @cached_property
+    def balance(self) -> BalanceAssessment | None:
+        """Centre of gravity, static margin and trim; None without ``airframe.balance``."""
+        return balance_assessment(self.aircraft, self.design)
 
     @cached_property
     def drag_coefficients(self) -> DragShares | None:
@@ -262,61 +327,33 @@ class Analysis(DesignResult):
     @cached_property
     def values(self) -> dict[str, Any]:
         """Measures of all scenarios: infinite where unlimited, NaN where there is none."""
-        return {key: self._values_of(key) for key in OF_SCENARIO}
-
-    def _values_of(self, key: str) -> Any:
-        """Return a measure: the longest flights take a search, which the others need not await."""
-        if key == "endurance_h":
-            return [np.inf if e is None else float(e.endurance_h) for e in self.endurances]
-        if key == "best_launch_h":
-            return [np.nan if e is None else float(e.launch_h) for e in self.endurances]
-        return MEASURES[key](self.performance)
+        return {key: MEASURES[key](self.performance) for key in OF_SCENARIO}
 
     def value_in_worst(self, key: str) -> float | str:
         """Return a measure of the worst scenario: infinite where unlimited, NaN without one."""
-        value = self._values_of(key)[self.worst]
+        value = MEASURES[key](self.performance)[self.worst]
         return value if isinstance(value, str) else float(value)
 
     def scenario(self, index: int | None = None) -> dict[str, Any]:
         """Return the measures of a scenario, by default of the worst."""
-        at = self.worst if index is None else index
-        return {key: values[at] for key, values in self.values.items()}
+        return self.scenarios[self.worst if index is None else index].quantities
 
     @cached_property
     def scenarios(self) -> tuple[Scenario, ...]:
         """Every scenario."""
-        return tuple(map(self._scenario, range(len(self.performance.cycle.status))))
+        count = len(self.performance.cycle.status)
+        return tuple(Scenario(self, index) for index in range(count))
 
     @property
     def worst_scenario(self) -> Scenario:
         """Scenario with the least excess time."""
         return self.scenarios[self.worst]
 
-    def _scenario(self, index: int) -> Scenario:
-        place, solar = self.performance.day.scenarios, self.performance.solar
-        day = int(place.day_of_year[index])
-        climb = self.climb
-        return Scenario(
-            quantities=self.scenario(index),
-            model=solar.model,
-            correction=solar.correction,
-            latitude_deg=float(place.latitude_deg[index]),
-            day_of_year=day,
-            date=date_code(day),
-            uncertainty=ModelError.of(self.low, self.high, index),
-            climb=None if climb is None else ClimbOfDay.of(climb, self.mission, index),
-        )
-
     @property
     def airspeed_above_wind(self) -> bool | None:
         """Whether the airspeed is above the mission's wind; None where it is not known."""
         airspeed, wind = self.design.airspeed_m_per_s, self.mission.strongest_wind_m_per_s
         return None if airspeed is None else bool(airspeed > wind)
-
-    @property
-    def calendar_flight(self) -> CalendarFlight | None:
-        """Replayed flight in numbers; None without a launch."""
-        return None if self.flight is None else CalendarFlight.of(self.flight)
 
     def to_frame(self) -> pd.DataFrame:
         """Return the metrics of every scenario, one row each; infinite where unlimited."""
@@ -386,20 +423,11 @@ def analyse(
     """
     check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
-    factors = (1.0 - solar.rms_relative, 1.0, 1.0 + solar.rms_relative)
+    day, design = solar_day(aircraft, mission, solar), design_of(aircraft, mission)
     if mission.climb is not None:
-        down, climbs, up = (
-            climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
-        )
-        three = (climbs.performance, down.performance, up.performance)
-        return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
-    day = solar_day(aircraft, mission, solar)
-    design = design_of(aircraft, mission)
-    low, centre, high = (
-        performance(aircraft, mission, solar, day=day.scaled(factor), design=design)
-        for factor in factors
-    )
+        checked_climb_limits(aircraft, design)
+    simulated = performance(aircraft, mission, solar, day=day, design=design)
     flight = None
-    if replay and mission.launch is not None:
+    if replay and mission.launch is not None and mission.climb is None:
         flight = calendar_run(aircraft, mission, solar)
-    return Analysis(aircraft, mission, centre, low, high, flight, known_mass_kg=known_mass_kg)
+    return Analysis(aircraft, mission, simulated, flight, known_mass_kg)

@@ -1,20 +1,15 @@
-"""What the mission makes of a flight, in numbers: battery in its air, wind, climbs, calendar."""
+"""What the mission makes of a flight, in numbers: battery in its air, and wind."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
-
-if TYPE_CHECKING:
-    from sizing.climb import ClimbPerformance
-    from sizing.day.replay import CalendarRun
-    from sizing.performance import Performance
 
 
 class Spread(NamedTuple):
@@ -103,77 +98,3 @@ def wind_of(mission: Mission) -> Wind | None:
     source = statistics.table(mission.longitude_deg).source
     winds = tuple(mission.scenario_winds_m_per_s().tolist())
     return Wind(statistics.percentile, statistics.hold_station, source, winds)
-
-
-class ModelError(NamedTuple):
-    """Excess time with the solar power one RMS error of its model lower and higher [h]."""
-
-    solar_power_rms_relative: float
-    excess_time_low_h: float
-    excess_time_high_h: float
-
-    @classmethod
-    def of(cls, low: Performance, high: Performance, index: int | None = None) -> ModelError:
-        """Return that of a scenario; by default the least of all, which may be another in each."""
-        ends = (
-            np.min(end.cycle.excess_time_h) if index is None else end.cycle.excess_time_h[index]
-            for end in (low, high)
-        )
-        return cls(low.solar.rms_relative, *map(float, ends))
-
-
-class ClimbOfDay(NamedTuple):
-    """What climbing does in a scenario; ``held_up_to_m`` only where a place is held."""
-
-    ceiling_m: float
-    held_up_to_m: float | None
-    maximum_altitude_m: float
-    gliding_h: float
-    stored_height_wh: float
-    climb_energy_wh: float
-    constant_altitude_excess_time_h: float
-    gain_in_excess_time_h: float
-    dawn_altitude_m: float
-
-    @classmethod
-    def of(cls, climbs: ClimbPerformance, mission: Mission, index: int) -> ClimbOfDay:
-        """Return the climbs of a scenario; a sun that carries the load at night has no dawn."""
-        assert mission.climb is not None
-        perf, held_m = climbs.performance, climbs.held_up_to_m
-        dawn_h = float(np.nan_to_num(perf.cycle.equal_power_morning_h[index]))
-        return cls(
-            ceiling_m=mission.climb.ceiling_m,
-            held_up_to_m=None if held_m is None else float(held_m[index]),
-            maximum_altitude_m=float(climbs.altitude_m[index].max()),
-            gliding_h=float(climbs.gliding_h[index]),
-            stored_height_wh=float(climbs.stored_height_wh[index]),
-            climb_energy_wh=float(climbs.climb_energy_wh[index]),
-            constant_altitude_excess_time_h=float(climbs.constant.cycle.excess_time_h[index]),
-            gain_in_excess_time_h=float(climbs.gain_h[index]),
-            dawn_altitude_m=float(np.interp(dawn_h, perf.day.time_h, climbs.altitude_m[index])),
-        )
-
-
-class CalendarFlight(NamedTuple):
-    """Replayed flight; clock times are local hours since the launch day's midnight."""
-
-    launch: str
-    utc_offset_h: float
-    duration_h: float
-    full_charge_clock_h: tuple[float, ...]
-    minimum_state_of_charge: float
-    final_state_of_charge: float
-    empty_clock_h: float | None
-
-    @classmethod
-    def of(cls, flight: CalendarRun) -> CalendarFlight:
-        """Return the numbers of a replay."""
-        return cls(
-            launch=f"{flight.launch.date} {flight.launch.time_local}",
-            utc_offset_h=flight.launch.utc_offset_h,
-            duration_h=float(flight.clock_h[-1] - flight.clock_h[0]),
-            full_charge_clock_h=flight.full_charge_clock_h,
-            minimum_state_of_charge=flight.minimum_state_of_charge,
-            final_state_of_charge=float(flight.state_of_charge[-1]),
-            empty_clock_h=flight.empty_clock_h,
-        )

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from functools import cached_property
 from operator import attrgetter
 from typing import Any
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.catalogues.choice import CatalogueValue
 from sizing.design import Design
 from sizing.results.conditions import BatteryCondition, Wind, battery_condition, wind_of
 from sizing.results.numbers import finite
 from sizing.results.parts import cells_record
-from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, power_budget
 from sizing.results.result import Result
 from sizing.validity.checks import check_user_models
 from solar.schema import Record
@@ -51,23 +48,6 @@ class DesignResult(Result, ABC):
     @abstractmethod
     def design(self) -> Design | None:
         """Masses and power; None without a design."""
-
-    @cached_property
-    def power_budget(self) -> PowerBudget | None:
-        """Where the power of level flight goes, at the mission's altitude."""
-        design = self.design
-        return None if design is None else power_budget(self.aircraft, self.mission, design)
-
-    @cached_property
-    def part_masses(self) -> PartMasses | None:
-        """Masses of the propulsion's parts that are estimated; None where there are none."""
-        return None if self.design is None else part_masses(self.aircraft, self.design)
-
-    @cached_property
-    def balance(self) -> BalanceAssessment | None:
-        """Centre of gravity, static margin and trim; None without ``airframe.balance``."""
-        design = self.design
-        return None if design is None else balance_assessment(self.aircraft, design)
 
     @property
     def battery_condition(self) -> BatteryCondition | None:

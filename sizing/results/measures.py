@@ -23,23 +23,13 @@ def _status_names(flight: Performance) -> list[str]:
     return [(Status.limited if end is Status.never_lit else end).name for end in every]
 
 
-def _endurances(flight: Performance) -> list[float]:
-    """Return the longest flights [h], infinite where unlimited."""
-    flights = flight.endurances()
-    return [np.inf if longest is None else float(longest.endurance_h) for longest in flights]
-
-
-def _best_launches(flight: Performance) -> list[float]:
-    """Return the launches of the longest flights [h], NaN where unlimited."""
-    flights = flight.endurances()
-    return [np.nan if longest is None else float(longest.launch_h) for longest in flights]
-
-
 MEASURES: dict[str, Callable[[Performance], Any]] = {
     "excess_time_h": attrgetter("cycle.excess_time_h"),
     "charge_margin_h": attrgetter("cycle.charge_margin_h"),
-    "endurance_h": _endurances,
-    "best_launch_h": _best_launches,
+    "endurance_h": attrgetter("endurance_h"),
+    "best_launch_h": lambda flight: np.where(
+        flight.cycle.perpetual, np.nan, flight.endurances.launch_h
+    ),
     "minimum_state_of_charge": attrgetter("cycle.minimum_state_of_charge"),
     "status": _status_names,
     "sunrise_h": lambda flight: _in_daylight(flight, flight.day.sunrise_h),

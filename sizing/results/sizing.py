@@ -10,7 +10,7 @@ from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel, solar_day
-from sizing.performance import Performance, performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
@@ -186,13 +186,16 @@ def _of_repeated_days(
 def study_of(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel, **others: Any
 ) -> SizingStudy:
-    """Return a sizing, its optimum also under the model's error and without margins."""
-    optimum = (aircraft, mission, result, solar)
-    if result.design is not None:
+    """Return a sizing, its optimum also without the mission's uncertainty margins."""
+    without_margins = None
+    if result.design is not None and result.simulated is not None:
         check_user_models(aircraft, mission, result.design)
-    low, high = _under_model_error(*optimum)
-    plain = _without_margins_of(*optimum)
-    return SizingStudy(aircraft, mission, solar, result, low, high, without_margins=plain, **others)
+        if mission.uncertainty_margins.is_set:
+            plain, scenarios = mission.without_margins(), result.simulated.day.scenarios
+            day = solar_day(aircraft, plain, solar, scenarios=scenarios)
+            variables = result.design.variables
+            without_margins = performance_of_designs(aircraft, plain, variables, solar, day=day)
+    return SizingStudy(aircraft, mission, solar, result, without_margins=without_margins, **others)
 
 
 def _of_whole_cells(
@@ -227,8 +230,7 @@ def _with_margin(
         required_excess_time_h=optimum.required_excess_time_h,
         start=optimum.design.variables,
     )
-    plain = _without_margins_of(aircraft, guarded, result, solar)
-    return SizingStudy(aircraft, guarded, solar, result, without_margins=plain)
+    return study_of(aircraft, guarded, result, solar)
 
 
 def _with_user_terms(
@@ -278,34 +280,3 @@ def checked_objective(objective: Objective | str) -> Objective:
     except ValueError:
         allowed = ", ".join(Objective)
         raise ValueError(f"objective must be one of {allowed} (got {objective!r})") from None
-
-
-def _under_model_error(
-    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
-) -> tuple[Performance | None, Performance | None]:
-    """Return the optimum with the solar power one RMS error of the model lower and higher."""
-    simulated = result.simulated
-    if result.design is None or simulated is None:
-        return None, None
-    low, high = (
-        performance(
-            aircraft,
-            simulated.mission,
-            solar,
-            day=simulated.day.scaled(factor),
-            design=simulated.design,
-        )
-        for factor in (1.0 - solar.rms_relative, 1.0 + solar.rms_relative)
-    )
-    return low, high
-
-
-def _without_margins_of(
-    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
-) -> Performance | None:
-    """Return the optimum without the mission's uncertainty margins; None where it has none."""
-    if result.design is None or result.simulated is None or not mission.uncertainty_margins.is_set:
-        return None
-    plain = mission.without_margins()
-    day = solar_day(aircraft, plain, solar, scenarios=result.simulated.day.scenarios)
-    return performance_of_designs(aircraft, plain, result.design.variables, solar, day=day)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.chosen_parts import sized_data
-from sizing.climb import compare_with_constant
 from sizing.day.light import SolarModel
 from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -29,7 +28,8 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
-from sizing.results.conditions import BatteryCondition, ClimbOfDay, ModelError, battery_condition
+from sizing.results.analysis import Analysis
+from sizing.results.conditions import BatteryCondition, battery_condition
 from sizing.results.design_result import DesignResult
 from sizing.results.margins import RequirementMargin, requirement_margins
 from sizing.results.measures import MEASURES
@@ -75,34 +75,6 @@ _OF_SCENARIO = (
 )
 
 
-class WorstScenario(NamedTuple):
-    """Scenario with the least excess time."""
-
-    latitude_deg: float
-    day_of_year: int
-    label: str
-
-
-class Reached(NamedTuple):
-    """What an optimum reaches in its worst scenario, by the simulator."""
-
-    excess_time_h: float
-    charge_margin_h: float
-    minimum_state_of_charge: float
-    total_mass_kg: float
-    model: str
-    correction: str
-
-
-class NearestDesign(NamedTuple):
-    """Design that comes closest to an infeasible requirement, and what it reaches."""
-
-    variables: dict[str, float]
-    total_mass_kg: float
-    excess_time_h: float
-    worst_scenario: str
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class SizingStudy(DesignResult):
     """A sizing and what was asked about it.
@@ -113,8 +85,6 @@ class SizingStudy(DesignResult):
         What was sized, for what, and by which solar power model.
     result : SizingResult
         Optimum, or the requirements that cannot be met.
-    low, high : Performance or None
-        Optimum with the solar power one RMS error of the model lower and higher.
     coverage : WidestRange or None
         Range of days or latitudes, for the objectives that have one.
     relaxations : tuple
@@ -144,8 +114,6 @@ class SizingStudy(DesignResult):
     mission: Mission
     solar: SolarModel
     result: SizingResult
-    low: Performance | None = None
-    high: Performance | None = None
     coverage: WidestRange | None = None
     relaxations: tuple[Relaxation, ...] = ()
     sensitivities: list[Sensitivity] | None = field(default=None)
@@ -162,8 +130,7 @@ class SizingStudy(DesignResult):
     @property
     def excess_time_h(self) -> float:
         """Excess time of the optimum in its worst scenario [h]; NaN without one."""
-        simulated = self.result.simulated
-        return math.nan if simulated is None else float(np.min(simulated.cycle.excess_time_h))
+        return math.nan if self.optimum is None else self.optimum.excess_time_h
 
     @property
     def status(self) -> SizingStatus:
@@ -226,6 +193,24 @@ class SizingStudy(DesignResult):
         return self.result.design
 
     @cached_property
+    def optimum(self) -> Analysis | None:
+        """The optimum as it was simulated; None without one."""
+        return self._analysis_of(self.result.simulated)
+
+    @cached_property
+    def as_assumed(self) -> Analysis | None:
+        """The optimum without the mission's uncertainty margins; None where it has none."""
+        return self._analysis_of(self.without_margins)
+
+    @cached_property
+    def nearest(self) -> Analysis | None:
+        """Design that comes closest, of an infeasible sizing."""
+        return self._analysis_of(self.result.nearest)
+
+    def _analysis_of(self, flight: Performance | None) -> Analysis | None:
+        return None if flight is None else Analysis(self.aircraft, self.mission, flight)
+
+    @cached_property
     def structure(self) -> StructureAssessment | None:
         """What sizes the structure of the optimum, or else of the nearest design.
 
@@ -243,15 +228,6 @@ class SizingStudy(DesignResult):
             )
         return structure_assessment(self.aircraft, design)
 
-    @cached_property
-    def climb(self) -> ClimbOfDay | None:
-        """Climbs of the optimum in its worst scenario; None without one, or them."""
-        simulated = self.result.simulated
-        if simulated is None or simulated.mission.climb is None:
-            return None
-        climbs = compare_with_constant(self.aircraft, simulated, simulated.design, simulated.day)
-        return ClimbOfDay.of(climbs, self.mission, climbs.performance.worst_scenario())
-
     @property
     def battery_condition(self) -> BatteryCondition | None:
         """Battery of the optimum, or else of the nearest design, in the mission's air."""
@@ -266,47 +242,6 @@ class SizingStudy(DesignResult):
         return None if whole is None else sizing_record(whole, self.aircraft)
 
     @property
-    def worst_scenario(self) -> WorstScenario | None:
-        """Scenario of the optimum with the least excess time."""
-        simulated = self.result.simulated
-        if simulated is None:
-            return None
-        at, of = simulated.worst_scenario(), simulated.day.scenarios
-        place = float(of.latitude_deg[at]), int(of.day_of_year[at])
-        return WorstScenario(*place, of.label(at))
-
-    @property
-    def power_out_w(self) -> float | None:
-        """Load of the optimum [W]."""
-        simulated = self.result.simulated
-        return (
-            None
-            if simulated is None
-            else float(MEASURES["power_out_w"](simulated)[simulated.worst_scenario()])
-        )
-
-    @property
-    def simulated(self) -> Reached | None:
-        """What the optimum reaches in its worst scenario."""
-        return None if self.result.simulated is None else _reached(self.result.simulated)
-
-    @property
-    def as_assumed(self) -> Reached | None:
-        """The same without the mission's uncertainty margins; None where it has none."""
-        return None if self.without_margins is None else _reached(self.without_margins)
-
-    @property
-    def nearest(self) -> NearestDesign | None:
-        """Design that comes closest, of an infeasible sizing."""
-        nearest = self.result.nearest
-        if nearest is None:
-            return None
-        variables = {key: float(value) for key, value in nearest.design.variables.chosen().items()}
-        at, mass_kg = nearest.worst_scenario(), float(nearest.design.total_mass_kg)
-        excess_h = float(nearest.cycle.excess_time_h[at])
-        return NearestDesign(variables, mass_kg, excess_h, nearest.day.scenarios.label(at))
-
-    @property
     def range(self) -> dict[str, Any] | None:
         """Days or latitudes that the optimum covers, for the objectives that have a range."""
         if (coverage := self.coverage) is None:
@@ -316,11 +251,6 @@ class SizingStudy(DesignResult):
             ends = {"from": date_code(int(first)), "to": date_code(int(last))}
             return {**ends, "days": int(coverage.extent)}
         return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
-
-    @property
-    def uncertainty(self) -> ModelError | None:
-        """Excess time of the optimum under the error of the solar power model."""
-        return None if self.low is None or self.high is None else ModelError.of(self.low, self.high)
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -362,7 +292,8 @@ class SizingStudy(DesignResult):
         """Return the numbers of the optimum that tables show."""
         design, quantities = self._optimum(), self.quantities
         assert quantities is not None
-        known = design.variables._asdict() | quantities | {"power_out_w": self.power_out_w}
+        assert self.optimum is not None
+        known = design.variables._asdict() | quantities | {"power_out_w": self.optimum.power_out_w}
         chosen = [key for key in _OF_PROPULSION if known[key] is not None]
         return {key: float(known[key]) for key in (*_OF_DESIGN, *chosen)}
 
@@ -398,13 +329,3 @@ class SizingStudy(DesignResult):
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
         reached = {key: np.nan if perf is None else MEASURES[key](perf) for key in _OF_SCENARIO}
         return data_frame(places | reached)
-
-
-def _reached(performance: Performance) -> Reached:
-    at = performance.worst_scenario()
-    excess_h, margin_h, charge = (
-        float(MEASURES[key](performance)[at])
-        for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
-    )
-    mass_kg, solar = float(performance.design.total_mass_kg), performance.solar
-    return Reached(excess_h, margin_h, charge, mass_kg, solar.model, solar.correction)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_code
-from sizing.day.launch import Endurance
 from sizing.day.light import SolarDay, SolarModel
 from sizing.day.metrics import SUFFICIENT, Cycle, Status
 from sizing.design import Design
@@ -198,12 +197,11 @@ def predict(
         )
     )
     low, high = margins.cycle.excess_time_h.reshape(2, count)
-    flights: list[Endurance | None] = [None] * count
-    limited = np.flatnonzero(~cycle.perpetual[places]).tolist()
-    if limited:
-        longest = simulate(SolarDay.joined([alone[number] for number in limited])).endurances()
-        for number, flight in zip(limited, longest, strict=True):
-            flights[number] = flight
+    hours, launch_h = np.full(count, np.inf), np.zeros(count)
+    limited = np.flatnonzero(~cycle.perpetual[places])
+    if limited.size:
+        longest = simulate(SolarDay.joined([alone[number] for number in limited])).endurances
+        hours[limited], launch_h[limited] = longest.endurance_h, longest.launch_h
     solar_wh = np.asarray(cycle.energy_budget.solar_wh)
     return [
         _prediction(
@@ -211,7 +209,7 @@ def predict(
             cycle,
             (int(worst[number]), int(places[number])),
             excess_h=(float(low[number]), float(high[number])),
-            flight=flights[number],
+            flight_h=(float(launch_h[number]), float(hours[number])),
             mean_solar_wh=float(mean_wh),
             highest_m=None if highest_m is None else float(highest_m[places[number]]),
         )
@@ -225,19 +223,17 @@ def _prediction(
     at: tuple[int, int],
     *,
     excess_h: tuple[float, float],
-    flight: Endurance | None,
+    flight_h: tuple[float, float],
     mean_solar_wh: float,
     highest_m: float | None,
 ) -> Prediction:
     """Return the prediction of a model.
 
     ``at``: index of the worst scenario in ``day``, and in ``cycle``. ``excess_h``: its excess time
-    with one RMS error less and more sun. ``flight``: longest flight, if limited.
+    with one RMS error less and more sun. ``flight_h``: launch and length of the longest flight.
     """
     worst, place = at
     morning_h = float(cycle.equal_power_morning_h[place])
-    endurance_h = np.inf if flight is None else float(flight.endurance_h)
-    launch_h = 0.0 if flight is None else float(flight.launch_h)
     return Prediction(
         scenario=day.scenarios.label(worst),
         latitude_deg=float(day.scenarios.latitude_deg[worst]),
@@ -249,8 +245,8 @@ def _prediction(
         excess_time_high_h=excess_h[1],
         minimum_state_of_charge=float(cycle.minimum_state_of_charge[place]),
         charge_margin_h=float(cycle.charge_margin_h[place]),
-        endurance_h=endurance_h,
-        nights=nights_survived(launch_h, endurance_h, morning_h),
+        endurance_h=flight_h[1],
+        nights=nights_survived(*flight_h, morning_h),
         polar_day=float(day.sunset_h[worst] - day.sunrise_h[worst]) >= 24.0,
         power_exceeds_load=bool(np.isfinite(morning_h)),
         solar_energy_wh=float(cycle.energy_budget.solar_wh[place]),

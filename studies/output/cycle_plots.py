@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sizing.climb import ClimbPerformance
-    from sizing.day.launch import Endurance
     from sizing.day.replay import CalendarRun
     from sizing.performance import Performance
     from sizing.results.analysis import Analysis
@@ -78,9 +77,8 @@ def plot_cycle(
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
     whole = perf.cycle.perpetual[index] or analysis.mission.flight is not None
-    longest = None if whole else analysis.endurances[index]
-    if longest is not None and np.isfinite(longest.endurance_h):
-        return _plot_own_flight(analysis, index, longest, figure)
+    if not whole and np.isfinite(perf.endurance_h[index]):
+        return _plot_own_flight(analysis, index, figure)
     drawn, panels = _panels(analysis, index, figure)
     each = (perf, analysis.low, analysis.high)
     full_wh = float(perf.design.battery_energy_wh)
@@ -221,7 +219,7 @@ def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
     altitude_m = climbs.altitude_m[index]
     axes.plot(climbs.performance.day.time_h, altitude_m, color=LOAD)
     # Zero added: what rounds to -0 is no loss.
-    gain = f"{round(float(climbs.gain_h[index]), 1) + 0.0:+.1f}".replace("-", "−")
+    gain = f"{round(float(climbs.gain_in_excess_time_h[index]), 1) + 0.0:+.1f}".replace("-", "−")
     axes.annotate(
         f"highest {altitude_m.max():.0f} m\nexcess time\n{gain} h by climbing",
         (0.0, 1.0),
@@ -266,10 +264,11 @@ def _draw_interval(
 _MOST_DAYS = 12  # labels along the axis of a long flight
 
 
-def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas: Canvas) -> Figure:
+def _plot_own_flight(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
     """Draw the longest flight from its launch to the empty battery."""
     perf = analysis.performance
-    hours, launch = float(longest.endurance_h), float(longest.launch_h)
+    longest = perf.endurances
+    hours, launch = float(longest.endurance_h[index]), float(longest.launch_h[index])
     end = launch + hours
     drawn, panels = _panels(analysis, index, canvas, f": limited, {hours:.1f} h")
     each = [p.course(index, launch, hours) for p in (perf, analysis.low, analysis.high)]

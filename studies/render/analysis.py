@@ -12,7 +12,6 @@ from missions.mission.scenarios import latitude_label
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
 from sizing.day.replay import CalendarRun
-from sizing.results.conditions import CalendarFlight
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
@@ -80,15 +79,14 @@ def blocks(analysis: Analysis, level: int) -> list[Any]:
     shown += [*extrapolation_blocks(analysis.extrapolations, level), *sources(analysis, level)]
     if analysis.excess_time_h < 0.0:
         shown.append(Line(q.BELOW_ZERO, "faint"))
-    error = say.uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
+    error = say.uncertainty_line(analysis)
     return [*shown, Line(error, "faint")]
 
 
 def _analysis_parts(analysis: Analysis) -> list[Any]:
     """Return power, propulsion, structure, drag and balance."""
-    budget, masses = analysis.power_budget, analysis.part_masses
-    assert budget is not None
-    shown: list[Any] = [say.power_line(budget, analysis.mission), *wind_source(analysis.mission)]
+    masses, mission = analysis.part_masses, analysis.mission
+    shown: list[Any] = [say.power_line(analysis.power_budget, mission), *wind_source(mission)]
     if masses is not None:
         shown.append(say.part_masses_line(masses))
     if analysis.varying_efficiency is not None:
@@ -178,18 +176,17 @@ def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Ta
 
 def flight_table(run: CalendarRun) -> Table:
     """Return the replayed flight as a list of facts."""
-    flight = CalendarFlight.of(run)
     first_day = day_of_year(run.launch.date)
     rows = [("launch (local time)", f"{date_label(first_day)} {run.launch.time_local}")]
-    for clock in flight.full_charge_clock_h:
+    for clock in run.full_charge_clock_h:
         rows.append((q.FULL_CHARGE.label, date_and_clock(clock, first_day)))
     rows += [
-        q.MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
-        ("flight time", hours(flight.duration_h)),
-        ("state of charge at the end", percent(flight.final_state_of_charge)),
+        q.MINIMUM_CHARGE.fact(run.minimum_state_of_charge),
+        ("flight time", hours(run.duration_h)),
+        ("state of charge at the end", percent(run.final_state_of_charge)),
     ]
-    if flight.empty_clock_h is not None:
-        rows.append(("battery empty", date_and_clock(flight.empty_clock_h, first_day)))
+    if run.empty_clock_h is not None:
+        rows.append(("battery empty", date_and_clock(run.empty_clock_h, first_day)))
     return facts("flight on the calendar", rows)
 
 

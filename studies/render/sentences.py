@@ -16,7 +16,6 @@ from sizing.balance.assessment import BalanceAssessment
 from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import unit_text
-from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.relaxed_flight import Relaxation
@@ -184,8 +183,9 @@ NONE_ALONE = (
 
 def climb_lines(study: SizingStudy) -> list[str]:
     """Return the heights of the optimum's day, and the optimum without climbs."""
-    climb, level, mission = study.climb, study.without_climbs, study.mission
-    if climb is None or study.design is None:
+    level, mission = study.without_climbs, study.mission
+    climb = None if study.optimum is None else study.optimum.worst_scenario.climb
+    if climb is None:
         return []
     floor_m, highest_m = mission.altitude_m, climb.maximum_altitude_m
     reached = "its ceiling of " if highest_m > climb.ceiling_m - 1.0 else ""
@@ -312,17 +312,17 @@ def cross_check_line(check: CrossCheck, objective: Objective) -> str:
 # ---- How sure it is
 
 
-def uncertainty_line(low: Performance, high: Performance, index: int, mission: Mission) -> str:
+def uncertainty_line(analysis: Analysis) -> str:
     """Return what the RMS error of the solar power model means for the least excess time.
 
-    ``low``, ``high``: with the solar power one RMS error lower and higher. ``index``: the worst
-    scenario without the error; where it is another one with less sun, that one is named.
-    ``mission``: with its uncertainty margins, which are taken off before that error.
+    Where the worst scenario is another one with less sun, that one is named. The mission's
+    uncertainty margins are taken off before that error.
     """
-    ends_h = [float(np.min(q.EXCESS_TIME.of(performance))) for performance in (low, high)]
+    low, high, mission = analysis.low, analysis.high, analysis.mission
+    ends_h = [low.least_excess_time_h, high.least_excess_time_h]
     # Less sun may turn a scenario with a short day into the worst one.
     weakest = low.worst_scenario()
-    at = "" if weakest == index else f" ({low.day.scenarios.label(weakest)})"
+    at = "" if weakest == analysis.worst else f" ({low.day.scenarios.label(weakest)})"
     means = (
         f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
         if hours(ends_h[0]) == hours(ends_h[1])

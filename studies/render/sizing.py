@@ -35,7 +35,6 @@ from studies.serialise import serialise
 
 if TYPE_CHECKING:
     from sizing.day.light import SolarModel
-    from sizing.performance import Performance
     from sizing.program.objectives import Objective
     from sizing.results.sizing_study import SizingStudy
 
@@ -78,15 +77,11 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
-    simulated = study.result.simulated
-    assert simulated is not None
+    optimum = study.optimum
+    assert optimum is not None
     clear = "clear-sky " if study.survival is not None else ""
-    excess, charge = (
-        quantity.fact(quantity.of(simulated)[simulated.worst_scenario()]) for quantity in q.ENOUGH
-    )
-    where = (
-        f"{clear}{q.EXCESS_TIME.label}, {simulated.day.scenarios.label(simulated.worst_scenario())}"
-    )
+    excess, charge = (quantity.fact(optimum.value_in_worst(quantity.name)) for quantity in q.ENOUGH)
+    where = f"{clear}{q.EXCESS_TIME.label}, {optimum.worst_scenario.label}"
     flight, objective = study.mission.flight, study.objective
     values = {q.TABLE[key]: value for key, value in study.design_values().items()}
     rows = facts_of(values, level)
@@ -129,14 +124,13 @@ def _requested(study: SizingStudy, level: int) -> list[Any]:
 
 def _sizing_parts(study: SizingStudy) -> list[Any]:
     """Return power, propulsion, structure and balance."""
-    shown: list[Any] = []
-    if study.power_budget is not None:
-        shown.append(say.power_line(study.power_budget, study.mission))
-    shown += wind_source(study.mission)
-    if study.part_masses is not None:
-        shown.append(say.part_masses_line(study.part_masses))
+    optimum = study.optimum
+    assert optimum is not None
+    shown = [say.power_line(optimum.power_budget, study.mission), *wind_source(study.mission)]
+    if optimum.part_masses is not None:
+        shown.append(say.part_masses_line(optimum.part_masses))
     shown += structure_lines(study)
-    return shown if study.balance is None else [*shown, *say.balance_lines(study.balance)]
+    return shown if optimum.balance is None else [*shown, *say.balance_lines(optimum.balance)]
 
 
 def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
@@ -197,26 +191,26 @@ def _builds(study: SizingStudy, level: int) -> list[Any]:
 
 def _confidence(study: SizingStudy, level: int) -> list[Any]:
     """Return how sure the answer is: ranges of the models, their error, margins."""
-    simulated, low, high = study.result.simulated, study.low, study.high
+    optimum = study.optimum
     shown: list[Any] = battery_lines(study) if level >= ALL else []
     shown += [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
-    if simulated is not None and low is not None and high is not None:
-        error = say.uncertainty_line(low, high, simulated.worst_scenario(), study.mission)
+    if optimum is not None:
+        error = say.uncertainty_line(optimum)
         shown.append(Line(error, "faint"))
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.is_set or study.reliability is not None
         guarded = guarded or study.survival is not None
         if study.with_margin is not None:
             shown += _margin_blocks(study, study.with_margin, level)
-        elif (low_h := _least_h(low)) < required and not guarded:
+        elif (low_h := optimum.low.least_excess_time_h) < required and not guarded:
             what = (
                 "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
             )
             measured = model_error_note(study.mission.altitude_m)
             text = f"on the edge: one RMS error{measured} less solar power {what}; {_TO_GUARD}"
             shown.append(Line(text, "warning"))
-    if study.without_margins is not None:
-        reached = hours(_least_h(study.without_margins))
+    if study.as_assumed is not None:
+        reached = hours(study.as_assumed.excess_time_h)
         shown.append(f"without the mission's uncertainty margins the excess time is {reached}")
     return shown
 
@@ -226,7 +220,7 @@ _TO_GUARD = "to size with that margin: --set mission.uncertainty_margins.solar_m
 
 def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list[Any]:
     """Return the optimum beside the one with a margin, and what the margin costs."""
-    if study.simulated is None or guarded.as_assumed is None:
+    if study.optimum is None or guarded.as_assumed is None:
         return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
     was, now = study.to_dict(), serialise(guarded, "Guarded")
     table = margin_table(study.objective, study.solar, was, now)
@@ -239,10 +233,6 @@ def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list
 
 def _with_error(solar: SolarModel) -> str:
     return f"with one RMS error ({percent(solar.rms_relative, '.0f')}) less solar power as margin"
-
-
-def _least_h(perf: Performance) -> float:
-    return float(np.min(perf.cycle.excess_time_h))
 
 
 def margin_table(

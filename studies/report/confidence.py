@@ -59,9 +59,7 @@ def belief_section(subject: Subject) -> Section:
             blocks.append(Items(tuple(extrapolation.text for extrapolation in outside)))
         else:
             blocks.append(Text("Nothing lies outside the range of a model.", "good"))
-        blocks.append(
-            Text(uncertainty_line(analysis.low, analysis.high, analysis.worst, subject.mission))
-        )
+        blocks.append(Text(uncertainty_line(analysis)))
         condition = analysis.battery_condition
         if condition is not None:
             blocks.append(sentence(battery_line(subject.aircraft, condition)))

@@ -126,7 +126,7 @@ def test_gain_is_what_the_height_saves_the_battery(rise_m):
     density = ambiance.Atmosphere(np.array([FLOOR_M, FLOOR_M + rise_m])).density
     at_best = height_wh / ETA / nominal_w
     at_worst = at_best * (density[1] / density[0]) ** 0.5
-    assert at_worst - STEPS_H <= result.gain_h[0] <= 1.1 * at_best
+    assert at_worst - STEPS_H <= result.gain_in_excess_time_h[0] <= 1.1 * at_best
 
 
 def test_climbing_carries_a_small_battery_through_the_night():
@@ -167,14 +167,14 @@ def test_polar_day_has_no_end():
     result = climb_performance(AS2, where)
     assert result.performance.cycle.status[0] == Status.always_lit
     assert np.isinf(result.performance.cycle.excess_time_h[0])
-    assert result.gain_h[0] == 0.0
+    assert result.gain_in_excess_time_h[0] == 0.0
 
 
 @pytest.mark.parametrize("model", ["CDM", "VM", "FM"])
 def test_every_solar_model_can_be_climbed_with(model):
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
     result = climb_performance(AS2, mission(2000.0, flight_path=path), SolarModel(model))
-    assert result.gain_h[0] > 0.5
+    assert result.gain_in_excess_time_h[0] > 0.5
 
 
 def test_a_strategy_is_read_and_ignored():

@@ -11,6 +11,7 @@ from missions.dates import day_of_year
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import RuleChargeLimit
 from sizing.climb import climb_performance
+from sizing.day.launch import Endurance
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import performance
 from sizing.results.analysis import analyse
@@ -24,9 +25,7 @@ def mission(ceiling_m, **changes):
 
 
 def longest(perf):
-    (flight,) = perf.endurances()
-    assert flight is not None
-    return flight
+    return Endurance(perf.endurances.endurance_h[0], perf.endurances.launch_h[0])
 
 
 AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  # as the air

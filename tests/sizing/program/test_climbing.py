@@ -74,7 +74,7 @@ def test_what_is_sized_flies_as_analysed():
     again = sizing.analyse(study.sized_aircraft(), study.sized_mission())
     # The analysis has the best schedule of this design, the sizing one that is enough.
     assert 1.0 <= again.excess_time_h < 1.1
-    assert study.climb.maximum_altitude_m == pytest.approx(3536.0, abs=5.0)
+    assert study.optimum.worst_scenario.climb.maximum_altitude_m == pytest.approx(3536.0, abs=5.0)
     level = study.without_climbs
     assert level.objective_value > 1.02 * study.result.objective_value
     assert "climbs by day from 536 m" in str(study)

@@ -34,13 +34,12 @@ def test_excess_time_is_an_interval_that_begins_at_equal_power():
 
 def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty():
     analysis = flown("power.avionics_w=60")
-    (longest,) = analysis.endurances
-    hours = float(longest.endurance_h)
+    hours = analysis.endurance_h
     figure = studies.plot_cycle(analysis)
     assert figure.get_suptitle().endswith(f"limited, {hours:.1f} h")
     power, charge = figure.axes
     clock_h, percent = charge.lines[0].get_data()
-    assert (clock_h[0], percent[0]) == (float(longest.launch_h), 100.0)
+    assert (clock_h[0], percent[0]) == (analysis.best_launch_h, 100.0)
     assert clock_h[-1] == pytest.approx(clock_h[0] + hours)
     labels = [label.get_text() for label in charge.get_xticklabels()]
     assert next(label for label in labels if label.startswith("00:00")) == "00:00\nday 2"
