@@ -15,7 +15,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.heights import FlightLevels, checked_climb_limits, flight_levels
+from sizing.day.heights import FlightLevels, check_climb_limits, flight_levels
 from sizing.day.light import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
 from sizing.mass_budget import design_of
@@ -148,7 +148,7 @@ def climb_performance(
     if mission.climb is None:
         raise ValueError(f"mission {mission.name} has no climb")
     design = design_of(aircraft, mission)
-    checked_climb_limits(aircraft, design)
+    check_climb_limits(aircraft, design)
     day = solar_day(aircraft, mission, solar).scaled(solar_factor)
     perf = performance(aircraft, mission, solar, day=day, design=design)
     return compare_with_constant(aircraft, perf, design, day)

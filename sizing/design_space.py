@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, Strict, model_validator
 
 from solar.schema import PositiveReal, Record
 
 
-class Range(Record):
+class Limit(Record):
+    """Least and largest value of a quantity of the design; either is optional."""
+
+    minimum: PositiveReal | None = None
+    maximum: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _ends_in_order(self) -> Self:
+        least, most = self.minimum, self.maximum
+        if least is None and most is None:
+            raise ValueError("give a minimum, a maximum or both")
+        if least is not None and most is not None and least > most:
+            raise ValueError(f"minimum must not exceed maximum (got {least:g} and {most:g})")
+        return self
+
+
+class Range(Limit):
     """Bounds of a design variable; equal bounds fix it."""
 
     minimum: PositiveReal
     maximum: PositiveReal
-
-    @model_validator(mode="after")
-    def _ends_in_order(self) -> Range:
-        _check_order(self)
-        return self
-
-
-def _check_order(ends: Range | Limit) -> None:
-    least, most = ends.minimum, ends.maximum
-    if least is not None and most is not None and least > most:
-        raise ValueError(f"minimum must not exceed maximum (got {least:g} and {most:g})")
 
 
 # Quantities of a design that a file may bound; their formulas are in sizing.limits.
@@ -68,20 +73,6 @@ class LimitRow(NamedTuple):
     end: LimitEnd
     value: float
     key: str
-
-
-class Limit(Record):
-    """Least and largest value of a quantity of the design; either is optional."""
-
-    minimum: PositiveReal | None = None
-    maximum: PositiveReal | None = None
-
-    @model_validator(mode="after")
-    def _ends_in_order(self) -> Limit:
-        if self.minimum is None and self.maximum is None:
-            raise ValueError("give a minimum, a maximum or both")
-        _check_order(self)
-        return self
 
 
 PROPULSION_VARIABLES = (

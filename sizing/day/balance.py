@@ -255,7 +255,10 @@ class Cells:
             np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
         )
         batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, store.battery_energy_wh.shape)
-        solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
+        solar, load = (
+            np.moveaxis(np.broadcast_to(power_w, (*batch, len(time))), -1, 0).reshape(len(time), -1)
+            for power_w in (solar, load)
+        )
         flat_nominal = np.broadcast_to(nominal, batch).reshape(-1)
         return cls(time, solar, load, flat_nominal, store.flat(batch)), batch
 
@@ -298,8 +301,3 @@ class Cells:
         if np.array_equal(steady, np.broadcast_to(self.nominal_w, steady.shape)):
             return self.balance.net_w
         return self.solar_w - self.nominal_w
-
-
-def _time_first(values: FloatArray) -> FloatArray:
-    """Return an array with time on the first axis and the whole batch on a second."""
-    return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -104,16 +104,12 @@ class Store:
 
     def _with(self, pick: Callable[[FloatArray], FloatArray]) -> Store:
         """Return the store of picked elements; an efficiency that all share stays a number."""
-        energy = pick(self.battery_energy_wh)
-        if np.ndim(self.charge_efficiency) == np.ndim(self.discharge_efficiency) == 0:
-            return replace(self, battery_energy_wh=energy)
+        full_wh = self.battery_energy_wh
         charge, discharge = (
-            pick(np.broadcast_to(efficiency, self.battery_energy_wh.shape))
-            for efficiency in (self.charge_efficiency, self.discharge_efficiency)
+            pick(np.broadcast_to(value, full_wh.shape)) if np.ndim(value) else value
+            for value in (self.charge_efficiency, self.discharge_efficiency)
         )
-        return replace(
-            self, battery_energy_wh=energy, charge_efficiency=charge, discharge_efficiency=discharge
-        )
+        return Store(pick(full_wh), charge, discharge, self.clock)
 
     def charged(
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from sizing.mass_budget import (
     measured_design,
     operating_trouble,
 )
+from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray, IntArray
 
 
@@ -38,13 +39,6 @@ class ClimbLimitError(ValueError):
     def __init__(self, key: tuple[str, ...], message: str) -> None:
         super().__init__(f"{'.'.join(key)}: {message}")
         self.key, self.message = key, message
-
-
-class ClimbLimits(NamedTuple):
-    """Efficiency [-] and largest electric power [W] of a propulsion."""
-
-    efficiency: float
-    maximum_power_w: float
 
 
 @dataclass(frozen=True)
@@ -152,8 +146,8 @@ class FlightLevels:
         return np.asarray(power)
 
 
-def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
-    """Return efficiency and largest power of the propulsion of designs.
+def climb_limits(aircraft: Aircraft, design: Design) -> tuple[Value, Value]:
+    """Return efficiency [-] and largest electric power [W] of the propulsion of designs.
 
     Parametric: the rated power of the propulsion, sized at the mission's altitude. Measured: as
     the file says. ``design``: with its mass and the power of its level flight at that altitude.
@@ -161,29 +155,27 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
     airframe = aircraft.airframe
     if not isinstance(airframe, MeasuredAirframe):
         assert design.chain is not None
-        return ClimbLimits(design.chain.efficiency, design.rated_power_w)
-    values = []
+        return design.chain.efficiency, design.rated_power_w
+    flight = airframe.level_flight
     for name in ("maximum_electric_power_w", "propulsion_efficiency"):
-        values.append(getattr(airframe.level_flight, name))
-        if values[-1] is None:
+        if getattr(flight, name) is None:
             message = "required key is missing: the mission has climb"
             raise ClimbLimitError(("airframe", "level_flight", name), message)
-    return ClimbLimits(efficiency=values[1], maximum_power_w=values[0])
+    return flight.propulsion_efficiency, flight.maximum_electric_power_w
 
 
-def checked_climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
-    """Return the limits of a design whose largest power must be above that of level flight."""
-    limits = climb_limits(aircraft, design)
+def check_climb_limits(aircraft: Aircraft, design: Design) -> None:
+    """Refuse a design whose largest power is not above that of level flight."""
+    most_w = float(climb_limits(aircraft, design)[1])
     level_w = float(design.propulsion_power_w)
-    if float(limits.maximum_power_w) <= level_w:
+    if most_w <= level_w:
         measured = isinstance(aircraft.airframe, MeasuredAirframe)
         key = ("level_flight", "maximum_electric_power_w")
         raise ClimbLimitError(
             ("airframe", *(key if measured else ("propulsion", "climb_power_ratio"))),
-            f"{float(limits.maximum_power_w):.3g} W in all leaves nothing to climb with: level "
+            f"{most_w:.3g} W in all leaves nothing to climb with: level "
             f"flight takes {level_w:.3g} W; it must be more",
         )
-    return ClimbLimits(float(limits.efficiency), float(limits.maximum_power_w))
 
 
 def flight_levels(
@@ -215,8 +207,8 @@ def flight_levels(
     power_w, held = each_level(flights.propulsion_power_w), each_level(held) > 0.0
     weight_n = each(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2)
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(weight_n) & held[0]
-    limits = climb_limits(aircraft, design)
-    most_w = each(limits.maximum_power_w)
+    efficiency, rated_w = climb_limits(aircraft, design)
+    most_w = each(rated_w)
     cases = np.shape(flights.propulsion_power_w)[1:]
     parts, cooling = aircraft.propulsion_by_parts, day.cooling
     convection = np.zeros((len(flies), len(altitudes)))
@@ -229,7 +221,7 @@ def flight_levels(
         altitude_m=altitudes,
         day=day,
         thrust_ratio=np.broadcast_to(thrust, day.specific_power_w_per_m2.shape),
-        chain=ConstantChain.of(flights, limits.efficiency)
+        chain=ConstantChain.of(flights, efficiency)
         if parts is None
         else ClimbChain.of(parts, aircraft, flights, air.air),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
@@ -237,7 +229,7 @@ def flight_levels(
         module_area_m2=each(design.variables.module_area_m2),
         nominal_ratio=each(1.0 + np.asarray(mission.turbulence.all_day, float)),
         constant_power_w=each(design.constant_power_w),
-        efficiency=each(limits.efficiency),
+        efficiency=each(efficiency),
         maximum_power_w=np.where(flies, most_w, 0.0),
         flies=np.asarray(flies),
         weight_n=np.where(flies, weight_n, 0.0),

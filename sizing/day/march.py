@@ -5,12 +5,9 @@ The energy balance is
 ``dE/dt = min(eta_charge (P_solar - P_out), P_charge_max(E))`` by surplus,
 ``dE/dt = (P_solar - P_out) / eta_discharge`` by deficit, and ``0 <= E <= E_max``.
 
-Solar power and load are piecewise linear between the nodes of the time axis; surplus and deficit
-of every interval are integrated exactly, a change of sign inside an interval included. The charge
-limit depends on the state of charge alone, so following it is exact too
+Surplus and deficit are exact (:mod:`sizing.day.balance`), and so is following the charge limit
 (:class:`~sizing.day.battery.ChargeClock`); only an interval in which the active limit changes is
-approximated, to second order in its length. A climb is a load like any other here: heights are an
-input of light and load.
+approximated, to second order in its length. A climb is a load like any other here.
 """
 
 from __future__ import annotations

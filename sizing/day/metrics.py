@@ -19,9 +19,9 @@ long what is left at the landing would last, or minus the hours without enough p
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -128,16 +128,15 @@ class Course(NamedTuple):
 
 def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:
     """Return a cycle of the arrays of several with one time axis, by default end to end."""
-    budgets = [cycle.energy_budget for cycle in cycles]
-    budget = {
-        f.name: join([getattr(cycle, f.name) for cycle in budgets]) for f in fields(EnergyBudget)
-    }
-    rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
-    return Cycle(
-        time_h=cycles[0].time_h,
-        energy_budget=EnergyBudget(**budget),
-        **{name: join([getattr(cycle, name) for cycle in cycles]) for name in rest},
-    )
+
+    def of(records: Sequence[Any]) -> Any:
+        if not is_dataclass(first := records[0]):
+            return join(list(records))
+        names = [f.name for f in fields(first) if f.name != "time_h"]
+        joint = {name: of([getattr(record, name) for record in records]) for name in names}
+        return replace(first, **joint)  # type: ignore[type-var]  # of an instance
+
+    return cast(Cycle, of(cycles))
 
 
 class EqualPower(NamedTuple):

@@ -231,18 +231,6 @@ def modelled_power(
     )
 
 
-def path_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> PathModules:
-    """Return modules, path and wind for VM and FM."""
-    modules = aircraft.modules
-    if modules.geometry is None:
-        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
-    if mission.flight_path is None:
-        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
-    path = on_path(aircraft, mission).flight_path
-    assert path is not None
-    return PathModules(modules.geometry, modules, path, mission.wind, modules.shading)
-
-
 def clear_daylight(
     mission: Mission,
     latitude_deg: float | FloatArray,
@@ -279,9 +267,15 @@ def specific_power(
     air_c = float(mission.air_state().temperature_c) if air_c is None else np.asarray(air_c)
     module_c = mission.module_temperature_c() if module_c is None else np.asarray(module_c)
     if model in ATTITUDE_MODELS:
+        if modules.geometry is None:
+            text = f"model {model} needs modules.geometry on the aircraft {aircraft.name}"
+            raise ValueError(text)
+        path = on_path(aircraft, mission).flight_path
+        if path is None:
+            raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
         return mean_power_on_path(
             model,
-            path_modules(aircraft, mission, model),
+            PathModules(modules.geometry, modules, path, mission.wind, modules.shading),
             light,
             ambient_temperature_c=air_c,
             module_temperature_c=module_c,

@@ -34,7 +34,7 @@ from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.day.heights import ClimbLimitError, checked_climb_limits
+from sizing.day.heights import ClimbLimitError, check_climb_limits
 from sizing.day.light import SolarModel
 from sizing.day.module_power import path_troubles
 from sizing.library import refuse_named_twice
@@ -337,7 +337,7 @@ def require_climber(case: Case) -> None:
     if case.mission.climb is None:
         return
     try:
-        checked_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
+        check_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
     except ClimbLimitError as error:
         raise located_error(case.aircraft_file.document, error.key, error.message) from None
 
