@@ -19,7 +19,7 @@ from sizing.climb import (
     compare_with_constant,
     fine_step_excess_time_h,
 )
-from sizing.day.heights import checked_climb_limits
+from sizing.day.heights import check_climb_limits
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design
@@ -425,7 +425,7 @@ def analyse(
     solar = SolarModel(model, correction)
     day, design = solar_day(aircraft, mission, solar), design_of(aircraft, mission)
     if mission.climb is not None:
-        checked_climb_limits(aircraft, design)
+        check_climb_limits(aircraft, design)
     simulated = performance(aircraft, mission, solar, day=day, design=design)
     flight = None
     if replay and mission.launch is not None and mission.climb is None:
