@@ -148,12 +148,11 @@ RECORDS = {
         aircraft=aircraft.name mission=mission.name climb?=mission.climb.record summary=headline
         reference.model=reference.solar.model reference.correction=reference.solar.correction
         objective.name=objective.value objective.required_excess_time_h=required_excess_time_h
-        cases=compared_cases notes extrapolations *software
+        cases notes extrapolations *software
         """,
-    "ComparedCase": """
-        model=case.solar.model correction=case.solar.correction
-        solar_power_rms_relative=case.solar.rms_relative *case.prediction
-        solar_energy_above_reference season design=case.built
+    "Case": """
+        model=solar.model correction=solar.correction solar_power_rms_relative=solar.rms_relative
+        *prediction solar_energy_above_reference season=season_record design=built
         """,
     "Prediction": """
         status worst_scenario.latitude_deg=latitude_deg worst_scenario.day_of_year=day_of_year
@@ -162,8 +161,8 @@ RECORDS = {
         maximum_altitude_m?
         """,
     "Built": """
-        status=sizing.status *design.variables:DesignVariables
-        total_mass_kg=design.total_mass_kg promised_excess_time_h violated_requirements
+        status=sizing.status *sizing.design.variables:DesignVariables
+        total_mass_kg=sizing.design.total_mass_kg promised_excess_time_h violated_requirements
         """
     + "judged",
     "DesignVariables": """

@@ -76,10 +76,16 @@ def entry(kind: Kind, name: str) -> Entry:
     """Return the entry of a name in the shipped catalogue, or of the path of a YAML file."""
     if is_entry_path(name):
         return validate(parse_yaml(read_text(name), printable(name)), KINDS[kind])
-    names = list(_documents(kind))
-    if name in names:
+    known = _documents(kind)
+    if name in known:
         return _shipped(kind, name)
-    similar = _similar_names(kind, name)
+    # Names with this text in name or label, else names of similar spelling.
+    part = _letters(name)
+    similar = [
+        entry
+        for entry, document in known.items()
+        if len(part) > 1 and (part in _letters(entry) or part in _letters(document.data["label"]))
+    ][:_HAVING] or get_close_matches(name.lower(), known, n=_ALIKE, cutoff=0.5)
     meant = f"; did you mean {', '.join(similar)}?" if similar else ""
     elsewhere = [other for other in KINDS if name in _documents(other)]
     meant = f"; it is one of the {elsewhere[0]}" if elsewhere else meant
@@ -87,18 +93,6 @@ def entry(kind: Kind, name: str) -> Entry:
     raise file_error(
         "", f"the catalogue of {kind} has no {shown!r}{meant} (solar-uav list --{kind} has all)"
     )
-
-
-def _similar_names(kind: Kind, name: str) -> list[str]:
-    """Return the names with this text in name or label, else names of similar spelling."""
-    part = _letters(name)
-    having = [
-        entry
-        for entry, document in _documents(kind).items()
-        if len(part) > 1 and (part in _letters(entry) or part in _letters(document.data["label"]))
-    ]
-    alike = get_close_matches(name.lower(), _documents(kind), n=_ALIKE, cutoff=0.5)
-    return having[:_HAVING] or alike
 
 
 def _letters(text: str) -> str:
@@ -161,11 +155,7 @@ class CatalogueRecord(Record):
             name = data.get(key) if isinstance(data, Mapping) else None
             if isinstance(name, str | int) and not isinstance(name, bool):
                 parameters = entry_of_key(key, kind, str(name)).parameters(data)
-                new |= {
-                    parameter: value
-                    for parameter, value in parameters.items()
-                    if parameter not in data
-                }
+                new |= {name: value for name, value in parameters.items() if name not in data}
         if not new:
             return handler(data)
         record = handler({**data, **new})
@@ -214,14 +204,9 @@ def catalogue_values(record: CatalogueRecord, prefix: str) -> list[CatalogueValu
             now = now.model_dump(exclude_unset=True) if isinstance(now, Record) else now
             if now == value and field not in fields:
                 candidates = (field, *_FOLLOWS_FROM.get(field, ()))
-                number = next(
-                    (key_of for key_of in candidates if key_of in product.numbers()), field
-                )
-                values.append(
-                    CatalogueValue(
-                        prefix + field, value, name, product.label, product.source_of(number)
-                    )
-                )
+                number = next((n for n in candidates if n in product.numbers()), field)
+                source = product.source_of(number)
+                values.append(CatalogueValue(prefix + field, value, name, product.label, source))
     return values
 
 

@@ -34,7 +34,6 @@ _AGREEMENT = 0.06
 PARTS_OF_PROPELLER = ("diameter_m", "pitch_m", "blades", "chords", "mass_kg")
 
 _Efficiency = Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)]
-_Number = dict[str, float]
 
 
 class Entry(Record):
@@ -43,8 +42,8 @@ class Entry(Record):
     ``source`` is the source of all numbers but those in ``sources``, which have others.
     """
 
-    # Name of this kind of product.
-    kind_of_entry: ClassVar[str]
+    # Pairs of keys of which the first is at most the second.
+    ordered_keys: ClassVar[tuple[tuple[str, str], ...]] = ()
 
     label: Name
     source: Text
@@ -52,14 +51,22 @@ class Entry(Record):
     note: Text | None = None
 
     @model_validator(mode="after")
-    def _check_sources(self) -> Entry:
+    def _check_numbers(self) -> Entry:
         odd = [key for key in self.sources if key not in self.numbers()]
         if odd:
             numbers = ", ".join(self.numbers())
             raise wrong_value(f"sources.{odd[0]}", f"is no number of this entry (it has {numbers})")
+        for less, more in self.ordered_keys:
+            low, high = getattr(self, less), getattr(self, more)
+            if low is not None and high is not None and low > high:
+                raise wrong_value(less, f"must be at most {more}, which is {high:g} (got {low:g})")
         return self
 
-    def numbers(self) -> _Number:
+    def known(self, *keys: str) -> dict[str, Any]:
+        """Return the values of the keys that the entry has."""
+        return {key: value for key in keys if (value := getattr(self, key)) is not None}
+
+    def numbers(self) -> dict[str, float]:
         """Return the numbers of the entry by their keys."""
         values = ((name, getattr(self, name)) for name in type(self).model_fields)
         return {name: value for name, value in values if isinstance(value, float | int)}
@@ -94,8 +101,6 @@ class CellEntry(Entry):
     measured outside the atmosphere: ``efficiency_am0`` at ``am0_irradiance_w_per_m2``, 28 C.
     """
 
-    kind_of_entry: ClassVar[str] = "solar cell"
-
     efficiency_stc: _Efficiency | None = None
     efficiency_am0: _Efficiency | None = None
     am0_irradiance_w_per_m2: PositiveReal | None = None
@@ -110,9 +115,8 @@ class CellEntry(Entry):
     @property
     def mpp_power_w(self) -> float | None:
         """Power of a cell at its maximum power point [W]."""
-        if self.mpp_voltage_v is None or self.mpp_current_a is None:
-            return None
-        return self.mpp_voltage_v * self.mpp_current_a
+        voltage, current = self.mpp_voltage_v, self.mpp_current_a
+        return None if voltage is None or current is None else voltage * current
 
     @model_validator(mode="after")
     def _check_physics(self) -> CellEntry:
@@ -141,13 +145,10 @@ class CellEntry(Entry):
             only = "none" if am0 is None else f"{am0:g} outside the atmosphere"
             text = f"the catalogue has no efficiency under AM1.5 of {self.label} (only {only}): "
             raise wrong_value("cell", f"{text}give efficiency_stc")
-        mass = self.mass_kg_per_m2
-        values = {
-            "efficiency_stc": self.efficiency_stc,
-            "temperature_coefficient_per_k": self.temperature_coefficient_per_k,
-            "mass_kg_per_m2": None if mass is None else round(mass + ENCAPSULATION_KG_PER_M2, 6),
-        }
-        return {key: value for key, value in values.items() if value is not None}
+        values = self.known("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2")
+        if "mass_kg_per_m2" in values:
+            values["mass_kg_per_m2"] = round(values["mass_kg_per_m2"] + ENCAPSULATION_KG_PER_M2, 6)
+        return values
 
 
 class BatteryEntry(Entry):
@@ -160,7 +161,11 @@ class BatteryEntry(Entry):
     default of a usual lithium-ion cell; a pack has none.
     """
 
-    kind_of_entry: ClassVar[str] = "battery"
+    ordered_keys: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("capacity_ah", "typical_capacity_ah"),
+        ("energy_wh", "typical_energy_wh"),
+        ("typical_mass_kg", "mass_kg"),
+    )
 
     kind: Literal["cell", "pack"] = "cell"
     nominal_voltage_v: PositiveReal | None = None
@@ -175,18 +180,6 @@ class BatteryEntry(Entry):
     dc_resistance_ohm: PositiveReal | None = None
     state_of_charge: tuple[UnitInterval, ...] = _USUAL_CHARGE
     cell_voltage_v: tuple[PositiveReal, ...] = _USUAL_VOLTAGE_V
-
-    @model_validator(mode="after")
-    def _check_typical(self) -> BatteryEntry:
-        for less, more in (
-            ("capacity_ah", "typical_capacity_ah"),
-            ("energy_wh", "typical_energy_wh"),
-            ("typical_mass_kg", "mass_kg"),
-        ):
-            low, high = getattr(self, less), getattr(self, more)
-            if low is not None and high is not None and low > high:
-                raise wrong_value(less, f"must be at most {more}, which is {high:g} (got {low:g})")
-        return self
 
     @model_validator(mode="after")
     def _check_physics(self) -> BatteryEntry:
@@ -208,9 +201,8 @@ class BatteryEntry(Entry):
         return self
 
     def _times_voltage(self, capacity_ah: float | None) -> float | None:
-        if self.nominal_voltage_v is None or capacity_ah is None:
-            return None
-        return self.nominal_voltage_v * capacity_ah
+        voltage = self.nominal_voltage_v
+        return None if voltage is None or capacity_ah is None else voltage * capacity_ah
 
     @property
     def _least_energy(self) -> float | None:
@@ -267,22 +259,16 @@ class BatteryEntry(Entry):
     @property
     def charge_rate_per_h(self) -> float | None:
         """Largest charge current over capacity [1/h]."""
-        capacity = self.capacity
-        if self.maximum_charge_current_a is None or capacity is None:
-            return None
-        return self.maximum_charge_current_a / capacity
+        current, capacity = self.maximum_charge_current_a, self.capacity
+        return None if current is None or capacity is None else current / capacity
 
     @property
     def loss_at_1c(self) -> float | None:
         """Share of the voltage lost at the resistance at 1 C, ``R C / U`` [-]."""
-        resistance, voltage, capacity = (
-            self.dc_resistance_ohm,
-            self.nominal_voltage_v,
-            self.capacity,
-        )
-        if resistance is None or voltage is None or capacity is None:
+        ohm, voltage, capacity = self.dc_resistance_ohm, self.nominal_voltage_v, self.capacity
+        if ohm is None or voltage is None or capacity is None:
             return None
-        return resistance * capacity / voltage
+        return ohm * capacity / voltage
 
     def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
         """Return the specific energy of the pack, and the charge limit if its current is known."""
@@ -301,8 +287,6 @@ class BatteryEntry(Entry):
 
 class MotorEntry(Entry):
     """Electric motor, by the constants of the first-order model."""
-
-    kind_of_entry: ClassVar[str] = "motor"
 
     speed_constant_rpm_per_v: PositiveReal
     resistance_ohm: PositiveReal
@@ -348,7 +332,10 @@ class MpptEntry(Entry):
     source, ``peak_efficiency`` the greatest.
     """
 
-    kind_of_entry: ClassVar[str] = "MPPT"
+    ordered_keys: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("minimum_voltage_v", "maximum_voltage_v"),
+        ("efficiency", "peak_efficiency"),
+    )
 
     mass_kg: PositiveReal
     rated_power_w: PositiveReal
@@ -359,17 +346,6 @@ class MpptEntry(Entry):
     maximum_voltage_v: PositiveReal | None = None
     maximum_current_a: PositiveReal | None = None
 
-    @model_validator(mode="after")
-    def _check_order(self) -> MpptEntry:
-        for less, more in (
-            ("minimum_voltage_v", "maximum_voltage_v"),
-            ("efficiency", "peak_efficiency"),
-        ):
-            low, high = getattr(self, less), getattr(self, more)
-            if low is not None and high is not None and low > high:
-                raise wrong_value(less, f"must be at most {more}, which is {high:g} (got {low:g})")
-        return self
-
     @property
     def mass_kg_per_w(self) -> float:
         """Mass over rated power [kg/W]."""
@@ -377,23 +353,13 @@ class MpptEntry(Entry):
 
     def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
         """Return the efficiency if known, and the mass per watt."""
-        values = {
-            "mppt_efficiency": self.efficiency,
-            "mppt_mass_kg_per_w": float(f"{self.mass_kg_per_w:.6g}"),
-        }
-        return {key: value for key, value in values.items() if value is not None}
+        known = {} if self.efficiency is None else {"mppt_efficiency": self.efficiency}
+        return known | {"mppt_mass_kg_per_w": float(f"{self.mass_kg_per_w:.6g}")}
 
     def window(self) -> dict[str, Any]:
         """Return the known keys of the MPPT of strings of whole cells."""
-        keys = (
-            "conversion",
-            "minimum_voltage_v",
-            "maximum_voltage_v",
-            "maximum_current_a",
-            "mass_kg",
-        )
-        values = {key: getattr(self, key) for key in keys}
-        return {key: value for key, value in values.items() if value is not None}
+        ends = ("minimum_voltage_v", "maximum_voltage_v", "maximum_current_a")
+        return self.known("conversion", *ends, "mass_kg")
 
 
 class PropellerEntry(Entry):
@@ -402,8 +368,6 @@ class PropellerEntry(Entry):
     ``computed_efficiency_3000_rpm`` is the greatest in the maker's table at that speed;
     ``measured_efficiency`` the greatest in a wind tunnel run at ``measured_rpm``.
     """
-
-    kind_of_entry: ClassVar[str] = "propeller"
 
     diameter_m: PositiveReal
     pitch_m: PositiveReal
@@ -427,6 +391,4 @@ class PropellerEntry(Entry):
         With a table, which has the coefficients, only diameter and mass.
         """
         with_table = data.get("table") is not None
-        names = ("diameter_m", "mass_kg") if with_table else PARTS_OF_PROPELLER
-        values = {name: getattr(self, name) for name in names}
-        return {name: value for name, value in values.items() if value is not None}
+        return self.known(*(("diameter_m", "mass_kg") if with_table else PARTS_OF_PROPELLER))

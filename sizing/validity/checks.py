@@ -15,7 +15,7 @@ from sizing.aerodynamics.parabolic import UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.battery.battery import Battery, RuleChargeLimit, TableChargeLimit
-from sizing.day.light import SolarModel
+from sizing.day.light import SolarDay, SolarModel
 from sizing.design import Design, variables_of
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import closed_design, parametric_design
@@ -69,19 +69,13 @@ def wind_check(design: Design, wind_m_per_s: ArrayLike) -> Iterator[Check]:
 def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
     """Yield checks of the aircraft's technology parameters against values built or in sight."""
     for key, parameter in catalogue().items():
-        entry = value_at(aircraft, key) if parameter.kind == "technology" else None
+        value = value_at(aircraft, key) if parameter.kind == "technology" else None
         # An array holds the values of many draws.
-        known = isinstance(entry, int | float | np.ndarray)
-        value = np.asarray(entry, float) if known else None
-        if key == "airframe.propulsion.mass_kg_per_w" and value is not None and not np.any(value):
-            continue  # the masses of the parts are given
-        if value is not None:
-            yield Check(
-                experience(parameter),
-                value,
-                np.asarray(parameter.minimum),
-                np.asarray(parameter.maximum),
-            )
+        known = isinstance(value, int | float | np.ndarray)
+        # Without a mass per watt the masses of the parts are given.
+        if known and (key != "airframe.propulsion.mass_kg_per_w" or np.any(value)):
+            ends = np.asarray(parameter.minimum), np.asarray(parameter.maximum)
+            yield Check(experience(parameter), np.asarray(value, float), *ends)
 
 
 def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) -> Iterator[Check]:
@@ -328,18 +322,28 @@ def _with_axes_of(value: Any, array: FloatArray) -> FloatArray:
 
 def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
     """Return all checks of one or many designs, some with a last axis of scenarios."""
-    mission, design, solar = perf.mission, perf.design, perf.solar
+    highest_m = perf.maximum_altitude_m
+    return day_checks(aircraft, perf.mission, perf.design, perf.solar, perf.day, highest_m)
+
+
+def day_checks(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    solar: SolarModel,
+    day: SolarDay,
+    highest_m: ArrayLike | None,
+) -> list[Check]:
+    """Return all checks of one or many designs on a day; ``highest_m``: of climbs [m]."""
     checks = list(design_checks(aircraft, mission, design, solar))
-    if perf.maximum_altitude_m is not None:
-        checks = at_highest(checks, aircraft, mission, solar, perf.maximum_altitude_m)
-    peak = np.max(perf.day.specific_power_w_per_m2, axis=-1)
+    if highest_m is not None:
+        checks = at_highest(checks, aircraft, mission, solar, highest_m)
+    peak = np.max(day.specific_power_w_per_m2, axis=-1)
     area_m2 = np.asarray(design.variables.module_area_m2, float)[..., np.newaxis]
+    elevation = correction_check(day.scenarios, solar, mission)
     return [
         *checks,
-        *(
-            check.over(area_m2.shape[:-1])
-            for check in correction_check(perf.day.scenarios, solar, mission)
-        ),
+        *(check.over(area_m2.shape[:-1]) for check in elevation),
         *charge_rate_check(aircraft, mission, design, peak * area_m2),
     ]
 

@@ -90,15 +90,12 @@ def keep_worst(
     ``of`` and ``what`` are number and name of the results, unless they belong to one design.
     """
     groups: dict[tuple[str, str], list[Extrapolation]] = {}
-    for extrapolated in outside:
-        groups.setdefault((extrapolated.quantity, extrapolated.model), []).append(extrapolated)
-    worst = (
-        (max(group, key=lambda extrapolated: extrapolated.distance), len(group))
-        for group in groups.values()
-    )
+    for item in outside:
+        groups.setdefault((item.quantity, item.model), []).append(item)
+    worst = {key: max(group, key=lambda item: item.distance) for key, group in groups.items()}
     return _in_order(
-        replace(extrapolated, count=count, of=of, what=what) if of else extrapolated
-        for extrapolated, count in worst
+        replace(item, count=len(groups[key]), of=of, what=what) if of else item
+        for key, item in worst.items()
     )
 
 
@@ -112,9 +109,7 @@ def merge_extrapolations(
     several: Sequence[Sequence[Extrapolation]], what: str
 ) -> tuple[Extrapolation, ...]:
     """Return the worst value of each quantity of many results, and how many have it."""
-    return keep_worst(
-        (extrapolated for result in several for extrapolated in result), of=len(several), what=what
-    )
+    return keep_worst((item for result in several for item in result), of=len(several), what=what)
 
 
 # ---- Cells, as a column of text
@@ -168,11 +163,6 @@ def from_text(text: str) -> tuple[Extrapolation, ...]:
     return tuple(outside)
 
 
-_MODULES = ("altitude_m", "module_temperature")
-_BATTERY = ("altitude_m", "battery")
-_COLD_BATTERY = ("air_temperature_c", "battery")
-
-
 def add_effects(
     extrapolations: Iterable[Extrapolation],
     aircraft: Aircraft,
@@ -196,10 +186,10 @@ def add_effects(
         return notes
     critical = perf.day.at([perf.worst_scenario()])
     once = performance(aircraft, perf.mission, perf.solar, day=critical, design=perf.design)
+    pairs = ((note, _WITHOUT.get((note.quantity, note.model))) for note in notes)
     return tuple(
-        note if without is None else _add_effect(note, once, without(aircraft, once), flight_note)
-        for note in notes
-        for without in (_WITHOUT.get((note.quantity, note.model)),)
+        _add_effect(note, once, without(aircraft, once), flight_note) if without else note
+        for note, without in pairs
     )
 
 
@@ -272,9 +262,9 @@ def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Pe
 
 
 _WITHOUT = {
-    _MODULES: _with_cold_modules,
-    _BATTERY: _with_an_unheated_battery,
-    _COLD_BATTERY: _with_an_unheated_battery,
+    ("altitude_m", "module_temperature"): _with_cold_modules,
+    ("altitude_m", "battery"): _with_an_unheated_battery,
+    ("air_temperature_c", "battery"): _with_an_unheated_battery,
 }
 
 
@@ -284,7 +274,9 @@ def _add_effect(
     """Return the note with the excess times with and without an assumption."""
     other, words = without
     before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
-    before, after = map(_hours_text, (before_h, after_h))
+    before, after = (
+        "unlimited" if math.isinf(hours) else f"{hours:.2f} h" for hours in (before_h, after_h)
+    )
     change = f"stays {before}" if before == after else f"is {after} instead of {before}"
     what = f"the excess time {flight_note}".rstrip()
     place = once.day.scenarios.label(0)
@@ -293,7 +285,3 @@ def _add_effect(
         worth=f"{words} {what} {change} at {place}",
         excess_time_h=after_h if np.isfinite(after_h) else None,
     )
-
-
-def _hours_text(value_h: float) -> str:
-    return "unlimited" if math.isinf(value_h) else f"{value_h:.2f} h"

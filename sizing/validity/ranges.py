@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -21,19 +21,49 @@ EXPERIENCE = "experience"
 
 
 @dataclass(frozen=True)
-class Extrapolation:
-    """Quantity of a result outside the range in which a model holds.
+class Range:
+    """Range of a quantity in which a model holds; a row of the catalogue of ranges.
 
     Attributes
     ----------
     quantity, label, unit : str
         Key, name and unit (``1`` for none) of the quantity.
-    value : float
-        Value of the result; of several, the farthest outside.
     minimum, maximum : float or None
-        Range of the model; None for an open end.
+        Ends of the range; None for an open end, in the catalogue also for one that differs.
     model, holder, source : str
         Model of the range, as in files and in words, and the source of the range.
+    """
+
+    quantity: str
+    label: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    model: str
+    holder: str
+    source: str
+
+    @property
+    def held(self) -> str:
+        """Range in words, such as ``3 to 8 m``; empty if both ends are open."""
+        low, high = (
+            None if end is None else _readable(end, unit=self.unit)
+            for end in (self.minimum, self.maximum)
+        )
+        if low is None and high is None:
+            return ""
+        upper = f"up to {high}" if low is None else f"{low} to {high}"
+        return f"{f'from {low}' if high is None else upper} {unit_text(self.unit)}".rstrip()
+
+
+@dataclass(frozen=True)
+class Extrapolation(Range):
+    """Quantity of a result outside the range in which a model holds.
+
+    Attributes
+    ----------
+    value : float
+        Value of the result; of several, the farthest outside.
     at : str
         Condition of the value, such as an airspeed.
     scenarios : tuple of str
@@ -47,15 +77,7 @@ class Extrapolation:
         Excess time without that assumption [h]; None where it is unlimited, or not known.
     """
 
-    quantity: str
-    label: str
-    unit: str
-    value: float
-    minimum: float | None
-    maximum: float | None
-    model: str
-    holder: str
-    source: str
+    value: float = math.nan
     at: str = ""
     scenarios: tuple[str, ...] = ()
     count: int = 0
@@ -73,10 +95,9 @@ class Extrapolation:
         digits = 3
         while (value := _readable(self.value, digits, self.unit)) in ends and digits < _MOST_DIGITS:
             digits += 1
-        held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
         effect = f"; {self.worth}" if self.worth else ""
-        outside = f"outside the range of {self.holder}, {held}"
+        outside = f"outside the range of {self.holder}, {self.held}"
         return f"{self.label} {value}{unit}{self.at}{among}: {outside}{effect}"
 
     @property
@@ -89,7 +110,8 @@ class Extrapolation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields and the text, JSON-ready."""
-        return asdict(self) | {"scenarios": list(self.scenarios), "text": self.text}
+        record = {name: getattr(self, name) for name in ("quantity", "label", "unit", "value")}
+        return record | asdict(self) | {"scenarios": list(self.scenarios), "text": self.text}
 
     @classmethod
     def from_dict(cls, record: Mapping[str, Any]) -> Extrapolation:
@@ -98,38 +120,18 @@ class Extrapolation:
         return cls(**values | {"scenarios": tuple(record["scenarios"])})
 
 
-class Range(NamedTuple):
-    """Row of the catalogue of ranges; an end is None if it is open or not a constant."""
-
-    quantity: str
-    model: str
-    label: str
-    unit: str
-    holder: str
-    minimum: float | None
-    maximum: float | None
-    source: str
-
-    @property
-    def held(self) -> str:
-        """Range in words; empty where aircraft or mission give it."""
-        return range_text(self.minimum, self.maximum, self.unit)
-
-
-def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
-    """Return a range in words, such as ``3 to 8 m``; empty if both ends are open."""
-    low, high = (None if end is None else _readable(end, unit=unit) for end in (minimum, maximum))
-    if low is None and high is None:
-        return ""
-    text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
-    return f"{text} {unit_text(unit)}".rstrip()
-
-
 @cache
 def ranges() -> Mapping[tuple[str, str], Range]:
     """Return the ranges of all models, by quantity and model."""
-    rows = data_rows("validity")
-    return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
+    known = {}
+    for row in data_rows("validity"):
+        low, high = (
+            None if row[end] in ("", "own") else float(row[end]) for end in ("low", "high")
+        )
+        words = (row[name] for name in ("model", "holder", "source"))
+        held = Range(row["key"], row["label"], row["unit"], low, high, *words)
+        known[held.quantity, held.model] = held
+    return MappingProxyType(known)
 
 
 def model_error_note(altitude_m: float) -> str:
@@ -138,25 +140,11 @@ def model_error_note(altitude_m: float) -> str:
     return " as measured at 0.5 km" if known is not None and altitude_m > known else ""
 
 
-def _from_row(row: Mapping[str, str]) -> Range:
-    low, high = (None if row[end] in ("", "own") else float(row[end]) for end in ("low", "high"))
-    return Range(
-        quantity=row["key"],
-        model=row["model"],
-        label=row["label"],
-        unit=row["unit"],
-        holder=row["holder"],
-        minimum=low,
-        maximum=high,
-        source=row["source"],
-    )
-
-
 def experience(of: Parameter) -> Range:
     """Return the range of a technology parameter in which there is experience."""
     source = "sensible range of the catalogue of parameters: built or in sight; assumption"
     ends = (of.minimum, of.maximum)
-    return Range(of.key, EXPERIENCE, of.label, of.unit, EXPERIENCE, *ends, source)
+    return Range(of.key, of.label, of.unit, *ends, EXPERIENCE, EXPERIENCE, source)
 
 
 class Check(NamedTuple):
@@ -218,36 +206,24 @@ class Check(NamedTuple):
 
     def extrapolation_at(self, place: tuple[int, ...]) -> Extrapolation:
         """Return the extrapolation at an index of the arrays."""
-        shape = np.broadcast_shapes(self.value.shape, self.minimum.shape, self.maximum.shape)
-        value, low, high = (
-            float(np.broadcast_to(v, shape)[place])
-            for v in (self.value, self.minimum, self.maximum)
-        )
+        every = np.broadcast_arrays(self.value, self.minimum, self.maximum)
+        shape, (value, low, high) = every[0].shape, (float(numbers[place]) for numbers in every)
         at = ""
         if self.airspeed_m_per_s is not None:
             speed = float(np.broadcast_to(self.airspeed_m_per_s, shape)[place])
             at = f" at {speed:.1f} m/s"
-        masses = {
-            name: float(np.broadcast_to(mass, shape)[place])
+        comparison = ", ".join(
+            f"{_readable(float(np.broadcast_to(mass, shape)[place]))} kg by {name}"
             for name, mass in (self.masses_kg or {}).items()
-        }
-        comparison = ", ".join(f"{_readable(mass)} kg by {name}" for name, mass in masses.items())
-        return replace(extrapolation(self.range, value, low, high), at=at, worth=comparison)
+        )
+        return extrapolation(self.range, value, low, high, at=at, worth=comparison)
 
 
-def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapolation:
+def extrapolation(row: Range, value: float, low: float, high: float, **words: Any) -> Extrapolation:
     """Return the extrapolation of a value beyond a range, whose open ends are infinite."""
-    return Extrapolation(
-        quantity=row.quantity,
-        label=row.label,
-        unit=row.unit,
-        value=value,
-        minimum=None if math.isinf(low) else low,
-        maximum=None if math.isinf(high) else high,
-        model=row.model,
-        holder=row.holder,
-        source=row.source,
-    )
+    minimum, maximum = (None if math.isinf(end) else end for end in (low, high))
+    ends = {"minimum": minimum, "maximum": maximum}
+    return Extrapolation(**vars(row) | ends, value=value, **words)
 
 
 def _readable(value: float, digits: int = 3, unit: str = "") -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from sizing.program.objectives import RESIZE_NAMES, Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
 from sizing.results.result import Result
-from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
+from sizing.validity.checks import day_checks
 from sizing.validity.extrapolations import (
     collect_extrapolations,
     extrapolations,
@@ -33,7 +33,7 @@ from sizing.validity.extrapolations import (
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from studies.maps.season import perpetual_flags, season_of
-from studies.models.prediction import Built, Case, predict, season_record
+from studies.models.prediction import Built, Case, predict
 from studies.models.solar_models import (
     attitude_is_known,
     combinations,
@@ -49,14 +49,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Progress = Callable[[int, int], None]
-
-
-class ComparedCase(NamedTuple):
-    """Case, its mean solar energy relative to the reference minus 1 [-], and its seasons."""
-
-    case: Case
-    solar_energy_above_reference: float | None
-    season: dict[str, Any]
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,11 +84,6 @@ class Comparison(Result):
     def has_designs(self) -> bool:
         """True if an aircraft was sized with the models."""
         return any(case.built is not None for case in self.cases)
-
-    def solar_energy_above_reference(self, case: Case) -> float | None:
-        """Return mean solar energy relative to the reference minus 1 [-]."""
-        truth_wh = self.reference.prediction.mean_solar_energy_wh
-        return case.prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
 
     def perpetual_line(self) -> str:
         """Say how many models and corrections predict perpetual flight."""
@@ -141,7 +128,7 @@ class Comparison(Result):
         return {
             **vars(case.solar),
             **vars(prediction),
-            "solar_energy_above_reference": self.solar_energy_above_reference(case),
+            "solar_energy_above_reference": case.solar_energy_above_reference,
             "endurance": prediction.endurance_cell,
             "season": season.days if whole else f"{season.window_days} of {season.days}",
         }
@@ -155,25 +142,6 @@ class Comparison(Result):
             "judged_excess_time_h": judged and judged.excess_time_h,
             "judged_endurance": judged and judged.endurance_cell,
         }
-
-    @property
-    def compared_cases(self) -> tuple[ComparedCase, ...]:
-        """Cases with energy relative to the reference and the season of every latitude."""
-        latitudes = self.mission.latitudes()
-        return tuple(
-            ComparedCase(
-                case,
-                self.solar_energy_above_reference(case),
-                season_record(case.season)
-                | {
-                    "latitudes": [
-                        {"latitude_deg": lat} | season_record(season)
-                        for lat, season in zip(latitudes, case.seasons, strict=True)
-                    ]
-                },
-            )
-            for case in self.cases
-        )
 
     def to_frame(self) -> pd.DataFrame:
         """Return a row per case: keys of the record, nested keys joined by underscores."""
@@ -300,25 +268,27 @@ def compare(
             progress(next(steps), total)
 
     sun = Sunlight(aircraft, mission)
-    flags = []
+    flags = {}
     for latitude in latitudes:
-        flags.append(perpetual_flags(aircraft, mission, latitude, every))
+        flags[latitude] = perpetual_flags(aircraft, mission, latitude, every)
         advance()
     predictions = predict(
         lambda day: performance(aircraft, mission, day=day, keep_trajectory=False),
         {solar: sun.day(solar) for solar in every},
     )
+    truth_wh = predictions[reference].mean_solar_energy_wh
     cases = {}
-    for solar, prediction in zip(every, predictions, strict=True):
+    for solar, prediction in predictions.items():
         advance()
         built = None
         if sized:
             built = _size_with_model(sun, solar, reference, Objective(objective), required)
             advance()
-        days = [of_latitude[solar] for of_latitude in flags]
-        seasons = tuple(season_of(d, lat) for d, lat in zip(days, latitudes, strict=True))
-        season = season_of(np.logical_and.reduce(days), float(np.mean(latitudes)))
-        cases[solar] = Case(solar, prediction, season, seasons, built)
+        above = prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
+        seasons = {latitude: season_of(days[solar], latitude) for latitude, days in flags.items()}
+        all_year = np.logical_and.reduce([days[solar] for days in flags.values()])
+        season = season_of(all_year, float(np.mean(latitudes)))
+        cases[solar] = Case(solar, prediction, above, season, seasons, built)
     return Comparison(
         aircraft=aircraft,
         mission=mission,
@@ -338,18 +308,9 @@ def _extrapolations_of_case(
     aircraft: Aircraft, mission: Mission, sun: Sunlight, case: Case
 ) -> tuple[Extrapolation, ...]:
     """Return where the aircraft and a case's design leave the range of a model."""
-    day, design, solar = sun.day(case.solar), design_of(aircraft, mission), case.solar
-    peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * design.variables.module_area_m2
-    of_design = list(design_checks(aircraft, mission, design, solar))
-    if case.prediction.maximum_altitude_m is not None:
-        of_design = at_highest(
-            of_design, aircraft, mission, solar, case.prediction.maximum_altitude_m
-        )
-    checks = [
-        *of_design,
-        *correction_check(day.scenarios, solar, mission),
-        *charge_rate_check(aircraft, mission, design, peak_w),
-    ]
+    day, highest_m = sun.day(case.solar), case.prediction.maximum_altitude_m
+    design = design_of(aircraft, mission)
+    checks = day_checks(aircraft, mission, design, case.solar, day, highest_m)
     built = None if case.built is None else case.built.sizing.simulated
     outside = () if built is None else extrapolations(aircraft, built)
     return keep_worst([*collect_extrapolations(checks, day.scenarios), *outside])
@@ -375,29 +336,22 @@ def _size_with_model(
     if result.design is None:
         return Built(result, None)
     variables = result.design.variables
-    (prediction,) = predict(
+    judged = predict(
         lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
         {reference: sun.day(reference)},
     )
-    return Built(result, prediction)
+    return Built(result, judged[reference])
 
 
 def _notes(
     aircraft: Aircraft, mission: Mission, reference: SolarModel, *, sized: bool
 ) -> tuple[str, ...]:
-    lacking = []
-    if aircraft.modules.geometry is None:
-        lacking.append(f"modules.geometry of {aircraft.name}")
-    if mission.flight_path is None:
-        lacking.append(f"flight_path of {mission.name}")
+    lacking = [f"modules.geometry of {aircraft.name}"] * (aircraft.modules.geometry is None)
+    lacking += [f"flight_path of {mission.name}"] * (mission.flight_path is None)
     if lacking:
         return (
             f"VM, FM and the loiter correction need {' and '.join(lacking)}; without, corrected "
             f"{reference.model} is the reference",
         )
-    if sized:
-        return (
-            "the reference flies the path of the mission at its airspeed, whatever the design's "
-            "own",
-        )
-    return ()
+    own = "the reference flies the path of the mission at its airspeed, whatever the design's own"
+    return (own,) if sized else ()

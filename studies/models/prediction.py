@@ -11,7 +11,6 @@ import numpy as np
 from missions.dates import date_code
 from sizing.day.light import SolarDay, SolarModel
 from sizing.day.metrics import SUFFICIENT, Cycle, Status
-from sizing.design import Design
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
@@ -125,11 +124,6 @@ class Built:
         return f"{noun} of {value:{form}} {objective.unit}"
 
     @property
-    def design(self) -> Design | None:
-        """Design of the sizing."""
-        return self.sizing.design
-
-    @property
     def promised_excess_time_h(self) -> float | None:
         """Excess time by the model of the sizing [h]."""
         return self.value(Objective.max_excess_time)
@@ -153,18 +147,25 @@ _RESULTS = {
 class Case:
     """Results of a model with a correction.
 
+    ``solar_energy_above_reference``: mean solar energy over the reference's, minus 1 [-].
     ``season``: days of perpetual flight at all latitudes of the mission, ``seasons``: at each.
     """
 
     solar: SolarModel
     prediction: Prediction
+    solar_energy_above_reference: float | None
     season: Season
-    seasons: tuple[Season, ...]
+    seasons: Mapping[float, Season]
     built: Built | None
 
+    @property
+    def season_record(self) -> dict[str, Any]:
+        """Days of perpetual flight in the year, at all latitudes and at each, JSON-ready."""
+        each = [{"latitude_deg": lat} | _season(season) for lat, season in self.seasons.items()]
+        return _season(self.season) | {"latitudes": each}
 
-def season_record(season: Season) -> dict[str, Any]:
-    """Return the days of perpetual flight in the year, JSON-ready."""
+
+def _season(season: Season) -> dict[str, Any]:
     return {
         "days": season.days,
         "window_days": season.window_days,
@@ -175,62 +176,57 @@ def season_record(season: Season) -> dict[str, Any]:
 
 def predict(
     simulate: Callable[[SolarDay], Performance], days: Mapping[SolarModel, SolarDay]
-) -> list[Prediction]:
+) -> dict[SolarModel, Prediction]:
     """Predict an aircraft's worst scenario under the sun of each model.
 
     ``simulate``: function that returns the performance under the sun of scenarios, called for all
     models together. ``days``: sun of the same scenarios by each model.
     """
-    count, suns = len(days), list(days.values())
-    results = simulate(SolarDay.joined(suns))
+    count = len(days)
+    results = simulate(SolarDay.joined(list(days.values())))
     cycle, highest_m = results.cycle, results.maximum_altitude_m
     worst = np.argmin(cycle.excess_time_h.reshape(count, -1), axis=-1)
     places = worst + np.arange(count) * (len(cycle.excess_time_h) // count)
-    alone = [sun.at([place]) for sun, place in zip(suns, worst, strict=True)]
-    margins = simulate(
-        SolarDay.joined(
-            [
-                sun.scaled(1.0 + sign * solar.rms_relative)
-                for sign in (-1.0, 1.0)
-                for solar, sun in zip(days, alone, strict=True)
-            ]
-        )
-    )
-    low, high = margins.cycle.excess_time_h.reshape(2, count)
+    alone = [sun.at([place]) for sun, place in zip(days.values(), worst, strict=True)]
+    scaled = [
+        sun.scaled(1.0 + sign * solar.rms_relative)
+        for sign in (-1.0, 1.0)
+        for solar, sun in zip(days, alone, strict=True)
+    ]
+    low_h, high_h = simulate(SolarDay.joined(scaled)).cycle.excess_time_h.reshape(2, count)
     hours, launch_h = np.full(count, np.inf), np.zeros(count)
     limited = np.flatnonzero(~cycle.perpetual[places])
     if limited.size:
         longest = simulate(SolarDay.joined([alone[number] for number in limited])).endurances
         hours[limited], launch_h[limited] = longest.endurance_h, longest.launch_h
     solar_wh = np.asarray(cycle.energy_budget.solar_wh)
-    return [
-        _prediction(
-            suns[number],
+    mean_wh = solar_wh.reshape(count, -1).mean(axis=-1)
+    return {
+        solar: _prediction(
+            day,
             cycle,
-            (int(worst[number]), int(places[number])),
-            excess_h=(float(low[number]), float(high[number])),
-            flight_h=(float(launch_h[number]), float(hours[number])),
-            mean_solar_wh=float(mean_wh),
-            highest_m=None if highest_m is None else float(highest_m[places[number]]),
+            (int(worst[i]), int(places[i])),
+            (float(launch_h[i]), float(hours[i])),
+            excess_time_low_h=float(low_h[i]),
+            excess_time_high_h=float(high_h[i]),
+            mean_solar_energy_wh=float(mean_wh[i]),
+            maximum_altitude_m=None if highest_m is None else float(highest_m[places[i]]),
         )
-        for number, mean_wh in enumerate(solar_wh.reshape(count, -1).mean(axis=-1))
-    ]
+        for i, (solar, day) in enumerate(days.items())
+    }
 
 
 def _prediction(
     day: SolarDay,
     cycle: Cycle,
     at: tuple[int, int],
-    *,
-    excess_h: tuple[float, float],
     flight_h: tuple[float, float],
-    mean_solar_wh: float,
-    highest_m: float | None,
+    **others: Any,
 ) -> Prediction:
-    """Return the prediction of a model.
+    """Return a model's prediction.
 
-    ``at``: index of the worst scenario in ``day``, and in ``cycle``. ``excess_h``: its excess time
-    with one RMS error less and more sun. ``flight_h``: launch and length of the longest flight.
+    ``at``: index of the worst scenario in ``day``, and in ``cycle``. ``flight_h``: launch and
+    length of the longest flight.
     """
     worst, place = at
     morning_h = float(cycle.equal_power_morning_h[place])
@@ -241,8 +237,6 @@ def _prediction(
         several_scenarios=len(day.scenarios) > 1,
         status=Status(int(cycle.status[place])),
         excess_time_h=float(cycle.excess_time_h[place]),
-        excess_time_low_h=excess_h[0],
-        excess_time_high_h=excess_h[1],
         minimum_state_of_charge=float(cycle.minimum_state_of_charge[place]),
         charge_margin_h=float(cycle.charge_margin_h[place]),
         endurance_h=flight_h[1],
@@ -250,8 +244,7 @@ def _prediction(
         polar_day=float(day.sunset_h[worst] - day.sunrise_h[worst]) >= 24.0,
         power_exceeds_load=bool(np.isfinite(morning_h)),
         solar_energy_wh=float(cycle.energy_budget.solar_wh[place]),
-        mean_solar_energy_wh=mean_solar_wh,
-        maximum_altitude_m=highest_m,
+        **others,
     )
 
 

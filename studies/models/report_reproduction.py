@@ -9,7 +9,8 @@ UAVs", table 3 and section 4.1.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,29 +65,20 @@ WINDOWS = (
 )
 
 
-@dataclass(frozen=True)
-class Varied:
-    """Reproduction with one changed assumption."""
-
-    assumption: str
-    value: str
-    result: Reproduction
-
-
 @dataclass(frozen=True, repr=False)
 class Reproduction(Result):
     """Computed mean powers against the report's.
 
     ``aircraft``, ``mission``: of the flight, with the assumptions. ``models_w``: mean of every
     model over the whole period [W]. ``windows_w``: mean of the Full Model in each window [W].
-    ``varied``: results with one assumption changed at a time, empty unless requested.
+    ``varied``: results with one assumption changed at a time, by its name and value.
     """
 
     aircraft: Aircraft
     mission: Mission
     models_w: dict[ModelName, float]
     windows_w: tuple[float, ...]
-    varied: tuple[Varied, ...] = ()
+    varied: Mapping[tuple[str, str], Reproduction] = field(default_factory=dict)
 
     def tables(self) -> tuple[Table, ...]:
         """Return published against computed means and, if requested, varied assumptions."""
@@ -116,7 +108,7 @@ class Reproduction(Result):
             (Column("assumption"), *(Column(head, unit="W", form=".1f") for head in heads)),
             (
                 ("as stated", *self._means_w()),
-                *((f"{v.assumption} {v.value}", *v.result._means_w()) for v in self.varied),
+                *((" ".join(changed), *r._means_w()) for changed, r in self.varied.items()),
             ),
         )
 
@@ -135,12 +127,12 @@ class Reproduction(Result):
             "assumptions": assumptions(self.mission),
             "sensitivities": [
                 {
-                    "assumption": v.assumption,
-                    "value": v.value,
-                    "models_w": v.result.models_w,
-                    "windows_w": list(v.result.windows_w),
+                    "assumption": assumption,
+                    "value": value,
+                    "models_w": result.models_w,
+                    "windows_w": list(result.windows_w),
                 }
-                for v in self.varied
+                for (assumption, value), result in self.varied.items()
             ],
         }
 
@@ -197,11 +189,11 @@ def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Re
     for window in WINDOWS:
         time_h = _time_axis_h(window.from_h, window.to_h)
         windows.append(_mean(power_w(aircraft, mission, "FM", time_h), time_h))
-    varied = [
-        Varied(name, value, reproduce(aircraft, changed))
+    varied = {
+        (name, value): reproduce(aircraft, changed)
         for name, value, changed in (_variations(mission) if vary else ())
-    ]
-    return Reproduction(aircraft, mission, models, tuple(windows), tuple(varied))
+    }
+    return Reproduction(aircraft, mission, models, tuple(windows), varied)
 
 
 def _variations(mission: Mission) -> list[tuple[str, str, Mission]]:
