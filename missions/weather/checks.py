@@ -21,11 +21,11 @@ from missions.weather.record import (
     TYPICAL_YEAR,
     Site,
     Weather,
-    day_of_year,
     runs_of,
+    sun_over,
 )
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
-from solar.sun import SECONDS_PER_DAY, cos_zenith, declination, hour_angle, solar_time_h
+from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Up to here a gap is bridged between its neighbours; a longer one takes the day next to it.
@@ -36,6 +36,7 @@ MAXIMUM_IMPOSSIBLE = 0.01  # share of a record whose values cannot be true, whic
 MAXIMUM_DAYS = 366 * 60
 EARLIEST_YEAR, LATEST_YEAR = 1900, 2200
 LIGHT = ("ghi", "dni", "dhi")
+_LINE = "line of the row"
 _NIGHT_NOISE = 20.0  # light in darkness up to here is the noise of an instrument [W/m2]
 _DARKEST = 0.01  # of a clear sky's light: no record of a day or more is darker
 _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
@@ -60,19 +61,21 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     if "ghi" not in logged and len(logged) < 2:
         raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
     grid = _place_on_grid(start_s, interval_s, values, lines, source)
-    sun = _Sun.over(raw.site, grid.start_s, interval_s)
-    missing, repairs = len(grid.lines) - len(lines), []
+    start_s, of_line = grid.index.to_numpy(), grid.pop(_LINE).to_numpy()
+    columns = {str(name): column.to_numpy(copy=True) for name, column in grid.items()}
+    sun = _Sun.over(raw.site, start_s, interval_s)
+    missing, repairs = len(of_line) - len(lines), []
     if stride > 1:
         apart, each = (f"{one_s / SECONDS_PER_HOUR:g} h" for one_s in (apart_s, interval_s))
         text = f"rows {apart} apart have the light of {each} each: shares of the clear sky between"
         repairs.append(text)
     elif missing:
-        repairs.append(f"{missing} of {len(grid.lines)} rows are missing")
-    light = {name: grid.values[name] for name in LIGHT if name in values}
+        repairs.append(f"{missing} of {len(of_line)} rows are missing")
+    light = {name: columns[name] for name in LIGHT if name in values}
     repairs += _zero_night_noise(light, sun)
-    repairs += _drop_impossible(light, sun, source, grid.lines)
+    repairs += _drop_impossible(light, sun, source, of_line)
     light = _complete_light(light, sun, repairs)
-    repairs += _fill_gaps(light, sun, interval_s, source, grid.start_s, stride=stride)
+    repairs += _fill_gaps(light, sun, interval_s, source, start_s, stride=stride)
     if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
     share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
@@ -82,17 +85,15 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         raise file_error(source, message)
     air = {}
     for quantity in (TEMPERATURE, WIND):
-        air[quantity], notes = checked_air(quantity, grid.values, grid.lines, source, stride=stride)
+        air[quantity], notes = checked_air(quantity, columns, of_line, source, stride=stride)
         repairs += notes
     return Weather(
         source=source,
         layout=raw.layout,
         site=raw.site,
-        start_s=grid.start_s,
+        start_s=start_s,
         interval_s=interval_s,
-        ghi=light["ghi"],
-        dni=light["dni"],
-        dhi=light["dhi"],
+        **light,
         temperature_c=air[TEMPERATURE],
         wind_m_per_s=air[WIND],
         typical=typical,
@@ -167,23 +168,18 @@ def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
     return np.asarray(time_s + passed_s - raw.site.utc_offset_h * SECONDS_PER_HOUR)
 
 
-@dataclass(frozen=True)
-class _Grid:
-    """Values on an even time axis; NaN and line -1 where there is no row."""
-
-    start_s: FloatArray
-    values: dict[str, FloatArray]
-    lines: IntArray
-
-
 def _place_on_grid(
     start_s: FloatArray,
     interval_s: float,
     values: dict[str, FloatArray],
     lines: IntArray,
     source: str,
-) -> _Grid:
-    """Place rows on an even time axis; rows between its points are errors."""
+) -> pd.DataFrame:
+    """Place rows on an even time axis; rows between its points are errors.
+
+    Returns the values by the start of each interval, with the line of each row; NaN and line -1
+    where there is no row.
+    """
     place = (start_s - start_s[0]) / interval_s
     nearest = np.rint(place).astype(int)
     off = np.flatnonzero(np.abs(place - nearest) > 0.02)
@@ -193,12 +189,9 @@ def _place_on_grid(
     count = int(nearest[-1]) + 1
     if count * interval_s > MAXIMUM_DAYS * SECONDS_PER_DAY:
         raise file_error(source, f"spans more than {MAXIMUM_DAYS // 366} years")
-    placed = {name: np.full(count, np.nan) for name in values}
-    for name, column in values.items():
-        placed[name][nearest] = column
-    of_line = np.full(count, -1)
-    of_line[nearest] = lines
-    return _Grid(start_s[0] + interval_s * np.arange(count), placed, of_line)
+    rows = pd.DataFrame(values | {_LINE: lines}, index=nearest).reindex(range(count))
+    rows.index = pd.Index(start_s[0] + interval_s * np.arange(count))
+    return rows.fillna({_LINE: -1}).astype({_LINE: int})
 
 
 _SUN_STEP_S = 900.0  # a quarter of an hour: the sun moves by less than 4 degrees
@@ -220,15 +213,13 @@ class _Sun:
 
     @classmethod
     def over(cls, site: Site, start_s: FloatArray, interval_s: float) -> _Sun:
-        at_ends = (_cos_zenith(site, start_s + share * interval_s) for share in (0.0, 1.0))
-        middle_s = start_s + interval_s / 2.0
-        cosine = _cos_zenith(site, middle_s)
+        at_ends = (sun_over(site, start_s + share * interval_s)[2] for share in (0.0, 1.0))
+        middle_day, _, cosine = sun_over(site, start_s + interval_s / 2.0)
         clear = dict.fromkeys((*LIGHT, "level"), np.zeros(len(start_s)))
         steps = max(1, round(interval_s / _SUN_STEP_S))
         for share in (np.arange(steps) + 0.5) / steps:
-            at_s = start_s + share * interval_s
-            up = _cos_zenith(site, at_s)
-            sky = clear_sky(day_of_year(at_s), site.latitude_deg, up, site.altitude_m)
+            day, _, up = sun_over(site, start_s + share * interval_s)
+            sky = clear_sky(day, site.latitude_deg, up, site.altitude_m)
             parts = (global_horizontal(sky, up), sky.dni, sky.dhi, sky.dni * np.maximum(up, 0.0))
             clear = {
                 name: clear[name] + part / steps for name, part in zip(clear, parts, strict=True)
@@ -236,15 +227,7 @@ class _Sun:
         level, dni = clear.pop("level"), clear["dni"]
         of_beam = np.where(dni > 1.0, level / np.maximum(dni, 1.0), np.maximum(cosine, 0.0))
         highest = np.maximum.reduce([cosine, *at_ends])
-        return cls(
-            cosine, highest, of_beam, extraterrestrial_irradiance(day_of_year(middle_s)), clear
-        )
-
-
-def _cos_zenith(site: Site, time_s: FloatArray) -> FloatArray:
-    day = day_of_year(time_s)
-    solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
-    return cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
+        return cls(cosine, highest, of_beam, extraterrestrial_irradiance(middle_day), clear)
 
 
 def _zero_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
@@ -341,14 +324,20 @@ def _fill_gaps(
 ) -> list[str]:
     """Fill missing light with shares of the clear sky, in place; every ``stride``-th is a row."""
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)
-    _check_gaps(empty, interval_s, source, start_s)
+    begin, stop = max(_gaps(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
+    if (gap_h := (stop - begin) * interval_s / SECONDS_PER_HOUR) > LONGEST_GAP_H:
+        when = np.datetime64(int(start_s[begin]), "s")
+        raise file_error(
+            source,
+            f"has a gap of {gap_h / 24:.1f} days from {when} UTC; allowed: at most "
+            f"{LONGEST_GAP_H / 24:g} days, which are filled",
+        )
     for values in light.values():
         values[np.isnan(values) & (sun.highest < 0.0)] = 0.0  # a night without rows is no gap
     empty &= sun.highest >= 0.0
     count = int(np.count_nonzero(empty))
     if not count:
         return []
-    gaps = _gaps(empty)
     if len(empty) - count < (1.0 - MAXIMUM_FILLED) * len(empty) / stride:
         raise file_error(
             source,
@@ -357,14 +346,17 @@ def _fill_gaps(
         )
     per_day = round(SECONDS_PER_DAY / interval_s)
     copied = 0
-    for begin, stop in gaps:
+    for begin, stop in _gaps(empty):
         short = (stop - begin) * interval_s <= SHORT_GAP_H * SECONDS_PER_HOUR
         copied += 0 if short else stop - begin
         for name, values in light.items():
             clear = sun.clear[name]
             daylight = clear > 10.0
             share = np.where(daylight, values / np.where(daylight, clear, 1.0), np.nan)
-            bridge = _interpolate_gap(share, begin, stop)
+            known = np.flatnonzero(np.isfinite(share))
+            bridge = np.ones(stop - begin)
+            if len(known):
+                bridge = np.interp(np.arange(begin, stop), known, share[known])
             fill = bridge if short else _copy_nearest_days(share, bridge, begin, per_day)
             values[begin:stop] = fill * clear[begin:stop]
     notes = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
@@ -373,31 +365,10 @@ def _fill_gaps(
     return notes
 
 
-def _check_gaps(empty: BoolArray, interval_s: float, source: str, start_s: FloatArray) -> None:
-    """Refuse a gap that is too long to fill."""
-    begin, stop = max(_gaps(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
-    gap_h = (stop - begin) * interval_s / SECONDS_PER_HOUR
-    if gap_h > LONGEST_GAP_H:
-        when = np.datetime64(int(start_s[begin]), "s")
-        raise file_error(
-            source,
-            f"has a gap of {gap_h / 24:.1f} days from {when} UTC; allowed: at most "
-            f"{LONGEST_GAP_H / 24:g} days, which are filled",
-        )
-
-
 def _gaps(empty: BoolArray) -> list[tuple[int, int]]:
     """Return begin and end of every gap."""
     begin, stop = runs_of(empty)
     return list(zip(begin.tolist(), stop.tolist(), strict=True))
-
-
-def _interpolate_gap(share: FloatArray, begin: int, stop: int) -> FloatArray:
-    """Interpolate shares across a gap."""
-    known = np.flatnonzero(np.isfinite(share))
-    if not len(known):
-        return np.ones(stop - begin)
-    return np.interp(np.arange(begin, stop), known, share[known])
 
 
 def _copy_nearest_days(

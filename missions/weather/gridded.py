@@ -20,15 +20,16 @@ import pandas as pd
 
 from missions.air import GRAVITY_M_PER_S2, ZERO_CELSIUS_K, pressure_altitude_m
 from missions.files.errors import file_error
-from missions.files.texts import open_plain
 from missions.mission import Mission
 from missions.weather.checks import MISSING
-from missions.weather.raw import END, START, RawTable, text_of
+from missions.weather.raw import END, START, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds.netcdf import (
     AXES,
     altitudes_m,
+    by_unit,
     east_deg,
+    find_variable,
     latitudes_deg,
     merged_versions,
     nearest_longitude,
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_MAGIC = (b"CDF", b"\x89HDF")
 _SHORTWAVE = "surface_downwelling_shortwave_flux_in_air"
 # Names of a quantity in files: short names of ERA5 (accumulated, then mean rates), NASA POWER,
 # pvlib, and the CF standard name.
@@ -67,19 +67,10 @@ _SINCE_MIDNIGHT = "light summed up from 00 UTC, as of ERA5-Land, taken apart by 
 _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
-def is_netcdf(path: Path) -> bool:
-    """Return true for a regular file that begins as NetCDF does."""
-    try:
-        with open_plain(path) as file:
-            return file.read(4).startswith(_MAGIC)
-    except OSError:
-        return False
-
-
 def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
     """Read the grid point nearest to a mission, the only one without a mission."""
     with opened(str(path), source) as data:
-        known = {key: _find_variable(data, names) for key, names in _NAMES.items()}
+        known = {key: find_variable(data, names) for key, names in _NAMES.items()}
         first = next((variable for variable in known.values() if variable is not None), None)
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
@@ -96,13 +87,13 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
         time = _axis_name(data, "time", source)
         index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
-    table = _make_table("NetCDF", columns, index, (latitude, longitude), passed, source=source)
+    table = _make_table(columns, index, (latitude, longitude), passed, source=source)
     return table._replace(air_altitude_m=air_m)
 
 
-def read_era5_csv(path: Path, source: str) -> RawTable:
+def read_era5_csv(text: str, source: str) -> RawTable:
     """Read ERA5 hourly time series, CSV of the Climate Data Store."""
-    data = _csv(path, 0)
+    data = pd.read_csv(io.StringIO(text))
     if "expver" in data:  # final and preliminary rows, each with gaps where the other one stands
         data = data.sort_values(["valid_time", "expver"], kind="stable")
         data = data.groupby("valid_time", as_index=False).first()
@@ -116,18 +107,18 @@ def read_era5_csv(path: Path, source: str) -> RawTable:
     }
     index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
     place = (ends[0], east_deg(ends[1]))
-    return _make_table("ERA5", columns, index, place, END, source=source)._replace(first_line=2)
+    return _make_table(columns, index, place, END, source=source)._replace(first_line=2)
 
 
-def read_power_csv(path: Path, source: str) -> RawTable:
+def read_power_csv(text: str, source: str) -> RawTable:
     """Read NASA POWER's hourly point data."""
-    head, _, _ = text_of(path).partition("-END HEADER-")
+    head = text[: text.find("-END HEADER-")] if "-END HEADER-" in text else text
     place = re.search(r"latitude\s+(-?[\d.]+)\s+longitude\s+(-?[\d.]+)", head, re.IGNORECASE)
     ground = re.search(r"elevation.*=\s*(-?[\d.]+)\s*meters", head, re.IGNORECASE)
     if place is None:
         raise file_error(source, "does not name its place: write it with its first lines")
     latitude, longitude = float(place[1]), float(place[2])
-    data = _csv(path, head.count("\n") + 1)
+    data = pd.read_csv(io.StringIO(text), skiprows=head.count("\n") + 1)
     columns = {
         key: np.where(
             np.isin(values, MISSING) & (values < 0.0),
@@ -146,7 +137,7 @@ def read_power_csv(path: Path, source: str) -> RawTable:
         notes = (f"local solar time taken as UTC{ahead_h:+d} h, that of its belt of 15 degrees",)
     if ground is not None and float(ground[1]) not in MISSING:
         columns["ground"] = np.array([float(ground[1])])
-    table = _make_table("NASA POWER", columns, index, (latitude, longitude), START, source=source)
+    table = _make_table(columns, index, (latitude, longitude), START, source=source)
     return table._replace(first_line=head.count("\n") + 3, notes=(*notes, *table.notes))
 
 
@@ -155,10 +146,6 @@ def _unit_of(head: str, key: str) -> str:
     names = "|".join(map(re.escape, _NAMES[key]))
     match = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
     return _POWER_UNITS.get(key, "m") if match is None else match[1].strip()
-
-
-def _csv(path: Path, skip: int) -> pd.DataFrame:
-    return pd.read_csv(io.StringIO(text_of(path)), skiprows=skip)
 
 
 def _known_columns(data: pd.DataFrame) -> dict[str, FloatArray]:
@@ -172,7 +159,6 @@ def _known_columns(data: pd.DataFrame) -> dict[str, FloatArray]:
 
 
 def _make_table(
-    layout: str,
     columns: dict[str, FloatArray],
     index: pd.DatetimeIndex,
     place: tuple[float, float],
@@ -182,9 +168,7 @@ def _make_table(
 ) -> RawTable:
     """Make a table of a file's columns; diffuse light is global less direct horizontal light."""
     light = columns.keys() & {"ghi", "direct"}
-    apart = (
-        {key: _means_between_rows(columns[key], index) for key in light} if passed == END else {}
-    )
+    apart = {key: _means_between_rows(columns[key], index) for key in light if passed == END}
     since_midnight = bool(apart) and all(values is not None for values in apart.values())
     columns |= {key: values for key, values in apart.items() if values is not None}
     if {"direct", "ghi"} <= columns.keys() and "dhi" not in columns:
@@ -208,7 +192,7 @@ def _make_table(
     notes = ((_SINCE_MIDNIGHT,) if since_midnight else ()) + ((_SEA_LEVEL,) if flat else ())
     site = Site("", *place, 0.0 if flat else ground_m, 0.0)
     hour_s = SECONDS_PER_HOUR if passed == END and not since_midnight else None
-    return RawTable(layout, site, table, passed, interval_s=hour_s, notes=notes)
+    return RawTable(site, table, passed, interval_s=hour_s, notes=notes)
 
 
 def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
@@ -232,15 +216,6 @@ def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArr
     return np.where(since_s > 1.5 * np.median(steps_s), np.nan, mean)
 
 
-def _find_variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
-    """Return a quantity's variable by the first of its names."""
-    for name in names:
-        for key, variable in data.data_vars.items():
-            if name in (key, variable.attrs.get("standard_name")):
-                return variable
-    return None
-
-
 def _axis_name(data: Any, axis: str, source: str) -> str:
     names = AXES[axis]
     name = next((name for name in names if name in data.coords), None)
@@ -259,25 +234,23 @@ def _nearest_point(
     for name, values in zip(names.values(), (north, east), strict=True):
         if not len(values) or not np.all(np.isfinite(values)):
             raise file_error(source, f"has a {name} without values, or one that is no number")
-    mission_deg: tuple[float | None, float | None] = (None, None)
-    if mission is not None:
-        mission_deg = (mission.latitudes()[0], mission.longitude_deg)
-    for values, key, degrees in zip(
-        (north, east), ("latitude_deg", "longitude_deg"), mission_deg, strict=True
+    to_north = None if mission is None else mission.latitudes()[0]
+    to_east = None if mission is None else mission.longitude_deg
+    for values, key, degrees in (
+        (north, "latitude_deg", to_north),
+        (east, "longitude_deg", to_east),
     ):
         if degrees is None and len(values) > 1:
             message = f"has {len(values)} values of {key}: give {key} on the mission"
             raise file_error(source, message)
-    i = 0 if mission_deg[0] is None else int(np.argmin(np.abs(north - mission_deg[0])))
+    i = 0 if to_north is None else int(np.argmin(np.abs(north - to_north)))
     spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
-    if mission_deg[0] is not None and abs(north[i] - mission_deg[0]) > spacing:
+    if to_north is not None and abs(north[i] - to_north) > spacing:
         ends = f"{north.min():g} to {north.max():g}"
-        raise file_error(source, f"has latitudes {ends}, not {mission_deg[0]:g} of the mission")
-    j = (
-        0
-        if mission_deg[1] is None or len(east) == 1
-        else nearest_longitude(east, mission_deg[1], source)
-    )
+        raise file_error(source, f"has latitudes {ends}, not {to_north:g} of the mission")
+    j = 0
+    if to_east is not None and len(east) > 1:
+        j = nearest_longitude(east, to_east, source)
     place = {names["latitude"]: i, names["longitude"]: j}
     return place, float(north[i]), east_deg(float(east[j]))
 
@@ -320,32 +293,25 @@ def _values_at_point(
 
 def _convert_units(values: FloatArray, unit: str, key: str, source: str) -> FloatArray:
     """Convert values to W/m2, C, m/s, m or Pa."""
-    plain = unit.replace("**", "^").replace(" ", "").replace("·", "").replace("-", "^-", 1).lower()
-    for of, factors in _UNITS.items():
-        if key in of:
-            for names, change in factors:
-                if plain.replace("^^-", "^-") in names:
-                    return change(values)
-            allowed = ", ".join(names[0] for names, _ in factors)
-            raise file_error(source, f"has {key} in {unit or 'no unit'} (known: {allowed})")
-    return values
+    units = next((units for keys, units in _UNITS.items() if key in keys), None)
+    return values if units is None else by_unit(units, unit, key, source)(values)
 
 
 _Change = Callable[[FloatArray], FloatArray]
-_UNITS: dict[tuple[str, ...], tuple[tuple[tuple[str, ...], _Change], ...]] = {
-    ("ghi", "direct", "dni", "dhi"): (
-        (("jm^-2", "j/m^2", "j/m2"), lambda v: v / SECONDS_PER_HOUR),
-        (("wm^-2", "w/m^2", "w/m2", "whm^-2", "wh/m^2", "wh/m2", "kw^-hr/m^2/day"), lambda v: v),
-        (("mjm^-2", "mj/m^2", "mj/hr", "mj/m^2/hr"), lambda v: v * 1e6 / SECONDS_PER_HOUR),
-    ),
-    ("temp_air",): (
-        (("k", "kelvin"), lambda v: v - ZERO_CELSIUS_K),
-        (("c", "degc", "degree_celsius", "celsius", "°c"), lambda v: v),
-    ),
-    ("wind_speed", "u", "v"): ((("ms^-1", "m/s"), lambda v: v),),
-    ("ground",): (
-        (("m^2s^-2", "m2s^-2", "m^2/s^2"), lambda v: v / GRAVITY_M_PER_S2),
-        (("m", "meters", "metres"), lambda v: v),
-    ),
-    ("pressure",): ((("pa",), lambda v: v), (("hpa", "mbar"), lambda v: 100.0 * v)),
+_UNITS: dict[tuple[str, ...], dict[tuple[str, ...], _Change]] = {
+    ("ghi", "direct", "dni", "dhi"): {
+        ("jm^-2", "j/m^2"): lambda v: v / SECONDS_PER_HOUR,
+        ("wm^-2", "w/m^2", "whm^-2", "wh/m^2", "kw-hr/m^2/day"): lambda v: v,
+        ("mjm^-2", "mj/m^2", "mj/hr", "mj/m^2/hr"): lambda v: v * 1e6 / SECONDS_PER_HOUR,
+    },
+    ("temp_air",): {
+        ("k", "kelvin"): lambda v: v - ZERO_CELSIUS_K,
+        ("c", "degc", "degree_celsius", "celsius", "°c"): lambda v: v,
+    },
+    ("wind_speed", "u", "v"): {("ms^-1", "m/s"): lambda v: v},
+    ("ground",): {
+        ("m^2s^-2", "m^2/s^2"): lambda v: v / GRAVITY_M_PER_S2,
+        ("m", "meters", "metres"): lambda v: v,
+    },
+    ("pressure",): {("pa",): lambda v: v, ("hpa", "mbar"): lambda v: 100.0 * v},
 }

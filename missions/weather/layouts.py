@@ -23,9 +23,9 @@ import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
 from missions.mission import Mission
-from missions.weather.gridded import is_netcdf, read_era5_csv, read_netcdf, read_power_csv
+from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.plain import read_plain
-from missions.weather.raw import END, MIDDLE, START, RawTable, as_file, head_of, text_of
+from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
 from missions.weather.record import TYPICAL_YEAR, Site
 
 
@@ -34,19 +34,19 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
 
     ``mission``: its place chooses the point of gridded data.
     """
-    layout = "NetCDF" if is_netcdf(path) else layout_of(path, source)
+    text, layout = text_of(path, source), "NetCDF"
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the errors below say what is wrong
-            if layout == "NetCDF":
+            if text is None:
                 raw = read_netcdf(path, source, mission)
             else:
-                raw = _READERS.get(layout, read_plain)(path, source)
+                head = text[:HEAD_LENGTH]
+                layout, read = next((n, read) for n, key, read in _LAYOUTS if re.match(key, head))
+                raw = read(text, source)._replace(layout=layout)
         _check_place(raw.site, source)
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
-    except InputError:
-        raise
-    except (RecursionError, MemoryError):
+    except (InputError, RecursionError, MemoryError):
         raise
     except Exception as error:  # of a reader that was given a damaged file
         reason = printable(" ".join(str(error).split())[:160])
@@ -76,41 +76,11 @@ def _check_place(site: Site, source: str) -> None:
             raise file_error(source, f"has its site at the {name} {value:g}; {allowed}")
 
 
-def layout_of(path: Path, source: str) -> str:
-    """Return the layout of a weather file by its first lines, ``CSV`` for any other table."""
-    head = head_of(path, source)
-    first = head[0] if head else ""
-    text = "\n".join(head)
-    if first.startswith("LOCATION,"):
-        return "EPW"
-    if re.match(r" ?\d{5} .{22} [A-Z]{2} +-?\d+ [NS] ", first):
-        return "TMY2"
-    if len(head) > 1 and "ETR (W/m^2)" in head[1]:
-        return "TMY3"
-    if "time(UTC),T2m" in text:
-        return "PVGIS typical year"
-    if first.startswith("{") and '"inputs"' in text and '"meteo_data"' in text:
-        return "PVGIS hourly" if '"mounting_system"' in text else "PVGIS typical year"
-    if first.startswith("Latitude (decimal degrees)"):
-        return "PVGIS typical year" if "month,year" in text else "PVGIS hourly"
-    fields = {name.strip().lower() for name in first.split(",")}
-    if len(head) > 1 and all(fields & set(names) for names in _SAM_HEAD.values()):
-        return _sam_layout(head[1].split(","))
-    if re.match(r"\*[UC]0001", first):
-        return "BSRN"
-    if first.startswith("-BEGIN HEADER-") and "NASA/POWER" in text:
-        return "NASA POWER"
-    if "valid_time" in first and "ssrd" in first:
-        return "ERA5"
-    return "CSV"
-
-
-def _epw(path: Path, source: str) -> RawTable:
-    text = text_of(path)
+def _epw(text: str, source: str) -> RawTable:
     table, meta = _iotools(source).read_epw(io.StringIO(text))
     place = str(meta.get("city", "")).strip()
     name = "" if place.lower() in ("unknown", "-") else place.title()
-    site = Site(name, *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"))
+    site = _site(source, name, meta, zone="TZ")
     records = int(table.groupby(table.index).size().median())
     if records > 1:  # pvlib leaves out the minutes, which end a record but where the first is zero
         ends = 0 if (table["minute"] == 0).any() else 60 / records
@@ -125,13 +95,13 @@ def _epw(path: Path, source: str) -> RawTable:
         offset_s = 3600.0 * (1.0 + float(instant[1])) if instant else 0.0
         notes = () if instant else ("hours taken as UTC, as PVGIS before 5.3 wrote them",)
         utc = replace(site, utc_offset_h=0.0)
-        return RawTable("EPW", utc, table, MIDDLE, offset_s=offset_s, first_line=9, notes=notes)
+        return RawTable(utc, table, MIDDLE, offset_s=offset_s, first_line=9, notes=notes)
     # An hour of 1 is the first of the day, and pvlib gives its start.
-    return RawTable("EPW", site, table, START, first_line=9)
+    return RawTable(site, table, START, first_line=9)
 
 
-def _tmy2(path: Path, source: str) -> RawTable:
-    with as_file(path) as plain:
+def _tmy2(text: str, source: str) -> RawTable:
+    with as_file(text) as plain:
         table, meta = _iotools(source).read_tmy2(plain)
     table = table.rename(
         columns={"GHI": "ghi", "DNI": "dni", "DHI": "dhi", "DryBulb": "temp_air", "Wspd": "wind"}
@@ -139,36 +109,26 @@ def _tmy2(path: Path, source: str) -> RawTable:
     # Tenths in the file.
     table["temp_air"] = table["temp_air"] / 10.0
     table["wind_speed"] = table.pop("wind") / 10.0
-    site = Site(
-        str(meta["City"]).strip().title(),
-        *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"),
-    )
-    return RawTable("TMY2", site, table, START, first_line=2)
+    site = _site(source, str(meta["City"]).strip().title(), meta, zone="TZ")
+    return RawTable(site, table, START, first_line=2)
 
 
-def _tmy3(path: Path, source: str) -> RawTable:
-    table, meta = _iotools(source).read_tmy3(io.StringIO(text_of(path)), map_variables=True)
-    site = Site(
-        str(meta.get("Name", "")).strip(' "').title(),
-        *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"),
-    )
-    return RawTable("TMY3", site, table, END, first_line=3)
+def _tmy3(text: str, source: str) -> RawTable:
+    table, meta = _iotools(source).read_tmy3(io.StringIO(text), map_variables=True)
+    site = _site(source, str(meta.get("Name", "")).strip(' "').title(), meta, zone="TZ")
+    return RawTable(site, table, END, first_line=3)
 
 
 def _pvgis_site(source: str, inputs: dict[str, Any]) -> Site:
-    place = inputs.get("location", inputs)
-    latitude, longitude, altitude = _head_values(
-        source, place, "latitude", "longitude", "elevation"
-    )
-    return Site("", latitude, longitude, altitude, 0.0)
+    return _site(source, "", inputs.get("location", inputs), altitude="elevation")
 
 
 _FULL_HOURS = "light taken at the full hours: the file does not say by how much it is off them"
 
 
-def _pvgis_tmy(path: Path, source: str) -> RawTable:
-    kind = _pvgis_format(path)
-    content = io.StringIO(text_of(path)) if kind == "json" else io.BytesIO(text_of(path).encode())
+def _pvgis_tmy(text: str, source: str) -> RawTable:
+    kind = _pvgis_format(text)
+    content = io.StringIO(text) if kind == "json" else io.BytesIO(text.encode())
     table, meta = _iotools(source).read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
     # CSV has it among the inputs, JSON with the place.
@@ -178,19 +138,18 @@ def _pvgis_tmy(path: Path, source: str) -> RawTable:
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
     site, offset_s = _pvgis_site(source, inputs), 3600.0 * float(offset_h or 0.0)
-    return RawTable("PVGIS typical year", site, table, MIDDLE, offset_s=offset_s, notes=notes)
+    return RawTable(site, table, MIDDLE, offset_s=offset_s, notes=notes)
 
 
-def _pvgis_hourly(path: Path, source: str) -> RawTable:
-    kind = _pvgis_format(path)
-    table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text_of(path)), pvgis_format=kind)
+def _pvgis_hourly(text: str, source: str) -> RawTable:
+    kind = _pvgis_format(text)
+    table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
     if slope not in (None, 0.0):
         raise file_error(
             source, f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0"
         )
-
     if "poa_direct" in table:
         beam, sky = table["poa_direct"], table["poa_sky_diffuse"]
         table["ghi"], table["dhi"] = beam + sky, sky
@@ -199,12 +158,11 @@ def _pvgis_hourly(path: Path, source: str) -> RawTable:
         table["dni"] = np.where(sine > 0.0175, beam / np.maximum(sine, 0.0175), 0.0)
     else:
         table = table.rename(columns={"poa_global": "ghi"})
-    return RawTable("PVGIS hourly", _pvgis_site(source, inputs), table, MIDDLE)
+    return RawTable(_pvgis_site(source, inputs), table, MIDDLE)
 
 
-def _pvgis_format(path: Path) -> str:
-    name = path.name.removesuffix(".gz").lower()
-    return "json" if name.endswith(".json") else "csv"
+def _pvgis_format(text: str) -> str:
+    return "json" if text.startswith("{") else "csv"
 
 
 def _slope_deg(inputs: dict[str, Any]) -> float | None:
@@ -239,14 +197,11 @@ _SAM_COLUMNS = {
 }
 
 
-def _sam(path: Path, source: str) -> RawTable:
-    text = text_of(path)
+def _sam(text: str, source: str) -> RawTable:
     names, values = (next(csv.reader([line])) for line in text.split("\n", 2)[:2])
     head = {name.strip().lower(): value.strip() for name, value in zip(names, values, strict=False)}
-    site = Site(
-        head.get("city", "").strip(" -"),
-        *_head_values(source, _select_columns(head, _SAM_HEAD), *_SAM_HEAD),
-    )
+    place = _select_columns(head, _SAM_HEAD)
+    site = _site(source, head.get("city", "").strip(" -"), place, zone="Time Zone")
     units = head.get("units", head.get("hasunits", "")).lower() in ("yes", "1")
     skipped = [0, 1, *([3] if units else [])]
     data = pd.read_csv(io.StringIO(text), skiprows=skipped, index_col=False, low_memory=False)
@@ -264,12 +219,7 @@ def _sam(path: Path, source: str) -> RawTable:
     # A minute is an instant's, and an hour without one is taken at its middle.
     whole = END if table["hour"].max() == 24 else START
     passed = MIDDLE if "minute" in table else whole
-    return RawTable(_sam_layout(values), site, table, passed, first_line=4 + units)
-
-
-def _sam_layout(values: list[str]) -> str:
-    """Return the layout's name by the first word below SAM's heading."""
-    return "NSRDB PSM" if values and values[0].startswith("NSRDB") else "SAM"
+    return RawTable(site, table, passed, first_line=4 + units)
 
 
 def _select_columns(
@@ -280,42 +230,50 @@ def _select_columns(
     return {key: columns[name] for key, name in present.items() if name is not None}
 
 
-def _bsrn(path: Path, source: str) -> RawTable:
-    with as_file(path) as plain:
+def _bsrn(text: str, source: str) -> RawTable:
+    with as_file(text) as plain:
         table, meta = _iotools(source).read_bsrn(plain)
     address = str(meta.get("address", "")).split(",")
     name = address[1].strip() if len(address) > 1 else str(meta.get("address", "")).strip()
-    latitude, longitude, altitude = _head_values(source, meta, "latitude", "longitude", "altitude")
-    return RawTable("BSRN", Site(name, latitude, longitude, altitude, 0.0), table, START)
+    return RawTable(_site(source, name, meta), table, START)
 
 
-def _head_values(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
-    """Return numbers of a file's head, in the order of the keys."""
-    limits = {"latitude": 90.0, "longitude": 180.0, "TZ": 14.0, "Time Zone": 14.0}
+def _site(
+    source: str, name: str, head: Mapping[str, Any], *, altitude: str = "altitude", zone: str = ""
+) -> Site:
+    """Return the site of a file's head; ``altitude``, ``zone``: names of these numbers in it."""
+    limits = {"latitude": 90.0, "longitude": 180.0, altitude: 9000.0, zone: 14.0}
     values = []
-    for key in keys:
+    for key, limit in limits.items():
         try:
-            value = float(meta[key])
+            value = float(head[key]) if key else 0.0
         except (KeyError, TypeError, ValueError):
             raise file_error(source, f"its head has no number for {key}") from None
-        limit = limits.get(key, 9000.0)
         if not math.isfinite(value) or abs(value) > limit:
-            raise InputError(
-                [Problem(source, 1, None, key, f"must be from {-limit:g} to {limit:g}")]
-            )
+            message = f"must be from {-limit:g} to {limit:g}"
+            raise InputError([Problem(source, 1, None, key, message)])
         values.append(value)
-    return values
+    return Site(name, *values)
 
 
-_READERS: dict[str, Callable[[Path, str], RawTable]] = {
-    "EPW": _epw,
-    "TMY2": _tmy2,
-    "TMY3": _tmy3,
-    "PVGIS typical year": _pvgis_tmy,
-    "PVGIS hourly": _pvgis_hourly,
-    "NSRDB PSM": _sam,
-    "SAM": _sam,
-    "BSRN": _bsrn,
-    "NASA POWER": read_power_csv,
-    "ERA5": read_era5_csv,
-}
+# Layouts by the first lines of a file, the first that fits.
+_SAM = "(?i)" + "".join(
+    rf"(?=(?:.*,)?[ \t]*(?:{'|'.join(names)})[ \t]*[,\n])" for names in _SAM_HEAD.values()
+)
+_Reader = Callable[[str, str], RawTable]
+_LAYOUTS: tuple[tuple[str, str, _Reader], ...] = (
+    ("EPW", "LOCATION,", _epw),
+    ("TMY2", r" ?\d{5} .{22} [A-Z]{2} +-?\d+ [NS] ", _tmy2),
+    ("TMY3", r".*\n.*ETR \(W/m\^2\)", _tmy3),
+    ("PVGIS typical year", r"(?s).*time\(UTC\),T2m", _pvgis_tmy),
+    ("PVGIS hourly", r'(?s)\{(?=.*"inputs")(?=.*"meteo_data").*"mounting_system"', _pvgis_hourly),
+    ("PVGIS typical year", r'(?s)\{(?=.*"inputs").*"meteo_data"', _pvgis_tmy),
+    ("PVGIS typical year", r"(?s)Latitude \(decimal degrees\).*month,year", _pvgis_tmy),
+    ("PVGIS hourly", r"Latitude \(decimal degrees\)", _pvgis_hourly),
+    ("NSRDB PSM", _SAM + r".*\nNSRDB", _sam),
+    ("SAM", _SAM + r".*\n.", _sam),
+    ("BSRN", r"\*[UC]0001", _bsrn),
+    ("NASA POWER", r"(?s)-BEGIN HEADER-.*NASA/POWER", read_power_csv),
+    ("ERA5", r"(?=.*valid_time).*ssrd", read_era5_csv),
+    ("CSV", "", read_plain),
+)

@@ -9,12 +9,13 @@ under a clear sky.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from missions.weather.record import SECONDS_PER_HOUR, Site, Weather, day_of_year
+from missions.weather.record import SECONDS_PER_HOUR, Site, Weather, sun_over
 from solar.clearsky import Irradiance, clear_sky, extraterrestrial_irradiance
-from solar.sun import SECONDS_PER_DAY, cos_zenith, declination, hour_angle, solar_time_h
+from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
 
 NODE_STEP_S = 300.0
@@ -62,10 +63,8 @@ def light_at_altitude(
         parts += 1
     step = weather.interval_s / parts
     time_s = (weather.start_s[:, np.newaxis] + step * (np.arange(parts) + 0.5)).reshape(-1)
-    day = day_of_year(time_s)
     site = weather.site
-    solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg) % 24.0
-    cosine = cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
+    day, solar_h, cosine = sun_over(site, time_s)
     low = clear_sky(day, site.latitude_deg, cosine, site.altitude_m)
     high = clear_sky(day, site.latitude_deg, cosine, altitude_m)
     shape = (len(weather), parts)
@@ -147,17 +146,10 @@ def _coarsen(weather: Weather, step_s: float) -> Weather:
         return weather
     rows = len(weather) // many * many
 
-    def mean(values: FloatArray) -> FloatArray:
-        return np.asarray(values[:rows].reshape(-1, many).mean(axis=1))
-
-    temperature, wind = weather.temperature_c, weather.wind_m_per_s
-    return replace(
-        weather,
-        start_s=weather.start_s[:rows:many],
-        interval_s=weather.interval_s * many,
-        ghi=mean(weather.ghi),
-        dni=mean(weather.dni),
-        dhi=mean(weather.dhi),
-        temperature_c=None if temperature is None else mean(temperature),
-        wind_m_per_s=None if wind is None else mean(wind),
-    )
+    means: dict[str, Any] = {
+        name: values[:rows].reshape(-1, many).mean(axis=1)
+        for name, values in vars(weather).items()
+        if isinstance(values, np.ndarray)
+    }
+    means["start_s"] = weather.start_s[:rows:many]
+    return replace(weather, interval_s=weather.interval_s * many, **means)

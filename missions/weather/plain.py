@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import math
-from pathlib import Path
-from typing import Any, NamedTuple
+import re
+from typing import Any
 
 import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error
-from missions.weather.raw import START, RawTable, row_error, text_of
+from missions.weather.raw import START, RawTable, row_error
 from missions.weather.record import Site
 
 _SITE_KEYS = {
@@ -34,6 +34,8 @@ _COLUMNS = {
     "wind_m_per_s": "wind_speed",
     "wind_speed": "wind_speed",
 }
+_COMMENTS = re.compile(r"(?:(?:#[^\n]*)?\n)*")
+_ROW = re.compile(r"\S[^\n]*")
 CSV_HELP = (
     "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
     "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "
@@ -41,15 +43,15 @@ CSV_HELP = (
 )
 
 
-def read_plain(path: Path, source: str) -> RawTable:
+def read_plain(text: str, source: str) -> RawTable:
     """Read a plain CSV table with its site in comment lines."""
-    text = text_of(path)
-    head = _head(text)
-    begin = len(head.comments)
-    meta, problems = _site_lines(head.comments, source)
-    if not head.names:
+    start = _COMMENTS.match(text).end()  # type: ignore[union-attr]  # matches any text
+    comments, end = text[:start].split("\n")[:-1], text.find("\n", start)
+    header, begin = text[start : end if end >= 0 else None], len(comments)
+    meta, problems = _site_lines(comments, source)
+    if not header or header.startswith("#"):
         raise file_error(source, f"has no table: {CSV_HELP}")
-    names = [name.strip() for name in next(csv.reader([head.names]))]
+    names = [name.strip() for name in next(csv.reader([header]))]
     unknown = [name for name in names if name not in _COLUMNS]
     chosen = [_COLUMNS[name] for name in names if name in _COLUMNS]
     if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
@@ -64,54 +66,21 @@ def read_plain(path: Path, source: str) -> RawTable:
         for key in ("latitude_deg", "longitude_deg", "altitude_m")
         if key not in meta
     ]
-    count = len(next(csv.reader([head.row]), ()))
-    if count > len(names):  # pandas would take the first of them for the names of rows
+    row = _ROW.search(text, start + len(header))
+    count = len(next(csv.reader([row[0]]))) if row else 0
+    if row and count > len(names):  # pandas would take the first of them for the names of rows
         message = f"has {count} values, but the table names {len(names)} columns"
-        problems.append(Problem(source, head.row_line, None, "", message))
+        line = begin + 1 + text.count("\n", start, row.start())
+        problems.append(Problem(source, line, None, "", message))
     if problems:
         raise InputError(problems)
     # As bytes: text in memory takes four of them for a character.
-    content = io.BytesIO(text[head.begin :].encode("utf-8", "surrogatepass"))
-    del text
+    content = io.BytesIO(text[start:].encode("utf-8", "surrogatepass"))
     table = pd.read_csv(content, skipinitialspace=True)
     table.columns = pd.Index(chosen)
     table = table.set_index(_plain_times(table.pop("time"), meta, source, begin + 2))
-    site = Site(
-        str(meta.get("name", "")),
-        float(meta["latitude_deg"]),
-        float(meta["longitude_deg"]),
-        float(meta["altitude_m"]),
-        float(meta.get("utc_offset_h", 0.0)),
-    )
-    return RawTable("CSV", site, table, START, first_line=begin + 2)
-
-
-class _Head(NamedTuple):
-    """Comment lines, line of column names, first row with its line, and offset of the names."""
-
-    comments: list[str]
-    names: str
-    row: str
-    row_line: int
-    begin: int
-
-
-def _head(text: str) -> _Head:
-    """Return the lines up to the first row; the names are empty without a table."""
-    comments: list[str] = []
-    names, begin, at, number = "", 0, 0, 0
-    while at <= len(text):
-        end = text.find("\n", at)
-        end = len(text) if end < 0 else end
-        line, number = text[at:end], number + 1
-        if names and line.strip():
-            return _Head(comments, names, line, number, begin)
-        if not names and line and not line.startswith("#"):
-            names, begin = line, at
-        elif not names:
-            comments.append(line)
-        at = end + 1
-    return _Head(comments, names, "", len(comments) + 1, begin)
+    site = Site(**{"name": "", "utc_offset_h": 0.0, **meta})
+    return RawTable(site, table, START, first_line=begin + 2)
 
 
 def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Problem]]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
-from missions.files.errors import InputError, Problem, file_error, printable
+from missions.files.errors import InputError, Problem, file_error
 from missions.files.texts import open_plain
 from missions.weather.record import Site
 
@@ -23,9 +23,11 @@ if TYPE_CHECKING:
 MAXIMUM_BYTES = 80_000_000  # unpacked as well; a table of it takes some 900 MB to read
 _TOO_LARGE = f"is larger than {MAXIMUM_BYTES // 1_000_000} MB"
 _LONGEST_LINE = 20_000
+HEAD_LENGTH = 16_384  # of a text, by which its layout is known
 # Share of the interval that has passed at a row's time.
 START, MIDDLE, END = 0.0, 0.5, 1.0
 
+_NETCDF = (b"CDF", b"\x89HDF")
 _GZIP = b"\x1f\x8b"
 _PACKED = {b"PK\x03\x04": "zip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xaf": "7z"}
 
@@ -33,7 +35,7 @@ _PACKED = {b"PK\x03\x04": "zip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xa
 class RawTable(NamedTuple):
     """Table of a file, as pvlib returns it.
 
-    ``layout``: kind of the file. ``site``: place of measurement. ``table``: columns ``ghi``,
+    ``site``: place of measurement. ``table``: columns ``ghi``,
     ``dni``, ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them;
     its index is the time, with its zone. ``passed``: share of the interval before a row's time: 0
     start, 0.5 middle, 1 end. ``offset_s``: seconds to add to every row's time. ``interval_s``:
@@ -42,10 +44,10 @@ class RawTable(NamedTuple):
     temperature and wind, if not near the ground. ``notes``: assumptions.
     """
 
-    layout: str
     site: Site
     table: pd.DataFrame
     passed: float
+    layout: str = "NetCDF"
     offset_s: float = 0.0
     interval_s: float | None = None
     first_line: int = 0
@@ -59,21 +61,25 @@ def row_error(source: str, line: int, key: str, message: str, rows: int = 1) -> 
     return InputError([Problem(source, int(line) or None, None, key, message + more)])
 
 
-def head_of(path: Path, source: str) -> list[str]:
-    """Return the first lines of a file, packed with gzip or not."""
+def text_of(path: Path, source: str) -> str | None:
+    """Return a file's text, packed with gzip or not, with line feeds; None for NetCDF."""
     try:
         with open_plain(path) as file:
+            if file.peek(4).startswith(_NETCDF):
+                return None
             if os.fstat(file.fileno()).st_size > MAXIMUM_BYTES:
                 raise file_error(source, _TOO_LARGE)
-            start = file.read(16384)
-            if start.startswith(_GZIP):
-                file.seek(0)
-                with gzip.open(file) as unpacked:
-                    start = unpacked.read(16384)
+            content = file.read()
+        if content.startswith(_GZIP):
+            with gzip.open(io.BytesIO(content)) as packed:
+                content = packed.read(MAXIMUM_BYTES + 1)
     except IsADirectoryError as error:
         raise file_error(source, "is a folder") from error
     except (OSError, EOFError, zlib.error) as error:
         raise file_error(source, f"cannot be read: {error}") from error
+    if len(content) > MAXIMUM_BYTES:
+        raise file_error(source, f"{_TOO_LARGE} when it is unpacked")
+    start = content[:HEAD_LENGTH]
     if not start.strip():
         raise file_error(source, "is empty")
     for begin, kind in _PACKED.items():
@@ -81,41 +87,24 @@ def head_of(path: Path, source: str) -> list[str]:
             raise file_error(source, f"is packed with {kind}: unpack it; allowed: gzip, or none")
     if b"\0" in start:
         raise file_error(source, "is no text file")
-    return _utf8_or_latin1(start).splitlines()
-
-
-def _utf8_or_latin1(content: bytes) -> str:
-    """Decode UTF-8, else Latin-1, the encoding of many EPW files."""
-    content = content.removeprefix(codecs.BOM_UTF8)
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
-
-
-def text_of(path: Path) -> str:
-    """Return a file's text, packed with gzip or not, with line feeds."""
-    with open_plain(path) as file:
-        content = file.read(MAXIMUM_BYTES + 1)
-    if content.startswith(_GZIP):
-        with gzip.open(io.BytesIO(content)) as packed:
-            content = packed.read(MAXIMUM_BYTES + 1)
-        if len(content) > MAXIMUM_BYTES:
-            raise file_error(printable(os.fspath(path)), f"{_TOO_LARGE} when it is unpacked")
     if b"\r" in content:  # not in a text, which may be larger
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.lstrip().startswith(b"{"):  # JSON may be a single line
         for number, line in enumerate(io.BytesIO(content), 1):
             if len(line) > _LONGEST_LINE:
                 place = f"line {number} has more than {_LONGEST_LINE} characters"
-                raise file_error(printable(os.fspath(path)), f"{place}: no row of a weather file")
-    return _utf8_or_latin1(content)
+                raise file_error(source, f"{place}: no row of a weather file")
+    content = content.removeprefix(codecs.BOM_UTF8)
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:  # Latin-1, the encoding of many EPW files
+        return content.decode("latin-1")
 
 
 @contextmanager
-def as_file(path: Path) -> Iterator[str]:
-    """Yield a plain copy of a file, for readers that take neither gzip nor byte order marks."""
+def as_file(text: str) -> Iterator[str]:
+    """Yield a plain file of a text, for readers that take neither gzip nor byte order marks."""
     with TemporaryDirectory() as folder:
         plain = Path(folder) / "plain.txt"
-        plain.write_text(text_of(path), encoding="utf-8")
+        plain.write_text(text, encoding="utf-8")
         yield str(plain)

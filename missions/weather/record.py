@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from solar.sun import SECONDS_PER_DAY
+from solar.sun import SECONDS_PER_DAY, cos_zenith, declination, hour_angle, solar_time_h
 from solar.types import BoolArray, FloatArray, IntArray
 
 SECONDS_PER_HOUR = 3600.0
@@ -142,6 +142,13 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
     number, leap = (date - start).astype(int), (end - start).astype(int) == 366
     number = number - (leap & (number >= 59))
     return np.asarray(number + 1.0 + (time_s / SECONDS_PER_DAY - whole))
+
+
+def sun_over(site: Site, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return day of year, local solar time [h] and cosine of the sun's zenith angle."""
+    day = day_of_year(time_s)
+    solar_h = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg) % 24.0
+    return day, solar_h, cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
 
 
 def runs_of(marks: BoolArray) -> tuple[IntArray, IntArray]:

@@ -7,10 +7,10 @@ or from -180 to 180, latitudes and levels up or down.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import reduce
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -33,19 +33,20 @@ AXES = {
     "longitude": ("longitude", "lon"),
     "level": ("pressure_level", "level", "isobaricInhPa", "plev", "height", "altitude"),
 }
-_COMPONENTS = {
-    "eastward_wind": ("u", "u_component_of_wind", "ua"),
-    "northward_wind": ("v", "v_component_of_wind", "va"),
-}
+_COMPONENTS = (
+    ("eastward_wind", "u", "u_component_of_wind", "ua"),
+    ("northward_wind", "v", "v_component_of_wind", "va"),
+)
 _PASCALS = {"hpa": 100.0, "millibars": 100.0, "millibar": 100.0, "mbar": 100.0, "pa": 1.0}
 _METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "km": 1000.0}
-_SPEEDS = {
+_SPEEDS: dict[tuple[str, ...], float] = {
     ("m/s", "ms-1", "meters/second", "metres/second", "metersecond-1"): 1.0,
     ("km/h", "kmh-1", "kmhr-1", "kph"): 1.0 / 3.6,
     ("knots", "knot", "kt", "kts", "kn"): 1852.0 / 3600.0,
 }
 
 
+T = TypeVar("T")
 _HDF5 = b"\x89HDF"
 # A century of hours is 0.9 million; values read at once take some 2 GB of memory.
 _LONGEST_AXIS, _MOST_AT_ONCE = 10_000_000, 100_000_000
@@ -57,9 +58,11 @@ def wind_table_from_netcdf(
     """Compute percentiles of the wind speed from components over time."""
     source = printable(path)
     with opened(path, source) as data:
-        u, v = (_find_component(data, name, source) for name in _COMPONENTS)
-        u, v = (_arrange_axes(component, source) for component in (u, v))
-        factors = [_factor_to_m_per_s(component, source) for component in (u, v)]
+        u, v = (_component(data, *names, source=source) for names in _COMPONENTS)
+        factors = [
+            by_unit(_SPEEDS, str(wind.attrs.get("units", "m/s")), str(wind.name), source)
+            for wind in (u, v)
+        ]
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
         u, v, at = _select_longitude(u, v, longitude_deg, source)
@@ -139,19 +142,29 @@ def _check_sizes(path: str, source: str) -> None:
 def values_of(variable: xr.DataArray, source: str) -> FloatArray:
     """Return the values of a variable, refused if too many."""
     if variable.size > _MOST_AT_ONCE:
-        text = (
-            f"{variable.name} has {variable.size:,} values at one place, at most {_MOST_AT_ONCE:,}"
-        )
-        raise file_error(source, f"is not read: {text}")
+        text = f"{variable.name} has {variable.size:,} values at one place"
+        raise file_error(source, f"is not read: {text}, at most {_MOST_AT_ONCE:,}")
     return np.asarray(variable.to_numpy(), float)
 
 
-def _find_component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArray:
-    names = _COMPONENTS[standard_name]
-    for name, variable in data.data_vars.items():
-        if name in names or variable.attrs.get("standard_name") == standard_name:
-            return merged_versions(variable)
-    raise file_error(source, f"has no {standard_name} (variables named {', '.join(names)})")
+def find_variable(data: xr.Dataset, names: Iterable[str]) -> xr.DataArray | None:
+    """Return a quantity's variable by the first of its names or standard names."""
+    for name in names:
+        for key, variable in data.data_vars.items():
+            if name in (key, variable.attrs.get("standard_name")):
+                return variable
+    return None
+
+
+def by_unit(units: Mapping[tuple[str, ...], T], unit: str, what: str, source: str) -> T:
+    """Return what a table has for a unit, by any of its spellings."""
+    signs = str.maketrans("", "", " *^·")
+    plain = unit.lower().translate(signs)
+    for names, value in units.items():
+        if plain in [name.translate(signs) for name in names]:
+            return value
+    allowed = ", ".join(names[0] for names in units)
+    raise file_error(source, f"has {what} in {printable(unit) or 'no unit'} (known: {allowed})")
 
 
 def merged_versions(variable: xr.DataArray) -> xr.DataArray:
@@ -165,24 +178,17 @@ def merged_versions(variable: xr.DataArray) -> xr.DataArray:
     return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(variable.attrs)
 
 
-def _factor_to_m_per_s(component: xr.DataArray, source: str) -> float:
-    """Return the factor from a component's unit to m/s, 1 without a unit."""
-    unit = str(component.attrs.get("units", "m/s"))
-    plain = unit.lower().replace(" ", "").replace("*", "").replace("^", "")
-    for names, factor in _SPEEDS.items():
-        if plain in names:
-            return factor
-    allowed = ", ".join(names[0] for names in _SPEEDS)
-    raise file_error(source, f"has {component.name} in {printable(unit)} (known: {allowed})")
-
-
-def _arrange_axes(component: xr.DataArray, source: str) -> xr.DataArray:
-    """Return a component with the axes time, latitude, level and longitude, in this order."""
-    for axis, names in AXES.items():
-        name = next((n for n in names if n in component.coords), None)
+def _component(data: xr.Dataset, *names: str, source: str) -> xr.DataArray:
+    """Return a component of the wind over time, latitude, level and longitude, in this order."""
+    component = find_variable(data, names)
+    if component is None:
+        raise file_error(source, f"has no {names[0]} (variables named {', '.join(names[1:])})")
+    component = merged_versions(component)
+    for axis, known in AXES.items():
+        name = next((n for n in known if n in component.coords), None)
         if name is None:
             raise file_error(
-                source, f"has no {axis} for {component.name} (named {', '.join(names)})"
+                source, f"has no {axis} for {component.name} (named {', '.join(known)})"
             )
         if name not in component.dims:
             component = component.expand_dims(name)

@@ -11,6 +11,7 @@ import datetime
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -60,25 +61,11 @@ def parse_window(text: str) -> Window:
 
 
 @dataclass(frozen=True)
-class ModelErrors:
-    """Errors of a model [W]: average, RMS and largest."""
-
-    modelled_mean_w: float
-    measured_mean_w: float
-    average_w: float
-    rms_w: float
-    maximum_w: float
-
-    def relative(self, error_w: float) -> float | None:
-        """Return an error over the mean measured power, None if that is zero."""
-        return error_w / self.measured_mean_w if self.measured_mean_w > 0.0 else None
-
-
-@dataclass(frozen=True)
 class Section:
     """Errors over a window or day without ``excluded`` samples; ``filter_s`` to either side.
 
-    ``mask``: flags of its samples; ``clock``: clock of its label.
+    ``mask``: flags of its samples; ``clock``: clock of its label. ``errors``: average, RMS and
+    largest error of each model [W], and relative to the mean measured power, as JSON has them.
     """
 
     label: str
@@ -89,7 +76,8 @@ class Section:
     samples: int
     excluded: int
     filter_s: float
-    errors: Mapping[ModelName, ModelErrors]
+    measured_mean_w: float | None
+    errors: Mapping[ModelName, Mapping[str, Any]]
 
 
 def moving_average(
@@ -153,17 +141,20 @@ def sections(
     for label, mask in masks:
         inside, times = mask[used], samples.time_s[mask]
         measured = samples.measured_w[mask & used]
-        errors = {}
-        for model, both in every.items() if len(measured) else ():
+        mean_w = float(measured.mean()) if len(measured) else None
+        errors: dict[ModelName, dict[str, Any]] = {}
+        for model, both in every.items() if mean_w is not None else ():
             raw, smooth = (values[inside] for values in both)
-            errors[model] = ModelErrors(
-                modelled_mean_w=float((measured + raw).mean()),
-                measured_mean_w=float(measured.mean()),
-                average_w=float(raw.mean()),
-                rms_w=float(np.sqrt(np.mean(smooth**2))),
-                maximum_w=float(np.abs(smooth).max()),
-            )
+            errors[model] = {"modelled_mean_w": float((measured + raw).mean())}
+            for name, error in (
+                ("average", raw.mean()),
+                ("rms", np.sqrt(np.mean(smooth**2))),
+                ("maximum", np.abs(smooth).max()),
+            ):
+                relative = float(error) / mean_w if mean_w and mean_w > 0.0 else None
+                errors[model][f"{name}_error_w"] = float(error)
+                errors[model][f"{name}_error_relative"] = relative
         ends = float(times[0]), float(times[-1])
         counts = len(measured), int((mask & excluded).sum())
-        result.append(Section(label, clock, mask, *ends, *counts, filter_s, errors))
+        result.append(Section(label, clock, mask, *ends, *counts, filter_s, mean_w, errors))
     return tuple(result)

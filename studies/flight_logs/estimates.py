@@ -23,7 +23,6 @@ from sizing.parameters import all_replaced, parameter_value
 from solar.types import FloatArray, IntArray
 from studies.flight_logs.fit import CONFIDENCE, Fit, correlation_time
 from studies.flight_logs.forward import Forward
-from studies.render.tables import Column, Table
 
 # Half-widths of intervals beyond which a value counts as unknown [min, deg].
 _UNKNOWN_MIN, _UNKNOWN_DEG = 120.0, 45.0
@@ -34,7 +33,7 @@ _EFFICIENCY, _DRAG = "modules.efficiency_stc", "airframe.aerodynamics"
 # Faster climbs need extra power: 11 W for 0.1 m/s at 7 kg; assumption.
 _FASTEST_CLIMB_M_PER_S = 0.05
 _BIN_S, _SHORTEST_NIGHT_S, _LEAST_BINS = 300.0, 3600.0, 6
-_LABELS = {
+LABELS = {
     "clock_offset": ("clock ahead of universal time", "min", "+.1f"),
     "heading_offset": ("heading logged too large", "deg", "+.1f"),
     "solar_factor": ("measured over modelled power", "", ".3f"),
@@ -56,6 +55,14 @@ class Estimate(NamedTuple):
     apply: tuple[str, ...]
     why: str
 
+    def texts(self) -> tuple[str, str, str]:
+        """Return words, value and interval."""
+        label, unit, form = LABELS[self.name]
+        if self.value is None:
+            return label, "-", "-"
+        interval = f"{self.low:{form}} to {self.high:{form}}"
+        return label, f"{self.value:{form}} {unit}".strip(), interval
+
 
 class Applied(NamedTuple):
     """Offsets that were subtracted from the log: minutes, degrees."""
@@ -74,7 +81,7 @@ def estimates(
 def _estimate(name: str, *interval: float, apply: tuple[str, ...] = (), why: str = "") -> Estimate:
     """Make an estimate of a value and the ends of its interval, or of none."""
     value, low, high = interval or (None, None, None)
-    return Estimate(name, value, low, high, _LABELS[name][1], apply, why)
+    return Estimate(name, value, low, high, LABELS[name][1], apply, why)
 
 
 def _estimates_of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Estimate]:
@@ -83,7 +90,7 @@ def _estimates_of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> It
         why = "too few samples with power count"
         if log.solar_power_w.sum() < 0.0:
             why = "the power is negative: give its column a factor of -1 (--columns)"
-        yield from (_estimate(name, why=why) for name in list(_LABELS)[:3])
+        yield from (_estimate(name, why=why) for name in list(LABELS)[:3])
         return
     value, wide = (number / 60.0 for number in fit.of("clock_s"))
     if wide > _UNKNOWN_MIN:
@@ -198,23 +205,3 @@ def level_power_key(
         return key, value * float(brentq(apart, 0.1, 10.0, xtol=1e-6))
     except ValueError:  # no sign changes between them
         return f"no {key} from a tenth to ten times that of the file gives it"
-
-
-def estimates_table(every: tuple[Estimate, ...], before: list[str], after: list[str]) -> Table:
-    """Return a table of the estimates, with notes before and after their reasons."""
-    columns = (
-        Column("estimate"),
-        Column("value", to_right=True),
-        Column("interval", f"{CONFIDENCE:.0%} interval", to_right=True),
-    )
-    rows, notes = [], []
-    for estimate in every:
-        label, unit, form = _LABELS[estimate.name]
-        if estimate.value is None:
-            rows.append((label, "-", "-"))
-        else:
-            value = f"{estimate.value:{form}} {unit}".strip()
-            rows.append((label, value, f"{estimate.low:{form}} to {estimate.high:{form}}"))
-        notes += [f"{label}: {estimate.why}"] if estimate.why else []
-    notes = [*before, *notes, *after]
-    return Table("estimates, none of them applied", columns, tuple(rows), notes=tuple(notes))

@@ -6,7 +6,7 @@ Nothing is judged or corrected; offsets are subtracted from the log on request.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,7 +23,6 @@ from sizing.results.result import Result
 from solar.names import ModelName
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
-    ModelErrors,
     Section,
     Window,
     filtered,
@@ -32,7 +31,8 @@ from studies.flight_logs.errors import (
     parse_window,
     sections,
 )
-from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
+from studies.flight_logs.estimates import LABELS, Applied, Estimate, estimates
+from studies.flight_logs.fit import CONFIDENCE
 from studies.flight_logs.forward import Forward, Samples, daylight_samples
 from studies.flight_logs.left_out import Stretch, fit_and_left_out, left_out_table
 from studies.flight_logs.residuals import (
@@ -113,14 +113,21 @@ class Verification(Result):
 
     def estimates_table(self, level: int = ALL) -> Table:
         """Return a table of clock, heading and powers."""
-        correlated, misfit = [], []
-        if self.correlation is not None and level >= ALL:
-            text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
-            correlated = [f"{text}so is the other; roll and pitch are taken to be right to 0.5 deg"]
+        notes = []
         if None not in self.rms_w:
             text = "RMS error of {} {:.1f} W as logged, {:.1f} W with clock, heading and factor"
-            misfit = [text.format(self.best_model, *self.rms_w)]
-        return estimates_table(self.estimates, misfit, correlated)
+            notes = [text.format(self.best_model, *self.rms_w)]
+        notes += [f"{LABELS[e.name][0]}: {e.why}" for e in self.estimates if e.why]
+        if self.correlation is not None and level >= ALL:
+            text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
+            notes.append(f"{text}so is the other; roll and pitch are taken to be right to 0.5 deg")
+        columns = (
+            Column("estimate"),
+            Column("value", to_right=True),
+            Column("interval", f"{CONFIDENCE:.0%} interval", to_right=True),
+        )
+        rows = tuple(estimate.texts() for estimate in self.estimates)
+        return Table("estimates, none of them applied", columns, rows, notes=tuple(notes))
 
     def tables(self) -> list[Table]:
         """Return tables of errors, estimates, residuals and stretches left out."""
@@ -255,44 +262,31 @@ def _without(record: dict[str, Any], *names: str) -> dict[str, Any]:
 
 
 def _section_record(section: Section) -> dict[str, Any]:
-    first = next(iter(section.errors.values()), None)
     return {
         "label": section.label,
         **_span_record(section.start_s, section.end_s),
         "samples": section.samples,
         "excluded_samples": section.excluded,
         "filter_s": section.filter_s,
-        "measured_mean_w": None if first is None else first.measured_mean_w,
-        "models": {m: _errors_record(e) for m, e in section.errors.items()},
+        "measured_mean_w": section.measured_mean_w,
+        "models": section.errors,
     }
 
 
-def _errors_record(errors: ModelErrors) -> dict[str, float | None]:
-    record: dict[str, float | None] = {"modelled_mean_w": errors.modelled_mean_w}
-    for name in ("average", "rms", "maximum"):
-        error_w = getattr(errors, f"{name}_w")
-        record |= {f"{name}_error_w": error_w, f"{name}_error_relative": errors.relative(error_w)}
-    return record
-
-
-def _error_cells(errors: ModelErrors) -> tuple[float | None, ...]:
-    """Return errors in watts and in per cent."""
-    record = _errors_record(errors).items()
-    percent = (100.0 if key.endswith("relative") else 1.0 for key, _ in record)
-    return tuple(None if v is None else by * v for by, (_, v) in zip(percent, record, strict=True))
+def _error_cells(errors: Mapping[str, Any]) -> Iterator[float | None]:
+    """Yield errors in watts and in per cent."""
+    for key, error in errors.items():
+        yield 100.0 * error if error is not None and key.endswith("relative") else error
 
 
 def _error_table(section: Section) -> Table:
     """Return a table of the errors of all models in a window or on a day."""
     name = f"{section.label} ({section.clock})"
-    if not section.errors:
+    if (measured := section.measured_mean_w) is None:
         return Table(f"{name}: all samples are excluded", _ERRORS, ())
     rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
-    measured = next(iter(section.errors.values())).measured_mean_w
-    title = (
-        f"{name}: {measured:.2f} W measured, {section.samples} samples, "
-        f"filter {section.filter_s:g} s"
-    )
+    count = f"{section.samples} samples, filter {section.filter_s:g} s"
+    title = f"{name}: {measured:.2f} W measured, {count}"
     return Table(title, _ERRORS if measured < _MANY_W else _WHOLE_WATTS, tuple(rows))
 
 

@@ -114,10 +114,11 @@ def _errors_over_days(verification: Verification) -> dict[str, tuple[float, floa
     over: dict[str, tuple[float, float]] = {}
     for model in verification.samples.modelled_w if days else ():
         each = [day.errors[model] for day in days]
-        measured = float(counts @ [errors.measured_mean_w for errors in each])
+        measured = float(counts @ [day.measured_mean_w or 0.0 for day in days])
         if measured > 0.0:
-            average = float(counts @ [errors.average_w for errors in each]) / measured
-            square = float(counts @ [errors.rms_w**2 for errors in each]) / float(counts.sum())
+            average = float(counts @ [errors["average_error_w"] for errors in each]) / measured
+            squares = [errors["rms_error_w"] ** 2 for errors in each]
+            square = float(counts @ squares) / float(counts.sum())
             over[model] = average, square**0.5 * float(counts.sum()) / measured
     return over
 
