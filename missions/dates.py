@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DAYS_PER_YEAR = 365
+_NEW_YEAR = datetime.date(2001, 1, 1)  # of a year without 29 February
 MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 _MONTHS = (
     "January", "February", "March", "April", "May", "June",
@@ -81,12 +82,8 @@ def _month_and_day_written(date: str) -> tuple[int, int] | None:
 
 def month_and_day(day: int) -> tuple[int, int]:
     """Return month and day of month of a day of year; days beyond the year's end wrap."""
-    rest = (int(day) - 1) % DAYS_PER_YEAR
-    for month, length in enumerate(MONTH_LENGTHS, start=1):
-        if rest < length:
-            return month, rest + 1
-        rest -= length
-    raise AssertionError("unreachable: the month lengths add up to a year")
+    date = _NEW_YEAR + datetime.timedelta(days=(int(day) - 1) % DAYS_PER_YEAR)
+    return date.month, date.day
 
 
 def date_label(day: int) -> str:

@@ -6,7 +6,7 @@ For each position of the sun the power is averaged over the attitudes of one orb
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -109,27 +109,19 @@ def mean_power_on_path(
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
-        seen = _seen(daylight, block, attitudes)
-        module_c = temperature_c[block][seen.above_horizon, np.newaxis]
+        up, seen = _seen(daylight, block, attitudes)
+        module_c = temperature_c[block][up, np.newaxis]
         around = surroundings
         if around is not None:
-            around = around._replace(ambient_c=air_c[block][seen.above_horizon, np.newaxis])
+            around = around._replace(ambient_c=air_c[block][up, np.newaxis])
+        others: dict[str, Any] = {"surroundings": around, "albedo": daylight.albedo}
         if model == "VM":
-            power = verification_model(
-                seen.light,
-                seen.sun,
-                seen.to_ned,
-                modules.geometry,
-                modules.cell,
-                module_c,
-                surroundings=around,
-                albedo=daylight.albedo,
-            )
+            power = verification_model(*seen, modules.geometry, modules.cell, module_c, **others)
         else:
-            power = _full_model(
-                modules, seen, module_c, around, daylight.albedo
-            ).specific_power_w_per_m2
-        result[block][seen.above_horizon] = power @ attitudes.weights
+            others["shading"] = modules.shading
+            full = full_model(*seen, modules.geometry, modules.cell, module_c, **others)
+            power = full.specific_power_w_per_m2
+        result[block][up] = power @ attitudes.weights
     return result
 
 
@@ -147,9 +139,17 @@ def module_power_on_path(
     ``(time, attitude)``, by surface with one more axis.
     """
     attitudes = _orbit(modules.path, modules.wind, modules.samples)
-    seen = _seen(daylight, slice(None), attitudes)
-    power = _full_model(modules, seen, ambient_temperature_c, surroundings, daylight.albedo)
-    return seen.above_horizon, attitudes, power
+    above_horizon, seen = _seen(daylight, slice(None), attitudes)
+    power = full_model(
+        *seen,
+        modules.geometry,
+        modules.cell,
+        ambient_temperature_c,
+        shading=modules.shading,
+        surroundings=surroundings,
+        albedo=daylight.albedo,
+    )
+    return above_horizon, attitudes, power
 
 
 @lru_cache(maxsize=16)
@@ -158,37 +158,10 @@ def _orbit(path: FlightPath, wind: Wind, samples: int) -> Orbit:
     return orbit(path, wind, samples=samples)
 
 
-def _full_model(
-    modules: PathModules,
-    seen: _Seen,
-    ambient_c: ArrayLike,
-    surroundings: Surroundings | None = None,
-    albedo: float = 0.0,
-) -> ModulePower:
-    return full_model(
-        seen.light,
-        seen.sun,
-        seen.to_ned,
-        modules.geometry,
-        modules.cell,
-        ambient_c,
-        shading=modules.shading,
-        surroundings=surroundings,
-        albedo=albedo,
-    )
-
-
-class _Seen(NamedTuple):
-    """Sun and light at times with the sun above the horizon; attitudes on the second axis."""
-
-    above_horizon: BoolArray
-    sun: FloatArray
-    light: Irradiance
-    to_ned: FloatArray
-
-
-def _seen(daylight: Daylight, block: slice, attitudes: Orbit) -> _Seen:
-    """Compute sun and light that the modules see in a block of times."""
+def _seen(
+    daylight: Daylight, block: slice, attitudes: Orbit
+) -> tuple[BoolArray, tuple[Irradiance, FloatArray, FloatArray]]:
+    """Return flags of times with the sun up; light, sun and attitudes (second axis) at these."""
     time_h = np.asarray(daylight.time_solar_h, float)
     day = np.broadcast_to(np.asarray(daylight.day_of_year, float), time_h.shape)[block]
     latitude_deg, sun_declination = daylight.latitude_deg, declination(day)
@@ -205,4 +178,4 @@ def _seen(daylight: Daylight, block: slice, attitudes: Orbit) -> _Seen:
         dni, dhi = (part[block][above_horizon] for part in daylight.irradiance)
         light = Irradiance(dni[:, np.newaxis], dhi[:, np.newaxis])
     to_ned = direction_cosines(attitudes.roll_rad, attitudes.pitch_rad, attitudes.yaw_rad)
-    return _Seen(above_horizon, sun, light, to_ned)
+    return above_horizon, (light, sun, to_ned)

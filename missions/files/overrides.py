@@ -158,22 +158,14 @@ def _set_value(holder: Any, parts: Sequence[str], value: Any) -> tuple[KeyPath, 
         inner = holder.get(key) if isinstance(holder, dict) else holder[key]
         if inner is None:
             made.append(path)
-        holder[key] = _as_container(inner)
-        holder = holder[key]
+        if isinstance(inner, BaseModel):
+            inner = _as_data(inner)
+        new = {} if inner is None else list(inner) if isinstance(inner, tuple) else copy.copy(inner)
+        holder[key] = new
+        holder = new
     key = _key_or_index(holder, path, parts[-1])
     holder[key] = value
     return (*path, key), made
-
-
-def _as_container(value: Any) -> Any:
-    """Return the contents of a value as a new dict or list; a scalar as it is."""
-    if value is None:
-        return {}
-    if isinstance(value, BaseModel):
-        return _as_data(value)
-    if isinstance(value, dict):
-        return dict(value)
-    return list(value) if isinstance(value, list | tuple) else value
 
 
 def _as_data(record: BaseModel) -> dict[str, Any]:

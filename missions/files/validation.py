@@ -113,17 +113,13 @@ def _merge_union_complaints(complaints: Iterable[_Complaint]) -> list[_Complaint
         if complaint.firm or not complaint.in_union:
             result.setdefault((complaint.path, complaint.message), complaint)
         elif complaint.path not in read:
-            key = (complaint.path, "")
-            result[key] = _join_complaints(result[key], complaint) if key in result else complaint
+            first = result.setdefault((complaint.path, ""), complaint)
+            if complaint.message not in first.message.split(", or "):
+                suffix = max(first.suffix, complaint.suffix, key=len)
+                message = f"{first.message}, or {complaint.message}"
+                joined = dataclasses.replace(first, message=message, suffix=suffix)
+                result[complaint.path, ""] = joined
     return list(result.values())
-
-
-def _join_complaints(first: _Complaint, other: _Complaint) -> _Complaint:
-    if other.message in first.message.split(", or "):
-        return first
-    suffix = max(first.suffix, other.suffix, key=len)
-    message = f"{first.message}, or {other.message}"
-    return dataclasses.replace(first, message=message, suffix=suffix)
 
 
 def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Complaint:

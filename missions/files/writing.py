@@ -8,7 +8,6 @@ import stat
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -125,11 +124,7 @@ def names_a_device(name: str) -> bool:
 
 
 def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
-    """Write a UTF-8 text file completely or not at all; line breaks are written as they are.
-
-    ``path``: file to write; a symbolic link is replaced, unless it leads to a device or pipe, as
-    ``/dev/stdout`` does.
-    """
+    """Write UTF-8 text as :func:`write_bytes_atomically`; line breaks stay as they are."""
     write_bytes_atomically(path, text.encode("utf-8"))
 
 
@@ -152,20 +147,48 @@ def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> 
 
 
 def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool) -> None:
-    staged: list[_Staged] = []
+    """Write files beside their targets, then move all; a ``named`` link may lead to a device."""
+    staged: list[tuple[Path, bytes, Path | None]] = []
     path: str | os.PathLike[str] = ""
     try:
         for path, data in contents.items():
-            staged.append(_stage(Path(path), data, named=named))
-        for file in staged:
-            path = file.target
-            file.commit()
+            if os.fspath(path) in ("", "."):
+                raise IsADirectoryError
+            target = Path(path)
+            link = target.is_symlink()
+            mode = target.stat().st_mode if target.exists() and (named or not link) else None
+            if mode is not None and stat.S_ISDIR(mode):
+                raise IsADirectoryError
+            # A device or a pipe must be written to, never replaced by a file.
+            is_file = mode is None or stat.S_ISREG(mode)
+            scratch = target.parent / f".{os.urandom(8).hex()}.tmp" if is_file else None
+            staged.append((target, data, scratch))
+            if scratch is not None:
+                _write_new(scratch, data, None if link else mode)
+        for path, data, scratch in staged:
+            if scratch is None:
+                path.write_bytes(data)
+            else:
+                scratch.replace(path)
     except (OSError, ValueError) as error:
         name = printable(os.fspath(path))
         raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
     finally:
-        for file in staged:
-            file.discard()
+        for _, _, scratch in staged:
+            if scratch is not None:
+                scratch.unlink(missing_ok=True)
+
+
+def _write_new(path: Path, data: bytes, mode: int | None) -> None:
+    """Write a new file, with the permissions of the file that it will replace."""
+    # Created by hand, for the permissions of an ordinary new file rather than a private one.
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    if mode is not None:
+        path.chmod(stat.S_IMODE(mode))
 
 
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
@@ -239,58 +262,6 @@ def check_writable_folder(folder: Path) -> None:
         probe(folder, f"to {printable(os.fspath(folder))}")
     finally:
         _remove_empty(made)
-
-
-@dataclass(frozen=True)
-class _Staged:
-    """Content of a file beside its target; no scratch for devices and pipes."""
-
-    target: Path
-    data: bytes
-    scratch: Path | None
-
-    def commit(self) -> None:
-        if self.scratch is None:
-            self.target.write_bytes(self.data)
-        else:
-            self.scratch.replace(self.target)
-
-    def discard(self) -> None:
-        if self.scratch is not None:
-            self.scratch.unlink(missing_ok=True)
-
-
-def _stage(path: Path, data: bytes, *, named: bool) -> _Staged:
-    """Prepare a file; a ``named`` target may be a link to a device or pipe."""
-    if not os.fspath(path) or os.fspath(path) == ".":
-        raise IsADirectoryError
-    link = path.is_symlink()
-    mode = path.stat().st_mode if path.exists() and (named or not link) else None
-    if mode is not None and stat.S_ISDIR(mode):
-        raise IsADirectoryError
-    if mode is not None and not stat.S_ISREG(mode):
-        # A device or a pipe must be written to, never replaced by a file.
-        return _Staged(path, data, None)
-    return _temporary_copy(path, data, None if link else mode)
-
-
-def _temporary_copy(target: Path, data: bytes, mode: int | None) -> _Staged:
-    """Write a file's content beside it, with the permissions of the file it replaces."""
-    scratch = target.parent / f".{os.urandom(8).hex()}.tmp"
-    # Created by hand, for the permissions of an ordinary new file rather than a private one.
-    descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-    staged = _Staged(target, data, scratch)
-    try:
-        with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if mode is not None:
-            scratch.chmod(stat.S_IMODE(mode))
-    except BaseException:
-        staged.discard()
-        raise
-    return staged
 
 
 def writing_trouble(error: OSError | ValueError) -> str:

@@ -81,14 +81,6 @@ class UncertaintyMargins(Record):
                 f"must be at most the mission's clearness of {clearness:g} (got {lowest:g})",
             )
 
-    def worst_clearness(self, clearness: float) -> float:
-        """Return the clearness at the worst of its margin [-]."""
-        return clearness if self.clearness_minimum is None else self.clearness_minimum
-
-    def solar_factor(self, rms_relative: float) -> float:
-        """Return the factor on the solar power of a model of an RMS error."""
-        return max(1.0 - self.solar_model_sigmas * rms_relative, 0.0)
-
 
 class Mission(FileRecord):
     """Where, when and how an aircraft flies."""
@@ -248,7 +240,8 @@ class Mission(FileRecord):
     @property
     def pessimistic_clearness(self) -> float:
         """Return the clearness of all light, at the worst of its uncertainty margin [-]."""
-        return self.uncertainty_margins.worst_clearness(self.clearness)
+        lowest = self.uncertainty_margins.clearness_minimum
+        return self.clearness if lowest is None else lowest
 
     def pessimistic_power_factor(self, model: ModelName, correct: CorrectionName = "none") -> float:
         """Return the factor on the power of a solar model in this mission's light [-].
@@ -269,7 +262,8 @@ class Mission(FileRecord):
             Factor of the correction, less the margin of the model's RMS error.
         """
         known = correction(model, correct)
-        return known.factor * self.uncertainty_margins.solar_factor(known.rms_relative)
+        less = self.uncertainty_margins.solar_model_sigmas * known.rms_relative
+        return known.factor * max(1.0 - less, 0.0)
 
     def without_margins(self) -> Mission:
         """Return the mission without margins."""
