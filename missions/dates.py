@@ -33,10 +33,15 @@ def day_of_year(date: str) -> int:
     ValueError
         If the text is no such date; 29 February is not in a year of 365 days.
     """
-    written = _month_and_day_written(date.strip())
-    if written is None:
+    month = day = None
+    if match := _FORM.fullmatch(date.strip()):
+        month, day = int(match[1]), int(match[2])
+    elif match := _WORDS.fullmatch(date.strip()):
+        name, day = (match[2] or match[3]).title(), int(match[1] or match[4])
+        # Three letters are enough to tell one month from another.
+        month = next((i for i, word in enumerate(_MONTHS, 1) if word.startswith(name)), None)
+    if month is None or day is None:
         raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {date!r})")
-    month, day = written
     if not 1 <= month <= 12:
         raise ValueError(f"the month must be 01 to 12 (got {date!r})")
     length = MONTH_LENGTHS[month - 1]
@@ -58,26 +63,8 @@ def days_of_year(days: Any) -> NDArray[Any]:
         values = np.datetime_as_string(values, unit="D")
     if values.dtype.kind not in "UO":
         return values
-    return np.array([_day_number(day) for day in values])
-
-
-def _day_number(day: Any) -> Any:
-    if isinstance(day, datetime.date):
-        return day_of_year(f"{day:%m-%d}")
-    return day_of_year(str(day)) if isinstance(day, str) else day
-
-
-def _month_and_day_written(date: str) -> tuple[int, int] | None:
-    """Return month and day of month as written, None if no date."""
-    if match := _FORM.fullmatch(date):
-        return int(match[1]), int(match[2])
-    if match := _WORDS.fullmatch(date):
-        name, day = (match[2] or match[3]).title(), int(match[1] or match[4])
-        # Three letters are enough to tell one month from another.
-        return next(
-            ((i, day) for i, month in enumerate(_MONTHS, 1) if month.startswith(name)), None
-        )
-    return None
+    texts = [f"{day:%m-%d}" if isinstance(day, datetime.date) else day for day in values]
+    return np.array([day_of_year(day) if isinstance(day, str) else day for day in texts])
 
 
 def month_and_day(day: int) -> tuple[int, int]:

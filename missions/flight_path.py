@@ -189,9 +189,11 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
     )
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
     pitch = math.radians(path.pitch_deg)
-    return _join_orbits(
-        [_sample_orbit(_segments(path, motion, side), motion, pitch, samples) for side in sides]
-    )
+    laps = [_sample_orbit(_segments(path, motion, side), motion, pitch, samples) for side in sides]
+    names = [field.name for field in fields(Orbit) if field.name != "duration_s"]
+    joined = {name: np.concatenate([getattr(lap, name) for lap in laps]) for name in names}
+    joined["weights"] = joined["weights"] / len(laps)
+    return Orbit(**joined, duration_s=laps[0].duration_s)
 
 
 def at_airspeed(path: FlightPath, airspeed_m_per_s: float) -> FlightPath:
@@ -338,11 +340,3 @@ def _sample_orbit(segments: list[Leg | Turn], motion: Motion, pitch: float, samp
         weights=np.full(samples, 1.0 / samples),
         duration_s=duration,
     )
-
-
-def _join_orbits(laps: list[Orbit]) -> Orbit:
-    """Join orbits of the same duration into one."""
-    names = [field.name for field in fields(Orbit) if field.name != "duration_s"]
-    joined = {name: np.concatenate([getattr(lap, name) for lap in laps]) for name in names}
-    joined["weights"] = joined["weights"] / len(laps)
-    return Orbit(**joined, duration_s=laps[0].duration_s)

@@ -12,7 +12,6 @@ A file names a key of its own and how the value scatters around what the file sa
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Literal
 
 import numpy as np
@@ -20,8 +19,6 @@ from pydantic import Field, Strict, model_validator
 
 from solar.schema import PositiveReal, Real, Record, Text, check_below, kind_by_default, wrong_value
 from solar.types import FloatArray
-
-Quantile = Callable[[FloatArray], FloatArray]
 
 
 def _standard_normal(share: FloatArray) -> FloatArray:

@@ -68,7 +68,16 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
             if not key.isprintable():
                 raise file_error(name, "the key holds a character that is not allowed")
             value = parse_value(text) if values is None else copy.deepcopy(values[override])
-            result = _with_override(result, parts, value, name)
+            around = {parts[-1]: value}
+            set_absolute_paths(around, Path.cwd())
+            path, made = _set_value(result.data, parts, around[parts[-1]])
+            named_places = dict.fromkeys([*made, path], name)
+            result = dataclasses.replace(
+                result,
+                key_marks=_without(result.key_marks, path),
+                value_marks=_without(result.value_marks, path),
+                overridden=_without(result.overridden, path) | named_places,
+            )
             _drop_replaced(result.data, parts, value, keep=keys)
         except InputError as error:
             message = "; ".join(problem.message for problem in error.problems)
@@ -76,19 +85,6 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
     if problems:
         raise InputError(problems)
     return result
-
-
-def _with_override(document: Document, parts: Sequence[str], value: Any, name: str) -> Document:
-    """Put a value into the data, in place; return the document with its new places."""
-    around = {parts[-1]: value}
-    set_absolute_paths(around, Path.cwd())
-    path, made = _set_value(document.data, parts, around[parts[-1]])
-    return dataclasses.replace(
-        document,
-        key_marks=_without(document.key_marks, path),
-        value_marks=_without(document.value_marks, path),
-        overridden=_without(document.overridden, path) | dict.fromkeys([*made, path], name),
-    )
 
 
 def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collection[str]) -> None:

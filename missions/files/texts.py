@@ -29,15 +29,12 @@ def open_plain(path: str | os.PathLike[str]) -> io.BufferedReader:
 
     Checked before reading: a pipe would keep its reader waiting, and a device may never end.
     """
-    file = open(path, "rb", opener=_without_waiting)  # noqa: SIM115
+    waiting = getattr(os, "O_NONBLOCK", 0)
+    file = open(path, "rb", opener=lambda p, flags: os.open(p, flags | waiting))  # noqa: SIM115
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()
     raise file_error(printable(os.fspath(path)), "cannot be read: is not a plain file")
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 @contextmanager

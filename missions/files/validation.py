@@ -45,7 +45,13 @@ def validate(document: Document, model: type[M]) -> M:
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        details = [detail for detail in error.errors(include_url=False) if not _is_of_items(detail)]
+        # A list may be too short only because some of its items are wrong.
+        details = [
+            detail
+            for detail in error.errors(include_url=False)
+            if detail["type"] != "too_short"
+            or len(detail["input"]) < detail.get("ctx", {}).get("min_length", math.inf)
+        ]
     renewed = _rename_deprecated_keys(document, model, details)
     if renewed is not document:
         return validate(renewed, model)
@@ -128,13 +134,22 @@ def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Comp
     if kind in ("extra_forbidden", "missing"):
         (path, in_union), last = _path_of_location(data, loc[:-1]), loc[-1]
         if kind == "extra_forbidden":
-            message = unknown_key(str(last), *_keys_at(model, loc[:-1], _value_at(data, path)))
+            models, keys = _models_at(model, loc[:-1]), _value_at(data, path).keys()
+            best = max(models, key=lambda candidate: len(_hints(candidate).keys() & keys))
+            names = ("deprecated_keys", "explained_keys")
+            former = {old: new for n in names for old, new in getattr(best, n, {}).items()}
+            message = unknown_key(str(last), list(_hints(best)), former)
             return _Complaint((*path, last), message, in_union=in_union, firm=True, at_key=True)
         if isinstance(last, int):
             return _Complaint(path, f"the list is too short: item {last + 1} is missing")
         return _Complaint((*path, last), "required key is missing", in_union=in_union)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _complain_about_kind(data, model, loc, str(context["discriminator"]).strip("'"))
+        choices = (tag for choice in _models_at(model, loc) for tag in _kinds(choice))
+        allowed = f"must be one of {', '.join(dict.fromkeys(map(repr, choices)))}"
+        path = (*path, str(context["discriminator"]).strip("'"))
+        if (value := _value_at(data, path)) is None:
+            return _Complaint(path, f"required key is missing; it {allowed}")
+        return _Complaint(path, f"{allowed} (got {shown(value)})")
     if kind in ("value_error", "assertion_error"):
         message = _on_one_line(str(context.get("error") or detail["msg"]))
         return _Complaint(path, message, in_union=in_union, firm=True)
@@ -144,15 +159,6 @@ def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Comp
     return _Complaint(
         path, *_message_and_hint(detail), in_union=in_union, at_key=loc[-1:] == ("[key]",)
     )
-
-
-def _complain_about_kind(data: Any, model: type[BaseModel], loc: KeyPath, key: str) -> _Complaint:
-    """List the kinds that a discriminated union allows."""
-    tags = dict.fromkeys(repr(kind) for choice in _models_at(model, loc) for kind in _kinds(choice))
-    path = (*_path_of_location(data, loc)[0], key)
-    if (value := _value_at(data, path)) is None:
-        return _Complaint(path, f"required key is missing; it must be one of {', '.join(tags)}")
-    return _Complaint(path, f"must be one of {', '.join(tags)} (got {shown(value)})")
 
 
 def _rename_deprecated_keys(
@@ -239,16 +245,6 @@ def _models_at(model: type[BaseModel], loc: KeyPath) -> list[type[BaseModel]]:
     return models
 
 
-def _keys_at(
-    model: type[BaseModel], loc: KeyPath, keys: Mapping[str, Any]
-) -> tuple[list[str], dict[str, str]]:
-    """Return the keys that a mapping may have, and the new names of former keys."""
-    models = _models_at(model, loc)
-    best = max(models, key=lambda candidate: len(_hints(candidate).keys() & keys.keys()))
-    tables = (getattr(best, known, {}) for known in ("deprecated_keys", "explained_keys"))
-    return list(_hints(best)), {old: new for names in tables for old, new in names.items()}
-
-
 def _hints(model: type[BaseModel]) -> dict[str, Any]:
     """Return the keys of a model as they stand in a file, with their types."""
     return {info.alias or name: info.annotation for name, info in model.model_fields.items()}
@@ -303,12 +299,6 @@ def _message_and_hint(detail: ErrorDetails) -> tuple[str, str]:
     if isinstance(value, str):
         text = re.sub(r"(\d) items?$", r"\1 characters", text)
     return text, f" (got {shown(value)}){_hint(kind, value)}"
-
-
-def _is_of_items(detail: ErrorDetails) -> bool:
-    """Return true for a list that is too short only because some items are wrong."""
-    least = detail.get("ctx", {}).get("min_length", math.inf)
-    return detail["type"] == "too_short" and len(detail["input"]) >= least
 
 
 def _on_one_line(text: str) -> str:

@@ -282,8 +282,14 @@ def _read_product(key: str, quantity: str, text: str, header: Sequence[str]) -> 
             raise ValueError(f"{key}: {message}")
         if unit is not None:
             unit = _allowed_unit(key, unit, *dimensions)
-        elif name != quantity:
-            unit = _unit_of_name(name, *dimensions)
+        elif name != quantity:  # the unit that ends the column's name
+            base, bracketed = split_unit(name)
+            words = _words_of_name(base)
+            tails = (
+                sign.join(words[-n:]) for n in (3, 2, 1) for sign in ("_", "") if len(words) > n
+            )
+            units = (known_unit(end or "", *dimensions) for end in (bracketed, *tails))
+            unit = next((known for known in units if known is not None), None)
         factors.append(Factor(name, unit))
     return tuple(factors)
 
@@ -300,16 +306,6 @@ def _words_of_name(name: str) -> list[str]:
     """Split a name, also in camel case, into words in lower case."""
     apart = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
     return re.findall(r"[a-z0-9%°µ]+", apart.lower())
-
-
-def _unit_of_name(name: str, *dimensions: Dimension) -> str | None:
-    """Return the unit that ends a column's name, None without."""
-    base, bracketed = split_unit(name)
-    words = _words_of_name(base)
-    endings = [bracketed] if bracketed else []
-    endings += [sign.join(words[-n:]) for n in (3, 2, 1) for sign in ("_", "") if len(words) > n]
-    units = (known_unit(ending, *dimensions) for ending in endings)
-    return next((unit for unit in units if unit is not None), None)
 
 
 def _guess_column(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:

@@ -94,18 +94,12 @@ class Dates(Record):
         picks = sorted(set(places.tolist()))
         inside = {every.index(day) for day in SOLSTICES if count > 1 and day in every}
         for solstice in sorted(inside - set(picks)):
-            if not _move_pick(picks, solstice, inside) and self.count is None:
+            movable = [i for i in range(1, len(picks) - 1) if picks[i] not in inside]
+            if movable:  # the nearest pick between the ends
+                picks[min(movable, key=lambda i: abs(picks[i] - solstice))] = solstice
+            elif self.count is None:
                 picks.append(solstice)
         return [every[i] for i in sorted(set(picks))]
-
-
-def _move_pick(picks: list[int], solstice: int, kept: set[int]) -> bool:
-    """Move the nearest pick between the ends to a solstice; return whether one may move."""
-    movable = [i for i in range(1, len(picks) - 1) if picks[i] not in kept]
-    if not movable:
-        return False
-    picks[min(movable, key=lambda i: abs(picks[i] - solstice))] = solstice
-    return True
 
 
 def latitude_label(latitude_deg: float) -> str:

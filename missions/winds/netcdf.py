@@ -65,7 +65,12 @@ def wind_table_from_netcdf(
         ]
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
-        u, v, at = _select_longitude(u, v, longitude_deg, source)
+        longitudes = u["longitude"].to_numpy().astype(float)
+        at = f"all {len(longitudes)} longitudes" if len(longitudes) > 1 else "one longitude"
+        if longitude_deg is not None:
+            nearest = nearest_longitude(longitudes, longitude_deg, source)
+            u, v = (wind[..., nearest : nearest + 1] for wind in (u, v))
+            at = f"longitude {east_deg(longitudes[nearest]):g}, nearest to {longitude_deg:g}"
         if u["time"].dtype.kind != "M":
             raise file_error(source, "has times that are no dates")
         months = np.asarray(u["time"].dt.month.to_numpy())
@@ -199,19 +204,6 @@ def _component(data: xr.Dataset, *names: str, source: str) -> xr.DataArray:
             raise file_error(source, f"has the axis {name} beside time, latitude, longitude, level")
         component = component.isel({name: 0})
     return component.transpose("time", "latitude", "level", "longitude")
-
-
-def _select_longitude(
-    u: xr.DataArray, v: xr.DataArray, longitude_deg: float | None, source: str
-) -> tuple[xr.DataArray, xr.DataArray, str]:
-    """Return components at the nearest longitude, or at all, and say so."""
-    longitudes = u["longitude"].to_numpy().astype(float)
-    if longitude_deg is None:
-        return u, v, f"all {len(longitudes)} longitudes" if len(longitudes) > 1 else "one longitude"
-    nearest = nearest_longitude(longitudes, longitude_deg, source)
-    east = east_deg(longitudes[nearest])
-    column = slice(nearest, nearest + 1)
-    return u[..., column], v[..., column], f"longitude {east:g}, nearest to {longitude_deg:g}"
 
 
 def latitudes_deg(axis: xr.DataArray, source: str) -> FloatArray:

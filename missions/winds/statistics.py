@@ -37,9 +37,9 @@ class WindStatistics(Record):
         """Return the table of winds."""
         if self.file is None:
             return shipped_winds()
-        if self._is_netcdf:
-            return _read(self.file, self._state(), longitude_deg, self.percentile)
-        return _read(self.file, self._state())
+        is_netcdf = self.file.lower().endswith(_NETCDF)  # a table is that of any percentile
+        key = (longitude_deg, self.percentile) if is_netcdf else (None, 0.0)
+        return _read(self.file, self.contents_read(), *key)
 
     def speeds(
         self,
@@ -65,19 +65,12 @@ class WindStatistics(Record):
         known = self.table(longitude_deg).latitude_deg
         return float(np.min(known)), float(np.max(known))
 
-    @property
-    def _is_netcdf(self) -> bool:
-        return self.file is not None and self.file.lower().endswith(_NETCDF)
-
-    def _state(self) -> str:
-        """Return size and time of change of the file, which change with its contents."""
-        assert self.file is not None
-        about = Path(self.file).stat()
-        return f"{about.st_size} {about.st_mtime_ns}"
-
     def contents_read(self) -> str | None:
         """Return a text that changes with the file's contents; None if shipped."""
-        return None if self.file is None else self._state()
+        if self.file is None:
+            return None
+        about = Path(self.file).stat()
+        return f"{about.st_size} {about.st_mtime_ns}"
 
     @field_serializer("file")
     def _with_contents(self, file: str | None, info: SerializationInfo) -> str | None:
@@ -88,7 +81,10 @@ class WindStatistics(Record):
 
 @lru_cache(maxsize=4)
 def _read(
-    path: str, state: str, longitude_deg: float | None = None, percentile: float | None = None
+    path: str,
+    state: str | None,
+    longitude_deg: float | None = None,
+    percentile: float | None = None,
 ) -> WindTable:
     """Read the table of a file, cached until its ``state`` changes."""
     if percentile is None:
