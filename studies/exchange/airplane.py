@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
-from studies.exchange.geometry import LiftingSurface, SectionShape, lifting_surfaces
+from studies.exchange.geometry import LiftingSurface, lifting_surfaces
 
 if TYPE_CHECKING:
     import aerosandbox as asb
@@ -166,7 +166,15 @@ def _wing_lines(surface: LiftingSurface) -> list[str]:
 
 def _wing(surface: LiftingSurface) -> asb.Wing:
     asb = _library()
-    airfoil, options = _airfoil(surface.shape), _drag_options(surface)
+    shape, (lift, drag) = surface.shape, surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    name, points = shape.airfoil, None
+    if name is None:
+        name = f"symmetric {100.0 * shape.thickness_ratio:g} %"
+        coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
+        points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
+    airfoil = asb.Airfoil(name, coordinates=points)
+    polar = {f"CL{i}": value for i, value in enumerate(lift, 1)}
+    options = {"drag_polar": polar | {f"CD{i}": value for i, value in enumerate(drag, 1)}}
     slope = {asb.AVL: {"cl_alpha_factor": _NEUTRAL_SLOPE, **options}}
     sections = [
         asb.WingXSec(
@@ -185,26 +193,6 @@ def _wing(surface: LiftingSurface) -> asb.Wing:
         xsecs=sections,
         analysis_specific_options={asb.AVL: lattice},
     )
-
-
-def _airfoil(shape: SectionShape) -> asb.Airfoil:
-    asb = _library()
-    coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
-    if shape.airfoil is not None:
-        return asb.Airfoil(shape.airfoil)
-    points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
-    return asb.Airfoil(f"symmetric {100.0 * shape.thickness_ratio:g} %", coordinates=points)
-
-
-def _drag_options(surface: LiftingSurface) -> dict[str, Any]:
-    """Return the profile drag as AVL takes it; zeros without."""
-    lift, drag = (-1.0, 0.0, 1.0), (0.0, 0.0, 0.0)
-    if surface.drag is not None:
-        lift, drag = surface.drag
-    numbers = range(1, 4)
-    lifts = {f"CL{i}": value for i, value in zip(numbers, lift, strict=True)}
-    drags = {f"CD{i}": value for i, value in zip(numbers, drag, strict=True)}
-    return {"drag_polar": lifts | drags}
 
 
 def _commented(text: str, mark: str, lines: Sequence[str]) -> str:

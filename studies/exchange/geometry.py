@@ -40,11 +40,8 @@ class SectionShape(NamedTuple):
     thickness_ratio: float
 
 
-class ProfileDrag(NamedTuple):
-    """Profile drag of a section at three ascending lift coefficients, as AVL takes it."""
-
-    lift_coefficients: tuple[float, float, float]
-    drag_coefficients: tuple[float, float, float]
+# Three ascending lift coefficients of a section, and their profile drag, as AVL takes them.
+ProfileDrag = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -86,10 +83,7 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
     """
     drawing = aircraft_drawing(aircraft)
     shape, shape_note = _wing_shape(aircraft, drawing)
-    wing = LiftingSurface(
-        "wing", True, tuple(_wing_sections(drawing)), shape, _profile_drag(aircraft)
-    )
-    tail_shape = SectionShape(None, _tail_thickness(aircraft))
+    wing = LiftingSurface("wing", True, _wing_sections(drawing), shape, _profile_drag(aircraft))
     notes = [
         drawing.notes[0],
         shape_note,
@@ -109,7 +103,7 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
     wing_chords = wing_of(planform, span, aircraft.airframe.aspect_ratio)
     quarter_m = QUARTER * drawing.chord_at(0.0)
     return Surfaces(
-        surfaces=(wing, *_tail_surfaces(drawing, tail_shape)),
+        surfaces=(wing, *_tail_surfaces(aircraft, drawing)),
         wing_area_m2=area_m2,
         chord_m=float(wing_chords.aerodynamic_chord_m),
         wingspan_m=span,
@@ -119,22 +113,24 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
     )
 
 
-def _wing_sections(drawing: Drawing) -> list[Section]:
+def _wing_sections(drawing: Drawing) -> tuple[Section, ...]:
     """Return the sections at root, planform breaks, begin of the dihedral, and tip."""
     half = drawing.wingspan_m / 2.0
     places = {0.0, half, *(y for y, _ in drawing.chords)}
     if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
         places.add(drawing.dihedral_from_m)
-    return [
-        Section(
-            drawing.front_at(y), y, drawing.height_m(y), drawing.chord_at(y), drawing.incidence_deg
-        )
+    twist_deg = drawing.incidence_deg
+    return tuple(
+        Section(drawing.front_at(y), y, drawing.height_m(y), drawing.chord_at(y), twist_deg)
         for y in sorted(places)
-    ]
+    )
 
 
-def _tail_surfaces(drawing: Drawing, shape: SectionShape) -> list[LiftingSurface]:
-    tail = drawing.tail
+def _tail_surfaces(aircraft: Aircraft, drawing: Drawing) -> list[LiftingSurface]:
+    tail, sized = drawing.tail, getattr(aircraft.airframe, "tail", None)
+    polar = getattr(aircraft.airframe, "aerodynamics", None)
+    thickness = polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
+    shape = SectionShape(None, thickness if sized is None else float(sized.thickness_ratio))
     half, height = 0.5 * tail.horizontal_span_m, tail.height_m
     horizontal = tuple(
         Section(tail.horizontal_aft_m, y, height, tail.horizontal_chord_m, 0.0) for y in (0.0, half)
@@ -166,14 +162,6 @@ def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str
     return SectionShape(None, thickness), note
 
 
-def _tail_thickness(aircraft: Aircraft) -> float:
-    tail = getattr(aircraft.airframe, "tail", None)
-    if tail is not None:
-        return float(tail.thickness_ratio)
-    polar = getattr(aircraft.airframe, "aerodynamics", None)
-    return polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
-
-
 def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
     """Return the wing section's profile drag, None for measured aircraft or user-defined drag.
 
@@ -185,15 +173,13 @@ def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
         return None
     if not isinstance(polar, WingPolar):
         drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
-        return ProfileDrag((-highest, 0.0, highest), (drag, drag, drag))
+        return (-highest, 0.0, highest), (drag, drag, drag)
     lift = np.linspace(0.0, polar.section_lift_ratio * polar.maximum_lift_coefficient, 101)
     drags = polar.calibration * np.asarray(polar.polar.profile_drag(lift, _reynolds(polar)))
     least = 1 + int(np.argmin(drags[1:-1]))
-    ends = (0, least, len(lift) - 1)
-    low, middle, high = (float(drags[i]) for i in ends)
-    return ProfileDrag(
-        (0.0, float(lift[least]), float(lift[-1])), (max(low, middle), middle, max(high, middle))
-    )
+    low, middle, high = (float(drags[i]) for i in (0, least, -1))
+    lifts = 0.0, float(lift[least]), float(lift[-1])
+    return lifts, (max(low, middle), middle, max(high, middle))
 
 
 def _other_drag(aircraft: Aircraft) -> float:

@@ -6,9 +6,9 @@ aircraft allow: VM and FM need the attitude and the module surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, direction_cosines
 from solar.horizontal_models import HORIZONTAL_MODELS, conceptual_analysis_model
-from solar.names import ModelName
+from solar.names import MODELS, ModelName
 from solar.sun import SECONDS_PER_DAY, SunPosition, sun_position
 from solar.types import FloatArray, IntArray
 
@@ -238,9 +238,9 @@ def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:
         )
     daylight = forward.of(index)
     module_c, of_modules = daylight.module_c()  # of all chunks
-    powers, details = zip(
-        *(_compute_chunk(chunk, module_c) for chunk in daylight.chunks()), strict=True
-    )
+    parts = [_compute_chunk(chunk, module_c) for chunk in daylight.chunks()]
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    modelled: dict[ModelName, FloatArray] = {m: columns.pop(m) for m in MODELS if m in columns}
     # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
     mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
     bearing = np.zeros(len(index))
@@ -255,8 +255,8 @@ def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:
         elevation_deg=np.degrees(sun.elevation_rad[index]),
         bearing_deg=bearing,
         measured_w=log.solar_power_w[index],
-        modelled_w=_concatenate(powers),
-        detail=_concatenate(details),
+        modelled_w=modelled,
+        detail=columns,
     )
     modules, name, missing = forward.aircraft.modules, forward.aircraft.name, []
     if log.attitude is None:
@@ -275,29 +275,23 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
 
 
-def _concatenate(parts: Sequence[Mapping[Any, FloatArray]]) -> dict[Any, FloatArray]:
-    """Concatenate the columns of chunks."""
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
-def _compute_chunk(
-    chunk: Forward, module_c: float
-) -> tuple[dict[ModelName, FloatArray], dict[str, FloatArray]]:
-    """Compute the power of the models [W], and details of the Full Model."""
+def _compute_chunk(chunk: Forward, module_c: float) -> dict[str, FloatArray]:
+    """Compute the power of the models by their names [W], and details of the Full Model."""
     modules, geometry, sunlight = chunk.aircraft.modules, chunk.geometry, chunk.sunlight()
-    power: dict[ModelName, FloatArray] = {
+    power: dict[str, FloatArray] = {
         name: modules.area_m2 * model(sunlight.light, sunlight.sine, modules, module_c)
         for name, model in HORIZONTAL_MODELS.items()
     }
     if geometry is None or sunlight.to_ned is None:
-        return power, {}
+        return power
     full = chunk.full(sunlight)
     level = verification_model(
         sunlight.light, sunlight.sun.vector_ned, sunlight.to_ned, geometry, modules, module_c
     )
-    power |= {"VM": modules.area_m2 * level, "FM": modules.area_m2 * full.specific_power_w_per_m2}
     angles = np.degrees(np.arccos(np.clip(full.cos_aoi_by_surface, -1.0, 1.0)))
-    return power, {
+    return power | {
+        "VM": modules.area_m2 * level,
+        "FM": modules.area_m2 * full.specific_power_w_per_m2,
         "angle_of_incidence_deg": angles @ geometry.area_shares,
         "irradiance_w_per_m2": full.irradiance_w_per_m2,
         "module_temperature_c": full.module_temperature_c,
