@@ -222,20 +222,6 @@ def plate_convection_w_per_m2k(
 
     Source: Incropera, DeWitt, Bergman, Lavine, Fundamentals of Heat and Mass Transfer, 6th edition,
     equations 7.30 and 7.38. Conductivity of air: U.S. Standard Atmosphere 1976, equation 53.
-
-    Parameters
-    ----------
-    air : Air
-        State of the air.
-    airspeed_m_per_s, chord_m : array_like
-        True airspeed [m/s] and chord [m].
-    transition_reynolds : float
-        Reynolds number at which the flow turns turbulent [-].
-
-    Returns
-    -------
-    ndarray
-        Heat per area and kelvin [W/(m2 K)], broadcast shape of the arguments.
     """
     t, viscosity = air.temperature_k, air.dynamic_viscosity_pa_s
     conductivity = 2.64638e-3 * t**1.5 / (t + 245.4 * 10.0 ** (-12.0 / t))

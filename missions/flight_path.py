@@ -117,22 +117,9 @@ class Orbit:
     """Attitude and motion along one closed orbit, at the middles of equal steps of time.
 
     For both turning directions the clockwise orbit comes first, the counterclockwise one follows;
-    each counts its own time from zero, and they take equally long.
-
-    Attributes
-    ----------
-    time_s : ndarray
-        Time since the start of the orbit [s].
-    roll_rad, pitch_rad, yaw_rad : ndarray
-        Euler angles of the sequence 3-2-1 [rad], yaw from 0 to 2 pi.
-    north_m, east_m : ndarray
-        Position over the ground from the middle of the path [m].
-    ground_speed_m_per_s : ndarray
-        Speed over the ground [m/s].
-    weights : ndarray
-        Share of the time that each sample stands for; their sum is 1.
-    duration_s : float
-        Duration of one closed orbit [s].
+    each counts its own time from zero, and they take equally long. Euler angles of the sequence
+    3-2-1, yaw from 0 to 2 pi; position over the ground from the middle of the path. ``weights``:
+    share of the time that each sample stands for. ``duration_s``: of one closed orbit.
     """
 
     time_s: FloatArray

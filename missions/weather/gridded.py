@@ -118,12 +118,18 @@ def read_power_csv(text: str, source: str) -> RawTable:
     if place is None:
         raise file_error(source, "does not name its place: write it with its first lines")
     latitude, longitude = float(place[1]), float(place[2])
+
+    def unit_of(key: str) -> str:
+        names = "|".join(map(re.escape, _NAMES[key]))
+        match = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
+        return _POWER_UNITS.get(key, "m") if match is None else match[1].strip()
+
     data = pd.read_csv(io.StringIO(text), skiprows=head.count("\n") + 1)
     columns = {
         key: np.where(
             np.isin(values, MISSING) & (values < 0.0),
             np.nan,
-            _convert_units(values, _unit_of(head, key), key, source),
+            _convert_units(values, unit_of(key), key, source),
         )
         for key, values in _known_columns(data).items()
     }
@@ -139,13 +145,6 @@ def read_power_csv(text: str, source: str) -> RawTable:
         columns["ground"] = np.array([float(ground[1])])
     table = _make_table(columns, index, (latitude, longitude), START, source=source)
     return table._replace(first_line=head.count("\n") + 3, notes=(*notes, *table.notes))
-
-
-def _unit_of(head: str, key: str) -> str:
-    """Return a quantity's unit from the head of NASA POWER's file."""
-    names = "|".join(map(re.escape, _NAMES[key]))
-    match = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
-    return _POWER_UNITS.get(key, "m") if match is None else match[1].strip()
 
 
 def _known_columns(data: pd.DataFrame) -> dict[str, FloatArray]:

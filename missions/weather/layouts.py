@@ -44,7 +44,14 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
                 head = text[:HEAD_LENGTH]
                 layout, read = next((n, read) for n, key, read in _LAYOUTS if re.match(key, head))
                 raw = read(text, source)._replace(layout=layout)
-        _check_place(raw.site, source)
+        for name, value, lowest, highest in (
+            ("latitude", raw.site.latitude_deg, -90.0, 90.0),
+            ("longitude", raw.site.longitude_deg, -180.0, 360.0),
+            ("altitude", raw.site.altitude_m, -500.0, 9000.0),
+        ):
+            if not lowest <= value <= highest:
+                allowed = f"allowed: {lowest:g} to {highest:g}"
+                raise file_error(source, f"has its site at the {name} {value:g}; {allowed}")
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except (InputError, RecursionError, MemoryError):
         raise
@@ -62,18 +69,6 @@ def _iotools(source: str) -> Any:
         message = "needs pvlib to be read: pip install 'solar-uav-sizing[weather]'"
         raise file_error(source, message) from None
     return pvlib.iotools
-
-
-def _check_place(site: Site, source: str) -> None:
-    """Refuse an impossible place."""
-    for name, value, lowest, highest in (
-        ("latitude", site.latitude_deg, -90.0, 90.0),
-        ("longitude", site.longitude_deg, -180.0, 360.0),
-        ("altitude", site.altitude_m, -500.0, 9000.0),
-    ):
-        if not lowest <= value <= highest:
-            allowed = f"allowed: {lowest:g} to {highest:g}"
-            raise file_error(source, f"has its site at the {name} {value:g}; {allowed}")
 
 
 def _epw(text: str, source: str) -> RawTable:
@@ -119,15 +114,11 @@ def _tmy3(text: str, source: str) -> RawTable:
     return RawTable(site, table, END, first_line=3)
 
 
-def _pvgis_site(source: str, inputs: dict[str, Any]) -> Site:
-    return _site(source, "", inputs.get("location", inputs), altitude="elevation")
-
-
 _FULL_HOURS = "light taken at the full hours: the file does not say by how much it is off them"
 
 
 def _pvgis_tmy(text: str, source: str) -> RawTable:
-    kind = _pvgis_format(text)
+    kind = "json" if text.startswith("{") else "csv"
     content = io.StringIO(text) if kind == "json" else io.BytesIO(text.encode())
     table, meta = _iotools(source).read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
@@ -137,12 +128,13 @@ def _pvgis_tmy(text: str, source: str) -> RawTable:
     notes = () if offset_h is not None else (_FULL_HOURS,)
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
-    site, offset_s = _pvgis_site(source, inputs), 3600.0 * float(offset_h or 0.0)
+    site = _site(source, "", inputs.get("location", inputs), altitude="elevation")
+    offset_s = 3600.0 * float(offset_h or 0.0)
     return RawTable(site, table, MIDDLE, offset_s=offset_s, notes=notes)
 
 
 def _pvgis_hourly(text: str, source: str) -> RawTable:
-    kind = _pvgis_format(text)
+    kind = "json" if text.startswith("{") else "csv"
     table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
@@ -158,11 +150,8 @@ def _pvgis_hourly(text: str, source: str) -> RawTable:
         table["dni"] = np.where(sine > 0.0175, beam / np.maximum(sine, 0.0175), 0.0)
     else:
         table = table.rename(columns={"poa_global": "ghi"})
-    return RawTable(_pvgis_site(source, inputs), table, MIDDLE)
-
-
-def _pvgis_format(text: str) -> str:
-    return "json" if text.startswith("{") else "csv"
+    site = _site(source, "", inputs.get("location", inputs), altitude="elevation")
+    return RawTable(site, table, MIDDLE)
 
 
 def _slope_deg(inputs: dict[str, Any]) -> float | None:

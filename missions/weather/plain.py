@@ -78,7 +78,14 @@ def read_plain(text: str, source: str) -> RawTable:
     content = io.BytesIO(text[start:].encode("utf-8", "surrogatepass"))
     table = pd.read_csv(content, skipinitialspace=True)
     table.columns = pd.Index(chosen)
-    table = table.set_index(_plain_times(table.pop("time"), meta, source, begin + 2))
+    written = table.pop("time")
+    times = pd.to_datetime(written.astype("string"), format="ISO8601", utc=True, errors="coerce")
+    wrong = times.isna().to_numpy().nonzero()[0]
+    if len(wrong):
+        got = str(written.iloc[wrong[0]])[:40]
+        message = f"must be ISO 8601 like 2023-06-21T12:00Z (got {got!r})"
+        raise row_error(source, begin + 2 + int(wrong[0]), "time_utc", message, len(wrong))
+    table = table.set_index(pd.DatetimeIndex(times))
     site = Site(**{"name": "", "utc_offset_h": 0.0, **meta})
     return RawTable(site, table, START, first_line=begin + 2)
 
@@ -105,14 +112,3 @@ def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Pro
             message = f"must be a number from {-limit:g} to {limit:g} (got {value[:40]!r})"
             problems.append(Problem(source, number, None, key, message))
     return meta, problems
-
-
-def _plain_times(column: pd.Series, meta: dict[str, Any], source: str, first: int) -> Any:
-    """Read the times of a plain table; times without a zone are universal."""
-    times = pd.to_datetime(column.astype("string"), format="ISO8601", utc=True, errors="coerce")
-    wrong = times.isna().to_numpy().nonzero()[0]
-    if len(wrong):
-        row = int(wrong[0])
-        message = f"must be ISO 8601 like 2023-06-21T12:00Z (got {str(column.iloc[row])[:40]!r})"
-        raise row_error(source, first + row, "time_utc", message, len(wrong))
-    return pd.DatetimeIndex(times)

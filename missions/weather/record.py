@@ -124,16 +124,7 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
     """Return the fractional day of a year of 365 days, 1.0 on 1 January, 00:00 UTC.
 
     29 February counts as a second 28 February, so that a date has the same number every year.
-
-    Parameters
-    ----------
-    time_s : ndarray
-        Universal time [s since 1970-01-01].
-
-    Returns
-    -------
-    ndarray
-        From 1 to below 366 [d].
+    ``time_s``: universal time [s since 1970-01-01].
     """
     whole = np.floor(np.asarray(time_s, float) / SECONDS_PER_DAY)
     date = whole.astype("datetime64[D]")
