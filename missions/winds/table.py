@@ -11,14 +11,13 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from missions.dates import MONTH_NAMES
 from missions.files.errors import InputError, Problem, file_error
-from solar.types import FloatArray
+from solar.types import FloatArray, IntArray
 
 COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
 SHIPPED_SOURCE = "the shipped table"
@@ -34,22 +33,17 @@ _ENDS = {
 }
 
 
-class _Neighbours(NamedTuple):
-    """Indices of two neighbours on an axis, and the weight of the upper one."""
+def _neighbours(axis: FloatArray, values: ArrayLike) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return indices of the neighbours of values within an axis, and the weight of the upper ones.
 
-    lower: NDArray[np.integer]
-    upper: NDArray[np.integer]
-    weight: FloatArray
-
-
-def _neighbours(axis: FloatArray, values: ArrayLike) -> _Neighbours:
-    """Find the neighbours of values within an axis, which may have a single point."""
+    The axis may have a single point.
+    """
     at = np.asarray(values, float)
     upper = np.clip(np.searchsorted(axis, at), min(1, len(axis) - 1), len(axis) - 1)
     lower = np.maximum(upper - 1, 0)
     width = axis[upper] - axis[lower]
     weight = np.where(width > 0.0, (at - axis[lower]) / np.where(width > 0.0, width, 1.0), 0.0)
-    return _Neighbours(lower, upper, weight)
+    return lower, upper, weight
 
 
 @dataclass(frozen=True, eq=False)

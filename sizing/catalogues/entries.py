@@ -184,8 +184,7 @@ class BatteryEntry(Entry):
     @model_validator(mode="after")
     def _check_physics(self) -> BatteryEntry:
         for prefix in ("", "typical_"):
-            energy = getattr(self, f"{prefix}energy_wh")
-            product = self._times_voltage(getattr(self, f"{prefix}capacity_ah"))
+            energy, product = self._energies(prefix)
             if energy is not None and product is not None:
                 key = f"{prefix}energy_wh"
                 _check_agreement(key, "energy, and voltage times capacity", energy, product)
@@ -200,23 +199,17 @@ class BatteryEntry(Entry):
             raise wrong_value(key, text)
         return self
 
-    def _times_voltage(self, capacity_ah: float | None) -> float | None:
-        voltage = self.nominal_voltage_v
-        return None if voltage is None or capacity_ah is None else voltage * capacity_ah
-
-    @property
-    def _least_energy(self) -> float | None:
-        return _first_known(self.energy_wh, self._times_voltage(self.capacity_ah))
-
-    @property
-    def _typical_energy(self) -> float | None:
-        return _first_known(self.typical_energy_wh, self._times_voltage(self.typical_capacity_ah))
+    def _energies(self, prefix: str = "") -> tuple[float | None, float | None]:
+        """Return the energy, and voltage times capacity; ``prefix``: ``typical_`` or none."""
+        voltage, capacity = self.nominal_voltage_v, getattr(self, f"{prefix}capacity_ah")
+        product = None if voltage is None or capacity is None else voltage * capacity
+        return getattr(self, f"{prefix}energy_wh"), product
 
     @property
     def _energies_over_mass(self) -> list[float]:
         """Known specific energies, guaranteed before typical [Wh/kg]."""
         mass = self.mass
-        energies = (self._least_energy, self._typical_energy)
+        energies = (_first_known(*self._energies(prefix)) for prefix in ("", "typical_"))
         return [] if mass is None else [energy / mass for energy in energies if energy is not None]
 
     @property
@@ -227,7 +220,7 @@ class BatteryEntry(Entry):
     @property
     def energy(self) -> float | None:
         """Least energy, else the typical one; None if unknown [Wh]."""
-        return _first_known(self._least_energy, self._typical_energy)
+        return _first_known(*self._energies(), *self._energies("typical_"))
 
     @property
     def mass(self) -> float | None:
@@ -253,7 +246,7 @@ class BatteryEntry(Entry):
             return "pack"
         if not self._energies_over_mass:
             return "stated"
-        guaranteed = self._least_energy is not None and self.mass_kg is not None
+        guaranteed = _first_known(*self._energies()) is not None and self.mass_kg is not None
         return "min/max" if guaranteed else "typical"
 
     @property

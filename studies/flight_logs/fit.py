@@ -102,26 +102,24 @@ def _power_w(forward: Forward, names: tuple[str, ...], values: FloatArray) -> Fl
     return np.asarray(np.exp(values[0]) * forward.power_w(offsets))
 
 
-def fit_log(forward: Forward, measured_w: FloatArray) -> Fit | None:
+def fit_log(forward: Forward) -> Fit | None:
     """Fit clock, heading and factor to samples of a log; None for too few samples."""
-    angles = forward.knows_angles
-    names = tuple(name for name in _UNKNOWNS if angles or name not in _OF_ATTITUDE)
-    data = _Data(forward, measured_w, names).thinned(_SAMPLES)
-    if len(measured_w) < _LEAST_SAMPLES or not measured_w.sum() > 0.0:
+    names = tuple(n for n in _UNKNOWNS if forward.knows_angles or n not in _OF_ATTITUDE)
+    if len(forward.index) < _LEAST_SAMPLES or not forward.measured_w.sum() > 0.0:
         return None
-    starts = list(data.starts())
+    thinned = _thinned(forward, _SAMPLES)
+    starts = list(_starts(thinned, turned="heading" in names))
     start = starts[0]
     if len(starts) > 1:  # without the prior errors: these are small
-        few = replace(data.thinned(_FEW), names=data.names[: len(start)])
-        start = min(
-            (few.fit(start, rounds=1) for start in starts), key=lambda fit: fit.scatter_w
-        ).values
-    fit = data.fit(np.append(start, np.zeros(len(names) - len(start))))
+        few = _thinned(thinned, _FEW)
+        fits = (_fit(few, names[: len(start)], start, rounds=1) for start in starts)
+        start = min(fits, key=lambda fit: fit.scatter_w).values
+    fit = _fit(thinned, names, np.append(start, np.zeros(len(names) - len(start))))
 
     # The other errors shift the fit's factor, which users apply without them.
     def level(values: FloatArray) -> float:
         moved = np.where(np.isin(names, ("clock_s", "heading")), values, 0.0)
-        whole, part = (_power_w(data.forward, names, v).sum() for v in (values, moved))
+        whole, part = (_power_w(thinned, names, v).sum() for v in (values, moved))
         return float(np.log(whole / part))
 
     steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in names])
@@ -130,90 +128,85 @@ def fit_log(forward: Forward, measured_w: FloatArray) -> Fit | None:
     return replace(fit, level=(middle, float(np.sqrt(slopes @ fit.covariance @ slopes))))
 
 
-@dataclass(frozen=True)
-class _Data:
-    """Samples of a fit."""
+def _thinned(forward: Forward, most: int) -> Forward:
+    """Return at most so many samples, at random in even cells: a stride could match circles."""
+    count = len(forward.index)
+    if count <= most:
+        return forward
+    edges = np.linspace(0, count, most + 1)
+    within = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
+    return forward.of(forward.index[np.unique(within.astype(int))])
 
-    forward: Forward
-    measured_w: FloatArray
-    names: tuple[str, ...]
 
-    def thinned(self, most: int) -> _Data:
-        """Return at most so many samples, at random in even cells: a stride could match circles."""
-        count = len(self.measured_w)
-        if count <= most:
-            return self
-        edges = np.linspace(0, count, most + 1)
-        within = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
-        places = np.unique(within.astype(int))
-        chosen = self.forward.of(self.forward.index[places])
-        return _Data(chosen, self.measured_w[places], self.names)
+def _blocks(forward: Forward) -> tuple[IntArray, IntArray]:
+    """Return the block of ten minutes of each sample, and the stretch of each block."""
+    log, index = forward.log, forward.index
+    slot, run = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
+    block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(run) != 0))))
+    first = np.flatnonzero(np.diff(block, prepend=-1))
+    apart = np.diff(slot[first]) > 1
+    return block, np.concatenate(([0], np.cumsum(apart)))
 
-    def blocks(self) -> tuple[IntArray, IntArray]:
-        """Return the block of ten minutes of each sample, and the stretch of each block."""
-        log, index = self.forward.log, self.forward.index
-        slot, run = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
-        block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(run) != 0))))
-        first = np.flatnonzero(np.diff(block, prepend=-1))
-        apart = np.diff(slot[first]) > 1
-        return block, np.concatenate(([0], np.cumsum(apart)))
 
-    def starts(self) -> Iterator[FloatArray]:
-        """Yield start values: factor, clock and heading as logged, and better ones of a grid."""
-        few = self.thinned(_COARSE)
-        count, turned = len(few.measured_w), "heading" in self.names
-        turns = 2.0 * np.pi * np.arange(_TURNS if turned else 1) / _TURNS
-        every = few.forward.of(np.tile(few.forward.index, len(turns)))
-        shifts = np.arange(-_MOST_CLOCK_S, _MOST_CLOCK_S + 1.0, _SHIFT_S)
-        tried = []
-        for shift_s in shifts.tolist():
-            offsets = Offsets(clock_s=shift_s, heading=np.repeat(turns, count))
-            for turn, power in zip(turns, every.power_w(offsets).reshape(-1, count), strict=True):
-                factor = float(few.measured_w @ power) / max(float(power @ power), 1e-9)
-                misfit = float(np.abs(few.measured_w - factor * power).mean())
-                angle = float((turn + np.pi) % (2.0 * np.pi) - np.pi)
-                tried.append((misfit, max(factor, 1e-9), shift_s, angle))
-        as_logged = next(trial for trial in tried if trial[2:] == (0.0, 0.0))
-        better = [trial for trial in sorted(tried) if trial[0] < as_logged[0]]
-        for _, factor, shift_s, turn in (as_logged, *better[:_STARTS]):
-            yield np.array([np.log(factor), shift_s, turn][: 3 if turned else 2])
+def _starts(forward: Forward, *, turned: bool) -> Iterator[FloatArray]:
+    """Yield start values: factor, clock and heading as logged, and better ones of a grid."""
+    few = _thinned(forward, _COARSE)
+    count, measured = len(few.index), few.measured_w
+    turns = 2.0 * np.pi * np.arange(_TURNS if turned else 1) / _TURNS
+    every = few.of(np.tile(few.index, len(turns)))
+    tried = []
+    for shift_s in np.arange(-_MOST_CLOCK_S, _MOST_CLOCK_S + 1.0, _SHIFT_S).tolist():
+        offsets = Offsets(clock_s=shift_s, heading=np.repeat(turns, count))
+        for turn, power in zip(turns, every.power_w(offsets).reshape(-1, count), strict=True):
+            factor = float(measured @ power) / max(float(power @ power), 1e-9)
+            misfit = float(np.abs(measured - factor * power).mean())
+            angle = float((turn + np.pi) % (2.0 * np.pi) - np.pi)
+            tried.append((misfit, max(factor, 1e-9), shift_s, angle))
+    as_logged = next(trial for trial in tried if trial[2:] == (0.0, 0.0))
+    better = [trial for trial in sorted(tried) if trial[0] < as_logged[0]]
+    for _, factor, shift_s, turn in (as_logged, *better[:_STARTS]):
+        yield np.array([np.log(factor), shift_s, turn][: 3 if turned else 2])
 
-    def fit(self, values: FloatArray, rounds: int = _ROUNDS) -> Fit:
-        """Fit in rounds: weights from residuals, then values from weights."""
-        sigmas, steps = np.array([_UNKNOWNS[name] for name in self.names]).T
 
-        def residual_w(values: FloatArray) -> FloatArray:
-            return self.measured_w - _power_w(self.forward, self.names, values)
+def _fit(
+    forward: Forward, names: tuple[str, ...], values: FloatArray, rounds: int = _ROUNDS
+) -> Fit:
+    """Fit in rounds: weights from residuals, then values from weights."""
+    sigmas, steps = np.array([_UNKNOWNS[name] for name in names]).T
+    measured = forward.measured_w
 
-        # Power that two in a hundred samples exceed: spikes do not count.
-        peak_w = float(np.quantile(self.measured_w, 0.98))
-        residual, time, (block, run) = residual_w(values), 10.0, self.blocks()
-        for _ in range(rounds):
-            scatter = 1.4826 * float(np.median(np.abs(residual)))
-            scatter = max(scatter, _LEAST_SCATTER * peak_w)
-            weight = 1.0 / (1.0 + (residual / (_CAUCHY * scatter)) ** 2)
-            root = np.sqrt(weight / time) / scatter
+    def residual_w(values: FloatArray) -> FloatArray:
+        return measured - _power_w(forward, names, values)
 
-            def rows(scaled: FloatArray, root: FloatArray = root) -> FloatArray:
-                left = residual_w(scaled * steps)
-                return np.concatenate((root * left, scaled * steps / sigmas))
+    # Power that two in a hundred samples exceed: spikes do not count.
+    peak_w = float(np.quantile(measured, 0.98))
+    residual, time, (block, run) = residual_w(values), 10.0, _blocks(forward)
+    for _ in range(rounds):
+        scatter = 1.4826 * float(np.median(np.abs(residual)))
+        scatter = max(scatter, _LEAST_SCATTER * peak_w)
+        weight = 1.0 / (1.0 + (residual / (_CAUCHY * scatter)) ** 2)
+        root = np.sqrt(weight / time) / scatter
 
-            best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
-            values = best.x * steps
-            residual = residual_w(values)
-            jacobian = best.jac / steps
-            inverse = np.linalg.pinv(jacobian.T @ jacobian)
-            shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
-            sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
-            times = [correlation_time(column, run, len(self.names)) for column in sums.T]
-            sandwich = (sums.T @ sums) * np.sqrt(np.outer(times, times))
-            # Samples for an independent one.
-            squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
-            time = max(float(np.median(np.diag(sandwich) / squares)), 1.0)
-            covariance = sandwich + inverse @ np.diag(sigmas**-2.0) @ inverse
-        if not self.forward.knows_angles:
-            covariance[1, 1] += _CAM_CLOCK_S**2
-        return Fit(self.names, values, covariance, scatter)
+        def rows(scaled: FloatArray, root: FloatArray = root) -> FloatArray:
+            left = residual_w(scaled * steps)
+            return np.concatenate((root * left, scaled * steps / sigmas))
+
+        best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
+        values = best.x * steps
+        residual = residual_w(values)
+        jacobian = best.jac / steps
+        inverse = np.linalg.pinv(jacobian.T @ jacobian)
+        shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
+        sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
+        times = [correlation_time(column, run, len(names)) for column in sums.T]
+        sandwich = (sums.T @ sums) * np.sqrt(np.outer(times, times))
+        # Samples for an independent one.
+        squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
+        time = max(float(np.median(np.diag(sandwich) / squares)), 1.0)
+        covariance = sandwich + inverse @ np.diag(sigmas**-2.0) @ inverse
+    if not forward.knows_angles:
+        covariance[1, 1] += _CAM_CLOCK_S**2
+    return Fit(names, values, covariance, scatter)
 
 
 def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:

@@ -86,6 +86,11 @@ class Forward:
         return replace(self, index=index)
 
     @property
+    def measured_w(self) -> FloatArray:
+        """Measured solar power [W]."""
+        return self.log.solar_power_w[self.index]
+
+    @property
     def knows_angles(self) -> bool:
         """True if the power depends on the attitude."""
         return self.geometry is not None and self.log.attitude is not None

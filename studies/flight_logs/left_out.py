@@ -172,8 +172,7 @@ def fit_and_left_out(
     dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
 
     def fit_without(left_out: BoolArray) -> Fit | None:
-        use = np.flatnonzero(~(dark | left_out))
-        return fit_log(forward.of(use), measured[use])
+        return fit_log(forward.of(np.flatnonzero(~(dark | left_out))))
 
     limited, full = _may_be_limited(log, aircraft), np.zeros(len(log), bool)
     fit, stretches = fit_without(dead | limited), [*gone, *_value_stretches(log)]
