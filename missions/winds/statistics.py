@@ -37,8 +37,8 @@ class WindStatistics(Record):
         """Return the table of winds."""
         if self.file is None:
             return shipped_winds()
-        is_netcdf = self.file.lower().endswith(_NETCDF)  # a table is that of any percentile
-        key = (longitude_deg, self.percentile) if is_netcdf else (None, 0.0)
+        is_netcdf = self.file.lower().endswith(_NETCDF)
+        key = (longitude_deg, self.percentile) if is_netcdf else ()
         return _read(self.file, self.contents_read(), *key)
 
     def speeds(
