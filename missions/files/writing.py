@@ -176,7 +176,8 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool)
     finally:
         for _, _, scratch in staged:
             if scratch is not None:
-                scratch.unlink(missing_ok=True)
+                with suppress(OSError):  # it may not have been made
+                    scratch.unlink()
 
 
 def _write_new(path: Path, data: bytes, mode: int | None) -> None:

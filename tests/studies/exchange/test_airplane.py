@@ -120,6 +120,6 @@ def test_surfaces_say_where_their_numbers_come_from():
     assert any("symmetric" in note for note in surfaces.notes)
     assert (surfaces.surfaces[0].drag, surfaces.other_drag_coefficient) == (None, 0.0)
     assert any("Section: mh114" in note for note in lifting_surfaces(AIRFOIL).notes)
-    drag = lifting_surfaces(AIRFOIL).surfaces[0].drag
-    assert list(drag.lift_coefficients) == sorted(drag.lift_coefficients)
-    assert drag.drag_coefficients[1] == min(drag.drag_coefficients)
+    lift, drag = lifting_surfaces(AIRFOIL).surfaces[0].drag
+    assert list(lift) == sorted(lift)
+    assert drag[1] == min(drag)
