@@ -70,11 +70,6 @@ _OF_DESIGN = {key: QUANTITIES[key] for key in ("stall_speed_m_per_s", "wing_load
 # ---- The table
 
 
-def _read() -> dict[str, Quantity]:
-    rows = data_rows("quantities", "studies")
-    return {row["key"]: _from_row(row) for row in rows}
-
-
 def _from_row(row: dict[str, Any]) -> Quantity:
     """Return the quantity of a row; words may be those of the catalogue of parameters."""
     key, label, digits = row.pop("key"), row.pop("words"), row.pop("digits")
@@ -87,7 +82,7 @@ def _from_row(row: dict[str, Any]) -> Quantity:
     return Quantity(key, label, **row | numbers)
 
 
-TABLE = _read()
+TABLE = {quantity.name: quantity for quantity in map(_from_row, data_rows("quantities", "studies"))}
 
 
 def group(keys: str) -> tuple[Quantity, ...]:

@@ -69,18 +69,13 @@ class Signals:
             raise Stopped(self.signum)
 
     def _repeat(self, signum: int, frame: FrameType | None) -> None:
-        if self.signum is None or self.held or _being_handled():
+        handled = sys.exc_info()[1]  # by an ``except``, ``finally`` or ``with``
+        while handled is not None and not isinstance(handled, KeyboardInterrupt):
+            handled = handled.__context__
+        if self.signum is None or self.held or handled is not None:
             return
         if not _starts_native_module(frame):
             raise Stopped(self.signum)
-
-
-def _being_handled() -> bool:
-    """Return true while an ``except``, ``finally`` or ``with`` handles a signal."""
-    error = sys.exc_info()[1]
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__context__
-    return error is not None
 
 
 def _starts_native_module(frame: FrameType | None) -> bool:

@@ -108,7 +108,12 @@ class Command(click.Command):
             if isinstance(parameter.type, OutputFile):
                 files[parameter.opts[0]] = path
             elif isinstance(parameter.type, OutputFolder) and path is not None:
-                _check_folder(path, parameter.opts[0])
+                from missions.files.writing import check_writable_folder  # not for help
+
+                if not path:
+                    hint = parameter.opts[0]
+                    raise click.BadParameter("needs the name of a folder", param_hint=hint)
+                check_writable_folder(Path(path))
         check_outputs(files)
         try:
             options.run()
@@ -189,15 +194,6 @@ def write_shared_options(ctx: click.Context, formatter: click.HelpFormatter) -> 
             rows |= made.records(ctx).get(subject, [])
         with formatter.section(f"{subject}, of several commands"):
             formatter.write_dl(list(rows.items()))
-
-
-def _check_folder(path: str, option: str) -> None:
-    """Refuse a folder that cannot be written, before any work is done for it."""
-    from missions.files.writing import check_writable_folder  # not for help
-
-    if not path:
-        raise click.BadParameter("needs the name of a folder", param_hint=option)
-    check_writable_folder(Path(path))
 
 
 def check_outputs(files: Mapping[str, str | None]) -> None:

@@ -38,6 +38,8 @@ PAGE, PRINTED = ".html", ".pdf"
 
 # Makes what a file holds, by its name.
 Content: TypeAlias = Callable[[str], bytes]
+# Inputs, tables and figures of a folder of results.
+Folder: TypeAlias = "tuple[RunInputs, dict[str, bytes], dict[str, Content]]"
 
 
 def deliver(
@@ -48,7 +50,7 @@ def deliver(
     table: tuple[str, Callable[[], pd.DataFrame]] | None = None,
     files: Mapping[str | None, Content] | None = None,
     plot: Content | None = None,
-    folder: Callable[[], tuple[RunInputs, dict[str, bytes], dict[str, Content]]] | None = None,
+    folder: Callable[[], Folder] | None = None,
     page: Callable[[str], None] | None = None,
     record: Callable[[], Any] | None = None,
     summary: Callable[[], Summary] | None = None,
@@ -59,10 +61,9 @@ def deliver(
     Aircraft and mission come first, which JSON has among its keys.
 
     ``table``: title and what makes it. ``files``: what others hold by their names, None where one
-    was not asked for. ``plot``: what draws, see :func:`figure_of`. ``folder``: inputs, tables and
-    figures of a folder of results. ``page``: writes a report. ``record``, ``summary``: what JSON
-    and the terminal have, by default those of the result. ``next_step``: what to do next, for
-    somebody at a terminal.
+    was not asked for. ``plot``: what draws, see :func:`figure_of`. ``folder``: makes what a folder
+    of results holds. ``page``: writes a report. ``record``, ``summary``: what JSON and the terminal
+    have, by default those of the result. ``next_step``: what to do next, for those at a terminal.
     """
     places = vars(options)
     record = record or result.to_dict

@@ -154,16 +154,11 @@ def _map_axes(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
 
 
 def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
-    """Add hatches with their legend, and months."""
+    """Add hatches with their legend, months along the axis of days, and latitudes."""
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     entries = hatch_reasons(axes, days, latitudes, data)
     if entries:
         add_legend(figure, entries, 3, side="right")
-    _season_axes(axes, days)
-
-
-def _season_axes(axes: Axes, days: FloatArray) -> None:
-    """Label months along the axis of days, and latitudes along the other."""
     if sum(days.min() <= start <= days.max() for start in MONTH_STARTS) > 1:
         axes.set_xticks(MONTH_STARTS, MONTH_NAMES, ha="left")
         axes.set_xlim(days.min(), days.max())

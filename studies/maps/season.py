@@ -89,7 +89,13 @@ def perpetual_flags(
     simulate(_days_in_doubt(year, slow, sorted(near), sorted(far)))
     while any((halves := {m: _middles_of_edges(days) for m, days in known.items()}).values()):
         simulate(halves)
-    return {model: _fill_days(days) for model, days in known.items()}
+    every, perpetual = np.arange(1, DAYS_PER_YEAR + 1), {}
+    for model, flags in known.items():
+        days = np.array(sorted(flags))
+        filled = np.array([flags[day] for day in days.tolist()], bool)
+        # Every day is as the last known one before.
+        perpetual[model] = filled[np.searchsorted(days, every, side="right") - 1]
+    return perpetual
 
 
 class _Year:
@@ -188,10 +194,3 @@ def _middles_of_edges(flags: Mapping[int, bool]) -> set[int]:
     """Return the days half-way between the sides of every edge, unless adjacent."""
     apart = [(day, (after - day) % DAYS_PER_YEAR) for day, after in _edges(flags)]
     return {(day + days // 2 - 1) % DAYS_PER_YEAR + 1 for day, days in apart if days > 1}
-
-
-def _fill_days(flags: Mapping[int, bool]) -> Flags:
-    """Return a flag for every day, by the last known day before."""
-    days = np.array(sorted(flags))
-    filled = np.array([flags[day] for day in days.tolist()], bool)
-    return filled[np.searchsorted(days, np.arange(1, DAYS_PER_YEAR + 1), side="right") - 1]

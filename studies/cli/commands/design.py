@@ -35,6 +35,7 @@ from studies.cli.values import Parsed, RealRange
 if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy
     from studies.cli.files import Case
+    from studies.cli.outputs import Folder
     from studies.render.tables import Summary
     from studies.study import Study
     from studies.sweeps.axes import Axis, SampleName
@@ -162,8 +163,7 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         from missions.mission import Mission
         from sizing.program.survival import check_survival
         from studies.cli.files import load
-        from studies.cli.outputs import Content, check_report, deliver, figure_of
-        from studies.output.run_folder import RunInputs
+        from studies.cli.outputs import check_report, deliver, figure_of
         from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
         if self.survive is not None:
@@ -178,7 +178,7 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         check_report(self.report_file, option="--report")
         study = self._designed(case)
 
-        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+        def folder() -> Folder:
             inputs = sized_inputs(study, case.inputs(self.weather_file))
             drawn = sizing_figures(study, self.figure)
             figures = {name: figure_of(draw) for name, draw in drawn.items()}

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import datetime
 
     from missions.logs.clock import Span
+    from studies.cli.outputs import Folder
     from studies.flight_logs.errors import Window
 
 _LONGEST_FILTER_S = 86_400.0
@@ -78,12 +79,11 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     def run(self) -> None:
         """Run all solar power models, and tell what each says."""
         from studies.cli import files
-        from studies.cli.outputs import Content, deliver, figure_of
+        from studies.cli.outputs import deliver, figure_of
         from studies.cli.telling import progress_of
         from studies.models.comparison import compare
         from studies.models.solar_models import attitude_is_known
         from studies.output.formats import csv_bytes
-        from studies.output.run_folder import RunInputs
 
         case = files.load(self)
         files.require_climber(case)
@@ -105,7 +105,7 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
             )
         plot = figure_of("studies.models.plots:plot_comparison", compared, figure=self.figure)
 
-        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+        def folder() -> Folder:
             table = csv_bytes(compared.to_frame())
             return case.inputs(), {"comparison.csv": table}, {"comparison.png": plot}
 
@@ -203,15 +203,8 @@ class Verify(LevelOptions, DrawnOptions):
         from missions.logs.columns import ColumnMap, read_column_map
         from missions.logs.csv import read_flight_log
         from studies.cli.files import load
-        from studies.cli.outputs import (
-            Content,
-            check_report,
-            deliver,
-            figure_of,
-            refuse_to_overwrite,
-        )
+        from studies.cli.outputs import check_report, deliver, figure_of, refuse_to_overwrite
         from studies.flight_logs.verification import verify
-        from studies.output.run_folder import RunInputs
 
         aircraft, log_file, folder_name = self.aircraft, self.log_file, self.out_dir
         if folder_name is not None:
@@ -234,7 +227,7 @@ class Verify(LevelOptions, DrawnOptions):
             heading_offset_deg=self.heading_offset_deg,
         )
 
-        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+        def folder() -> Folder:
             from studies.flight_logs.plots import figures
 
             drawn = figures(result, figure=self.figure)
@@ -267,14 +260,13 @@ class ReproduceReport(DrawnOptions):
     def run(self) -> None:
         """Fly the morning of the report with all four models."""
         from studies.cli.files import Case, opened
-        from studies.cli.outputs import Content, deliver, figure_of
+        from studies.cli.outputs import deliver, figure_of
         from studies.models import report_reproduction as study
-        from studies.output.run_folder import RunInputs
 
         case = Case(opened("aircraft", study.AIRCRAFT), opened("mission", study.MISSION))
         result = study.reproduce(case.aircraft, case.mission, vary=True)
 
-        def folder() -> tuple[RunInputs, dict[str, bytes], dict[str, Content]]:
+        def folder() -> Folder:
             tables = "\n".join(table.to_markdown() for table in result.tables())
             drawing = figure_of(study.reproduction_figure, result, figure=self.figure)
             return case.inputs(), {"report.md": tables.encode()}, {"report.png": drawing}
