@@ -72,7 +72,9 @@ class _Group(click.Group):
 
 
 @click.group(
-    cls=_Group, commands=dict(COMMANDS), context_settings={"help_option_names": ["-h", "--help"]}
+    cls=_Group,
+    commands=dict(COMMANDS),
+    context_settings={"help_option_names": ["-h", "--help"], "show_default": True},
 )
 @click.version_option(__version__, prog_name="solar-uav")
 def cli() -> None:

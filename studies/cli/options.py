@@ -37,7 +37,6 @@ def mission_option(default: str | None) -> Any:
         "--mission",
         "-m",
         default=default,
-        show_default=True,
         type=click.Path(),
         metavar="TEXT",
         help=f"Name or file.{needed}",
@@ -70,7 +69,6 @@ class ModelOptions(CaseOptions):
         "--model",
         type=click.Choice(MODEL_NAMES, case_sensitive=False),
         default="CAM",
-        show_default=True,
         help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
         "module surfaces on the mission's flight path.",
     )
@@ -78,7 +76,6 @@ class ModelOptions(CaseOptions):
         "--correction",
         type=click.Choice(CORRECTION_NAMES),
         default="none",
-        show_default=True,
         help="Correction of the model's systematic error: none; report, as one flight measured "
         "it; loiter, from FM on the mission's flight path.",
     )

@@ -221,7 +221,6 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
         "--step",
         type=RealRange(_LEAST_STEP_M, 10000.0, unit="metres"),
         default=250.0,
-        show_default=True,
         metavar="METRES",
         help="Spacing of the altitudes that are tried.",
     )
@@ -320,14 +319,12 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
         "--samples",
         type=click.IntRange(64, 2**20),
         default=8192,
-        show_default=True,
         help="Draws of all uncertain inputs, rounded up to a power of two.",
     )
     seed: int = option(
         "--seed",
         type=click.IntRange(0, 2**31),
         default=0,
-        show_default=True,
         help="The same seed gives the same draws.",
     )
     no_model_error: bool = option(
@@ -371,8 +368,8 @@ class Report(ModelOptions, JsonOptions, MassOptions):
         help="Write the page: .html, or .pdf for the printed one alone.",
     )
     with_pdf: bool = option("--pdf", is_flag=True, help="Also print it, beside the page, as PDF.")
-    project: str = option("--project", default="", metavar="TEXT", help="Project, for the head.")
-    author: str = option("--author", default="", metavar="TEXT", help="Author, for the head.")
+    project: str | None = option("--project", metavar="TEXT", help="Project, for the head.")
+    author: str | None = option("--author", metavar="TEXT", help="Author, for the head.")
     weather_file: str | None = weather_option("Also fly through a weather record, as analyse does.")
     uncertainty: bool | None = option(
         "--uncertainty/--no-uncertainty",
@@ -397,8 +394,8 @@ class Report(ModelOptions, JsonOptions, MassOptions):
             overrides=self.overrides,
             with_uncertainty=self.uncertainty,
             weather_record=None if weather is None else load_weather(weather, case.mission),
-            project=self.project,
-            author=self.author,
+            project=self.project or "",
+            author=self.author or "",
         )
         written = write_report(case, subject, self.out_file, with_pdf=self.with_pdf)
         if self.as_json:

@@ -64,7 +64,6 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         "--objective",
         type=click.Choice(OBJECTIVE_NAMES),
         default="min_mass",
-        show_default=True,
         help="Masses and wingspan become as small as the mission's required excess "
         "time allows; max_excess_time ends at the bounds of the design space; the last two search "
         "for the most days, or degrees of latitude, in which one design flies perpetually.",
@@ -326,7 +325,6 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         "--sample",
         type=click.Choice(_SAMPLES),
         default="grid",
-        show_default=True,
         help="All combinations; points drawn between least and largest values; or one key at a "
         "time.",
     )
@@ -334,12 +332,9 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         "--samples",
         type=click.IntRange(1, _MOST_SAMPLES),
         default=64,
-        show_default=True,
         help="Number of points that lhs and sobol draw.",
     )
-    seed: int = option(
-        "--seed", type=click.IntRange(0), default=0, show_default=True, help="For drawing."
-    )
+    seed: int = option("--seed", type=click.IntRange(0), default=0, help="For drawing.")
     out_file: str | None = grid_option("all points")
     plot_file: str | None = plot_option("Draw the study")
     pareto: tuple[str, str] | None = option(
@@ -457,7 +452,6 @@ class Explore(ModelOptions):
         "--port",
         type=click.IntRange(0, 65535),
         default=0,
-        show_default=True,
         help="Port on this machine; 0 for any that is free.",
     )
     no_browser: bool = option("--no-browser", is_flag=True, help="Only print the address.")

@@ -60,7 +60,6 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
         "--objective",
         type=click.Choice(RESIZE_NAMES),
         default="min_wingspan",
-        show_default=True,
         help="What a parametric aircraft is sized for with every model.",
     )
     no_design: bool = option(
@@ -185,6 +184,7 @@ class Verify(LevelOptions, DrawnOptions):
         type=RealRange(-1440.0, 1440.0, unit="minutes"),
         metavar="MINUTES",
         default=0.0,
+        show_default=False,
         help="Time that the log's clock is ahead of universal time, which is taken off.",
     )
     heading_offset_deg: float = option(
@@ -192,6 +192,7 @@ class Verify(LevelOptions, DrawnOptions):
         type=RealRange(-360.0, 360.0, unit="degrees"),
         metavar="DEGREES",
         default=0.0,
+        show_default=False,
         help="Angle that the log's yaw is too large, which is taken off.",
     )
     out_dir: str | None = out_option("samples and figures")
