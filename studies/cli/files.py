@@ -114,15 +114,6 @@ class Case:
         file = replace(self.mission_file, record=validate(document, Mission), document=document)
         return replace(self, mission_file=file)
 
-    def at(self, place: PlaceOptions) -> Case:
-        """Return the case at another place or on another day, without the mission's launch."""
-        moved: dict[str, Any] = {}
-        if place.latitude is not None:
-            moved["latitude_deg"] = place.latitude
-        if place.day is not None:
-            moved["dates"] = {"on": date_code(place.day)}
-        return self.with_mission(**moved, launch=None) if moved else self
-
     def holding_station(self, percentile: float) -> Case:
         """Return the case of flight as fast as a percentile of the wind of each scenario."""
         wind = self.mission_file.document.data.get("wind")
@@ -199,7 +190,11 @@ def opened(
     checked = validate(document, record)
     if is_aircraft and not of_run:
         refuse_named_twice(document)
-    return Loaded(checked, document, _checksum(kind, name_or_path))
+    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
+        sha256: str | None = hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
+    else:
+        sha256 = InputFile.of(Path(name_or_path)).sha256
+    return Loaded(checked, document, sha256)
 
 
 def _with_whole_key(override: str) -> str:
@@ -258,10 +253,21 @@ def load(options: CaseOptions) -> Case:
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
+    return _with_values(case, options)
+
+
+def _with_values(case: Case, options: CaseOptions) -> Case:
+    """Return the case with what options give in place of the files' values."""
+    values: dict[str, Any] = {}
     if isinstance(options, PlaceOptions):
-        case = case.at(options)
+        if options.latitude is not None:
+            values["latitude_deg"] = options.latitude
+        if options.day is not None:
+            values["dates"] = {"on": date_code(options.day)}
+        values |= {"launch": None} if values else {}  # which is at the mission's place and day
     if isinstance(options, RequirementOptions) and options.required_h is not None:
-        case = case.with_mission(required_excess_time_h=options.required_h)
+        values["required_excess_time_h"] = options.required_h
+    case = case.with_mission(**values) if values else case
     if isinstance(options, MassOptions) and options.mass_kg is not None:
         case = case.with_total_mass(options.mass_kg)
     return case
@@ -297,13 +303,6 @@ def _is_default(option: str) -> bool:
     if context is None:
         return False
     return context.get_parameter_source(option) is ParameterSource.DEFAULT
-
-
-def _checksum(kind: Kind, name_or_path: str) -> str | None:
-    """Return the SHA-256 of a file that was read; None for a pipe, which is read once."""
-    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
-        return hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
-    return InputFile.of(Path(name_or_path)).sha256
 
 
 def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
