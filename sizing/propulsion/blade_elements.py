@@ -62,19 +62,7 @@ def section_coefficients(
     ``c_l = 0.5 + 5.8 alpha`` from -0.3 to 1.2, beyond them the limit times the cosine of the
     excess of the angle; ``c_d = (0.028 + k (c_l - 0.5)^2) (Re / 70000)^-0.7``, with k 0.050 above
     and 0.020 below 0.5; beyond the limits of lift, ``2 sin^2`` of the excess is added. Above a
-    Reynolds number of 300 000 drag is constant.
-
-    Parameters
-    ----------
-    angle_rad : array_like
-        Angle between chord and flow [rad].
-    reynolds : array_like
-        Reynolds number of the chord [-].
-
-    Returns
-    -------
-    lift, drag : ndarray
-        Coefficients [-].
+    Reynolds number of 300 000 drag is constant. ``angle_rad``: between chord and flow.
     """
     lift, excess = _lift_and_excess(np.asarray(angle_rad, float))
     off = lift - _LIFT_OF_LEAST_DRAG
@@ -194,16 +182,14 @@ class BladeElementPropeller:
             Of the broadcast shape of the arguments. Thrust is negative where the propeller brakes,
             power where the air turns it.
         """
+        inputs = (
+            airspeed_m_per_s,
+            rotation_per_s,
+            air.density_kg_per_m3,
+            air.dynamic_viscosity_pa_s,
+        )
         v, n, density, viscosity = np.broadcast_arrays(
-            *(
-                np.asarray(values, float)[..., np.newaxis]
-                for values in (
-                    airspeed_m_per_s,
-                    rotation_per_s,
-                    air.density_kg_per_m3,
-                    air.dynamic_viscosity_pa_s,
-                )
-            )
+            *(np.asarray(values, float)[..., np.newaxis] for values in inputs)
         )
         place, width, chord, _ = self._blade
         rotation = np.pi * n * self._diameter_m * place

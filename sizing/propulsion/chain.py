@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -78,6 +77,22 @@ _EfficiencyModel = Annotated[
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 
 
+def _one_link(efficiency: Value) -> dict[str, Any]:
+    """Return the efficiencies of a chain with its propeller as the only link."""
+    return {f"{name}_efficiency": 1.0 for name in LINKS} | {"propeller_efficiency": efficiency}
+
+
+def _with_one_rating(chain: Any) -> Any:
+    """Check that climb rate and climb power ratio are not both given."""
+    if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
+        raise wrong_value(
+            "climb_rate_m_per_s",
+            "is an alternative to climb_power_ratio: give one of them, null for the other "
+            f"(got {chain.climb_rate_m_per_s:g} and a ratio of {chain.climb_power_ratio:g})",
+        )
+    return chain
+
+
 class Propulsion(CatalogueRecord):
     """Propulsion chain from the battery bus to thrust power, and its mass.
 
@@ -109,11 +124,7 @@ class Propulsion(CatalogueRecord):
     climb_rate_m_per_s: PositiveReal | None = None
     mass_model: _MassModel | None = None
     efficiency_model: _EfficiencyModel | None = None
-
-    @model_validator(mode="after")
-    def _check_rating(self) -> Propulsion:
-        _refuse_two_ratings(self)
-        return self
+    _check_rating = model_validator(mode="after")(_with_one_rating)
 
     def in_level_flight(
         self, power_w: Value, airspeed_m_per_s: Value, density_kg_per_m3: Value
@@ -125,9 +136,8 @@ class Propulsion(CatalogueRecord):
         if self.efficiency_model is None:
             return self
         model = user_function("propulsion_efficiency", self.efficiency_model)
-        single_link: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
-        single_link["propeller_efficiency"] = model(power_w, airspeed_m_per_s, density_kg_per_m3)
-        return self.model_copy(update=single_link | {"efficiency_model": None})
+        efficiency = model(power_w, airspeed_m_per_s, density_kg_per_m3)
+        return self.model_copy(update=_one_link(efficiency) | {"efficiency_model": None})
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
         """Return the rated electric power [W].
@@ -201,10 +211,10 @@ class OperatingPointPropulsion(Record):
     climb_power_ratio: _ClimbRatio | None = None
     climb_rate_m_per_s: PositiveReal | None = None
     mass_model: _MassModel | None = None
+    _check_rating = model_validator(mode="after")(_with_one_rating)
 
     @model_validator(mode="after")
-    def _check_parts(self) -> OperatingPointPropulsion:
-        _refuse_two_ratings(self)
+    def _check_motor(self) -> OperatingPointPropulsion:
         if isinstance(self.motor, str):
             entry_of_key("motor", "motors", self.motor)
         return self
@@ -299,17 +309,9 @@ class OperatingPointPropulsion(Record):
         both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_v)
         weight = np.where(both.reason != "", np.inf, both.bus_power_w)
         worse = np.argmax(weight, axis=0)[np.newaxis]
-        point = OperatingPoint(
-            *(
-                np.take_along_axis(getattr(both, field.name), worse, axis=0)[0]
-                for field in fields(OperatingPoint)
-            )
-        )
+        point = OperatingPoint(*(np.take_along_axis(row, worse, axis=0)[0] for row in both))
         factor = self.efficiency_factor
-        if factor == 1.0:
-            return point
-        return replace(
-            point,
+        return point._replace(
             propeller_efficiency=point.propeller_efficiency * factor,
             efficiency=point.efficiency * factor,
             bus_power_w=point.bus_power_w / factor,
@@ -425,9 +427,8 @@ def chain_of_numbers(
     parts: OperatingPointPropulsion, efficiency: Value, mass_kg: Value
 ) -> Propulsion:
     """Return a chain of known efficiency and mass, as one link."""
-    links: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
     return Propulsion.model_construct(
-        **links | {"propeller_efficiency": efficiency},
+        **_one_link(efficiency),
         fixed_mass_kg=mass_kg,
         mass_kg_per_w=0.0,
         climb_power_ratio=parts.climb_power_ratio,
@@ -454,16 +455,6 @@ class ChainOfParts(Propulsion):
         if isinstance(self.fixed_mass_kg, np.ndarray):  # differs between the designs
             updates["fixed_mass_kg"] = function(self.fixed_mass_kg)
         return super().mapped(function).model_copy(update=updates)
-
-
-def _refuse_two_ratings(chain: Propulsion | OperatingPointPropulsion) -> None:
-    """Check that climb rate and climb power ratio are not both given."""
-    if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
-        raise wrong_value(
-            "climb_rate_m_per_s",
-            "is an alternative to climb_power_ratio: give one of them, null for the other "
-            f"(got {chain.climb_rate_m_per_s:g} and a ratio of {chain.climb_power_ratio:g})",
-        )
 
 
 # Keys that only parts at their operating point have.

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from sizing.catalogues.choice import entry
-from sizing.catalogues.entries import MotorEntry
 from sizing.parameters import all_replaced
 from sizing.smooth import Value
 from solar.schema import (
@@ -89,26 +87,10 @@ class Motor(Record):
 
     @classmethod
     def from_catalogue(cls, name: str) -> Motor:
-        """Return the motor of a catalogue entry, or of a file with one entry.
-
-        Parameters
-        ----------
-        name : str
-            As ``solar-uav list --motors`` prints it, or the path of a YAML file.
-
-        Returns
-        -------
-        Motor
-        """
+        """Return the motor of a catalogue entry, by its name or the path of a YAML file."""
         motor = entry("motors", name)
-        assert isinstance(motor, MotorEntry)
-        return cls(
-            speed_constant_rpm_per_v=motor.speed_constant_rpm_per_v,
-            resistance_ohm=motor.resistance_ohm,
-            no_load_current_a=motor.no_load_current_a,
-            maximum_current_a=motor.maximum_current_a,
-            mass_kg=motor.mass_kg,
-        )
+        keys = cls.model_fields.keys() & type(motor).model_fields.keys()
+        return cls(**{key: getattr(motor, key) for key in keys})
 
     def rewound(self, speed_constant_rpm_per_v: Value) -> Motor:
         """Return the motor with another number of turns, for another speed constant.
@@ -117,54 +99,29 @@ class Motor(Record):
         ``R ~ N^2``: with ``k`` the ratio of the speed constants ``R/k^2``, and currents times ``k``
         for the same torque and field in iron and air gap. So torque, losses and best efficiency at
         a speed stay, as do mass and limit of power, and the voltage goes with ``1/k``: the motor
-        constant ``K_t / sqrt(R)`` is independent of the winding (Wikipedia, Motor constants).
-
-        Parameters
-        ----------
-        speed_constant_rpm_per_v
-            Number, array or symbol [rpm/V].
-
-        Returns
-        -------
-        Motor
-            Not validated.
+        constant ``K_t / sqrt(R)`` is independent of the winding (Wikipedia, Motor constants). The
+        speed constant may be a number, an array or a symbol [rpm/V]; the motor is not validated.
         """
         ratio = speed_constant_rpm_per_v / self.speed_constant_rpm_per_v
-        currents = (
-            "no_load_current_a",
-            "no_load_current_rise_a_per_1000_rpm",
-            "maximum_current_a",
-        )
-        currents_a = {key: getattr(self, key) for key in currents}
-        constants = {key: ratio * value for key, value in currents_a.items() if value is not None}
-        constants["speed_constant_rpm_per_v"] = speed_constant_rpm_per_v
-        constants["resistance_ohm"] = self.resistance_ohm / ratio**2
+        most_a = self.maximum_current_a
+        constants = {
+            "speed_constant_rpm_per_v": speed_constant_rpm_per_v,
+            "resistance_ohm": self.resistance_ohm / ratio**2,
+            "no_load_current_a": ratio * self.no_load_current_a,
+            "no_load_current_rise_a_per_1000_rpm": ratio * self.no_load_current_rise_a_per_1000_rpm,
+            "maximum_current_a": None if most_a is None else ratio * most_a,
+        }
         return all_replaced(self, constants)
 
-    def state(self, speed_rpm: ArrayLike, torque_nm: ArrayLike) -> MotorState:
+    def state(self, rpm: Value, torque_nm: Value) -> MotorState:
         """Return current and voltage at a speed and a torque.
 
         ``i = Q K_v + i_0(Omega)`` and ``v = Omega / K_v + i R``, with ``K_v`` in rad/s per volt.
 
         Parameters
         ----------
-        speed_rpm, torque_nm : array_like
-            Speed [rpm] and torque at the shaft [N m].
-
-        Returns
-        -------
-        MotorState
-            Of the broadcast shape of the arguments.
-        """
-        return self.state_of(np.asarray(speed_rpm, float), np.asarray(torque_nm, float))
-
-    def state_of(self, rpm: Value, torque_nm: Value) -> MotorState:
-        """Return :meth:`state` of numbers, arrays or symbols.
-
-        Parameters
-        ----------
         rpm, torque_nm
-            Speed [rpm] and torque [N m] of the motor.
+            Speed [rpm] and torque at the shaft [N m]: numbers, arrays or symbols.
 
         Returns
         -------

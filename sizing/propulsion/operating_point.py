@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,20 +70,8 @@ class Propulsor:
                 f"maximum_tip_mach must be above 0 and below 1 (got {self.maximum_tip_mach!r})"
             )
 
-    def at(self, shape: tuple[int, ...], indices: slice) -> Propulsor:
-        """Return the propulsors of a part of the flattened operating points.
-
-        Parameters
-        ----------
-        shape : tuple of int
-            Shape of all points.
-        indices : slice
-            Part of the flattened points.
-
-        Returns
-        -------
-        Propulsor
-        """
+    def _at(self, shape: tuple[int, ...], indices: slice) -> Propulsor:
+        """Return the propulsors at indices of the flattened points of a shape."""
 
         def part_of(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
             sizes: dict[str, Any] = {name: getattr(record, name, None) for name in names}
@@ -99,8 +87,7 @@ class Propulsor:
         return replace(self, propeller=propeller, gear=gear, motor=motor)
 
 
-@dataclass(frozen=True)
-class OperatingPoint:
+class OperatingPoint(NamedTuple):
     """State of a propulsor at operating points, in arrays of their shape.
 
     Attributes
@@ -154,14 +141,7 @@ wiring_efficiency, efficiency
         return np.asarray(self.reason == "")
 
     def budget_w(self) -> dict[str, FloatArray]:
-        """Return thrust power and losses.
-
-        Returns
-        -------
-        dict of ndarray
-            Thrust power and the losses of propeller, gear, motor, controller and wiring [W]; their
-            sum is the bus power.
-        """
+        """Return thrust power, and losses from propeller to wiring [W]; their sum is bus power."""
         shares, after = {"thrust": self.thrust_power_w}, self.bus_power_w
         for name in ("wiring", "controller", "motor", "gear", "propeller"):
             before, after = after, after * getattr(self, f"{name}_efficiency")
@@ -214,30 +194,28 @@ def operating_point(
         ("bus_voltage_v must be above 0", arrays[2], arrays[2] > 0.0),
         ("the density of the air must be above 0", arrays[5], arrays[5] > 0.0),
     ):
-        if not np.all(holds & np.isfinite(values)):
-            raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
-    points = [
-        _points_in_row(part, thrust, v, Air(*state), bus)
-        for part, (thrust, v, bus, *state) in _chunks(propulsor, arrays)
-    ]
-    return OperatingPoint(
-        *(
-            np.concatenate([getattr(point, field.name) for point in points]).reshape(
-                arrays[0].shape
-            )
-            for field in fields(OperatingPoint)
-        )
-    )
+        wrong = values[~(holds & np.isfinite(values))]
+        if wrong.size:
+            raise ValueError(f"{name} (got {wrong.flat[0]:g})")
+    return OperatingPoint(*_in_chunks(_points_in_row, propulsor, arrays))
 
 
-def _chunks(
-    propulsor: Propulsor, arrays: Sequence[FloatArray]
-) -> Iterator[tuple[Propulsor, list[FloatArray]]]:
-    """Yield propulsor and flattened arrays in chunks whose blade elements fit into the cache."""
-    flat = [np.ravel(array) for array in arrays]
+def _in_chunks(
+    function: Callable[..., tuple[Any, ...]], propulsor: Propulsor, arrays: Sequence[FloatArray]
+) -> Iterator[Any]:
+    """Yield the columns of a function in chunks of points whose blade elements fit into the cache.
+
+    The function takes propulsor, thrust, airspeed, air and other arrays, in one dimension; the
+    state of the air ends the arrays.
+    """
+    shape, flat, parts = arrays[0].shape, [np.ravel(array) for array in arrays], []
     for first in range(0, max(flat[0].size, 1), _AT_ONCE):
         indices = slice(first, first + _AT_ONCE)
-        yield propulsor.at(arrays[0].shape, indices), [row[indices] for row in flat]
+        rows = [row[indices] for row in flat]
+        thrust, v, *others = rows[:-4]
+        parts.append(function(propulsor._at(shape, indices), thrust, v, Air(*rows[-4:]), *others))
+    for columns in zip(*parts, strict=True):
+        yield np.concatenate(columns).reshape(shape)
 
 
 def bus_power_w(
@@ -248,9 +226,7 @@ def bus_power_w(
     Voltages broadcast with the other arguments, but do not enter the search for the rotation. NaN
     outside the propeller's data.
     """
-    shape, shafts = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
-    states = zip(*(shaft.motor for shaft in shafts), strict=True)
-    motor = MotorState(*(np.concatenate(values).reshape(shape) for values in states))
+    motor = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air).motor
     inlet_v, _ = _inlet(propulsor, motor, bus_v)
     power_w = propulsor.controller.input_power_w(motor, inlet_v)
     return np.asarray(power_w / _wiring_efficiency(inlet_v, bus_v))
@@ -260,24 +236,18 @@ def propeller_state(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
 ) -> tuple[FloatArray, FloatArray]:
     """Return rotation [1/s] and shaft power [W] at thrusts; NaN outside the propeller's data."""
-    shape, shafts = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
-    rows = zip(*((shaft.rotation_per_s, shaft.power_w) for shaft in shafts), strict=True)
-    turns, shaft_w = (np.concatenate(row).reshape(shape) for row in rows)
-    return turns, shaft_w
+    shaft = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
+    return shaft.rotation_per_s, shaft.power_w
 
 
 def _shafts_of(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
-) -> tuple[tuple[int, ...], list[_Shaft]]:
-    """Return the broadcast shape of the arguments, and their shafts in chunks."""
+) -> _Shaft:
+    """Return shafts of the broadcast shape of the arguments."""
     arrays = np.broadcast_arrays(
         *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, *air))
     )
-    shafts = [
-        _shafts(part, thrust, v, Air(*state))
-        for part, (thrust, v, *state) in _chunks(propulsor, arrays)
-    ]
-    return arrays[0].shape, shafts
+    return _Shaft(*_in_chunks(_shafts, propulsor, arrays))
 
 
 class _Shaft(NamedTuple):
@@ -288,8 +258,14 @@ class _Shaft(NamedTuple):
     torque_nm: FloatArray
     motor_rpm: FloatArray
     motor_torque_nm: FloatArray
-    motor: MotorState
+    motor_current_a: FloatArray
+    motor_voltage_v: FloatArray
     reason: NDArray[np.object_]
+
+    @property
+    def motor(self) -> MotorState:
+        """Current and voltage at the motor's terminals."""
+        return MotorState(self.motor_current_a, self.motor_voltage_v)
 
 
 def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> _Shaft:
@@ -301,7 +277,7 @@ def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -
     torque = shaft_w / (2.0 * np.pi * n)
     motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
     motor = propulsor.motor.state(motor_rpm, motor_torque)
-    return _Shaft(n, shaft_w, torque, motor_rpm, motor_torque, motor, reason)
+    return _Shaft(n, shaft_w, torque, motor_rpm, motor_torque, *motor, reason)
 
 
 def _points_in_row(
@@ -309,7 +285,9 @@ def _points_in_row(
 ) -> OperatingPoint:
     """Return operating points, in one dimension."""
     gear, controller, d = propulsor.gear, propulsor.controller, propulsor.propeller.diameter_m
-    n, shaft_w, torque, motor_rpm, motor_torque, motor, reason = _shafts(propulsor, thrust, v, air)
+    shaft = _shafts(propulsor, thrust, v, air)
+    n, shaft_w, torque, motor_rpm, motor_torque, *_, reason = shaft
+    motor = shaft.motor
     motor_w = motor.current_a * motor.voltage_v
     inlet_v, needed_v = _inlet(propulsor, motor, bus)
     inlet_w = controller.input_power_w(motor, inlet_v)
@@ -405,43 +383,29 @@ def _rotation(
     lower = np.minimum(lower, upper)
     trial = lower[:, None] * (upper / lower)[:, None] ** np.linspace(0.0, 1.0, propeller.trials)
     each = np.repeat(np.arange(len(v)), propeller.trials)
-    at_trials = _thrust(
-        trial.ravel(), v[each], *(values[each] for values in air), propeller=propeller.at(each)
-    )
-    pull = at_trials.reshape(trial.shape)
+    air_at = Air(*(values[each] for values in air))
+    pull = _thrust(propeller.at(each), trial.ravel(), v[each], air_at).reshape(trial.shape)
     crosses = (pull[:, :-1] <= thrust[:, None]) & (pull[:, 1:] >= thrust[:, None])
     crossing = np.flatnonzero(crosses.any(axis=1))
     first = np.argmax(crosses[crossing], axis=1)
     ends = trial[crossing, first], trial[crossing, first + 1]
     n = np.full(len(v), np.nan)
-
-    def excess(rotation: FloatArray) -> FloatArray:
-        return _thrust(rotation, *flow, propeller=pulling) - pulled
-
     if crossing.size:
         pulling = propeller.at(crossing)
-        pulled, *flow = (values[crossing] for values in (thrust, v, *air))
-        n[crossing] = bracketed_root(excess, *ends)
+        pulled, speed, *state = (values[crossing] for values in (thrust, v, *air))
+        n[crossing] = bracketed_root(
+            lambda turns: _thrust(pulling, turns, speed, Air(*state)) - pulled, *ends
+        )
     reason = np.full(len(v), "", dtype=object)
     for place in np.flatnonzero(np.isnan(n)):
         reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller.at(int(place)))
     return n, reason
 
 
-def _thrust(
-    rotation: FloatArray,
-    v: FloatArray,
-    temperature: FloatArray,
-    pressure: FloatArray,
-    density: FloatArray,
-    viscosity: FloatArray,
-    *,
-    propeller: Propeller,
-) -> FloatArray:
+def _thrust(propeller: Propeller, rotation: FloatArray, v: FloatArray, air: Air) -> FloatArray:
     """Return the thrust at a speed of rotation [N]; NaN outside the propeller's data."""
-    air = Air(temperature, pressure, density, viscosity)
     coefficient = propeller.coefficients(v, rotation, air).thrust
-    return np.asarray(coefficient * density * rotation**2 * propeller.diameter_m**4)
+    return np.asarray(coefficient * air.density_kg_per_m3 * rotation**2 * propeller.diameter_m**4)
 
 
 def _no_rotation(thrust: float, v: float, pull: FloatArray, propeller: Propeller) -> str:

@@ -67,15 +67,7 @@ def tip_mach(
 
 @dataclass(frozen=True, eq=False)
 class SpeedCurve:
-    """Coefficients at one speed of rotation, over a rising advance ratio.
-
-    Attributes
-    ----------
-    speed_rpm : float
-        Speed of rotation [rpm]; NaN where a table names none.
-    advance_ratio, thrust, power : ndarray
-        J, C_T and C_P [-].
-    """
+    """J, C_T and C_P [-] at one speed of rotation [rpm] (NaN if a table names none), J rising."""
 
     speed_rpm: float
     advance_ratio: FloatArray
@@ -146,13 +138,12 @@ class PropellerTable:
             weight = weight if self.any_speed else np.where(beyond, np.nan, weight)
         upper = np.minimum(place + 1, len(speeds) - 1)
         columns = (
-            np.array([_curve_at(advance, curve.advance_ratio, values) for curve, values in named])
-            for named in (
-                [(curve, curve.thrust) for curve in self.curves],
-                [(curve, curve.power) for curve in self.curves],
-            )
+            [_curve_at(advance, curve.advance_ratio, getattr(curve, name)) for curve in self.curves]
+            for name in Coefficients._fields
         )
-        return Coefficients(*(_weighted_mean(column, place, upper, weight) for column in columns))
+        return Coefficients(
+            *(_weighted_mean(np.array(column), place, upper, weight) for column in columns)
+        )
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the data."""

@@ -46,9 +46,6 @@ class _Point:
     thrust: float
     power: float
 
-    def problem(self, message: str) -> Problem:
-        return Problem(self.file, self.line, None, "", message)
-
 
 @dataclass
 class _Read:
@@ -59,6 +56,9 @@ class _Read:
     diameter_m: float | None = None
     static: list[_Point] = field(default_factory=list)
     left_out: list[Problem] = field(default_factory=list)
+
+    def refuse(self, file: str, line: int | None, message: str) -> None:
+        self.problems.append(Problem(file, line, None, "", message))
 
 
 def read_propeller(
@@ -104,9 +104,11 @@ def read_propeller(
         name = os.fspath(path)
         _read_file(read, read_text(name), printable(name))
     names = ", ".join(printable(os.fspath(path)) for path in paths)
-    read.problems += [problem for point in read.points for problem in _impossible(point)]
+    for point in read.points:
+        if message := _impossible(point):
+            read.refuse(point.file, point.line, message)
     if not read.problems:
-        read.problems += _problems_as_a_whole(read, names, any_speed)
+        _check_as_a_whole(read, names, any_speed)
     if read.problems:
         raise InputError(read.problems[:20])
     assert read.diameter_m is not None
@@ -114,26 +116,25 @@ def read_propeller(
     return PropellerTable(read.diameter_m, curves, names, any_speed, left_out_note(read.left_out))
 
 
-def _problems_as_a_whole(read: _Read, names: str, any_speed: bool) -> list[Problem]:
-    """Return the problems of the files as a whole."""
+def _check_as_a_whole(read: _Read, names: str, any_speed: bool) -> None:
+    """Add the problems of the files as a whole."""
+    speeds = _by_speed(read.points)
     if not read.points:
-        return [file_error(names, "holds no row of J, CT and CP").problems[0]]
-    if read.diameter_m is None:
-        return [file_error(names, "does not tell the diameter: give diameter_m").problems[0]]
-    if not 0.0 < read.diameter_m <= 100.0:
-        return [Problem("diameter_m", None, None, "", f"must be above 0 (got {read.diameter_m:g})")]
-    if len({math.isnan(point.speed_rpm) for point in read.points}) > 1:
-        return [file_error(names, "names a speed of rotation for some rows alone").problems[0]]
-    speeds = list(_by_speed(read.points))
-    if len(speeds) < 2 and not any_speed:
+        read.refuse(names, None, "holds no row of J, CT and CP")
+    elif read.diameter_m is None:
+        read.refuse(names, None, "does not tell the diameter: give diameter_m")
+    elif not 0.0 < read.diameter_m <= 100.0:
+        read.refuse("diameter_m", None, f"must be above 0 (got {read.diameter_m:g})")
+    elif len({math.isnan(point.speed_rpm) for point in read.points}) > 1:
+        read.refuse(names, None, "names a speed of rotation for some rows alone")
+    elif len(speeds) < 2 and not any_speed:
         rpm = speeds[0][0].speed_rpm
         have = "names no speed of rotation" if math.isnan(rpm) else f"has {rpm:g} rpm alone"
-        return [file_error(names, f"{have}: {_MANY_SPEEDS}").problems[0]]
-    too_few = [points for points in speeds if len({point.advance for point in points}) < 2]
-    return [
-        points[0].problem("the only advance ratio at this speed; two are needed")
-        for points in too_few
-    ]
+        read.refuse(names, None, f"{have}: {_MANY_SPEEDS}")
+    for first, *others in speeds if not read.problems else ():
+        if all(point.advance == first.advance for point in others):
+            message = "the only advance ratio at this speed; two are needed"
+            read.refuse(first.file, first.line, message)
 
 
 def _read_file(read: _Read, text: str, file: str) -> None:
@@ -143,7 +144,12 @@ def _read_file(read: _Read, text: str, file: str) -> None:
     if any(_BLOCK.match(line) for line in lines):
         _read_apc(read, lines, file)
     elif head and head[0][:3] == ["j", "ct", "cp"] and "," not in lines[0]:
-        _read_uiuc(read, lines, file)
+        name = file.replace("\\", "/").rpartition("/")[2]
+        _take_diameter(read, name)
+        run = _RUN.search(name)
+        speed = float(run[1]) if run else math.nan
+        rows = _numbers(read, lines[1:], file, len(lines[0].split()))
+        read.points += [_Point(file, line, speed, *row[:3]) for line, row in rows]
     elif head and head[0] == ["rpm", "ct", "cp"] and "," not in lines[0]:
         rows = _numbers(read, lines[1:], file, 3)
         read.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
@@ -151,7 +157,7 @@ def _read_file(read: _Read, text: str, file: str) -> None:
         _read_csv(read, lines, file)
     else:
         message = "is no table of a propeller: neither 'PROP RPM =' nor columns J, CT and CP"
-        read.problems.append(file_error(file, message).problems[0])
+        read.refuse(file, None, message)
 
 
 def _take_diameter(read: _Read, text: str) -> None:
@@ -159,15 +165,6 @@ def _take_diameter(read: _Read, text: str) -> None:
     size = _SIZE.search(text)
     if read.diameter_m is None and size and float(size[1]) <= _LARGEST_INCHES:
         read.diameter_m = float(size[1]) * _INCH_M
-
-
-def _read_uiuc(read: _Read, lines: Sequence[str], file: str) -> None:
-    name = file.replace("\\", "/").rpartition("/")[2]
-    _take_diameter(read, name)
-    run = _RUN.search(name)
-    speed = float(run[1]) if run else math.nan
-    for line, row in _numbers(read, lines[1:], file, len(lines[0].split())):
-        read.points.append(_Point(file, line, speed, *row[:3]))
 
 
 def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
@@ -180,15 +177,12 @@ def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
             speed = _number(block[1])
             order = []
             if not 0.0 < speed <= _LARGEST_RPM:
-                message = (
-                    f"PROP RPM must be above 0 and at most {_LARGEST_RPM:g} (got {block[1]!r})"
-                )
-                read.problems.append(Problem(file, number, None, "", message))
+                allowed = f"above 0 and at most {_LARGEST_RPM:g}"
+                read.refuse(file, number, f"PROP RPM must be {allowed} (got {block[1]!r})")
         elif words[:2] == ["V", "J"]:
             order = [word.lower() for word in words]
         elif 2 < len(words) < len(order) and "(" not in line:
-            message = f"{len(order)} numbers are needed (got {len(words)})"
-            read.problems.append(Problem(file, number, None, "", message))
+            read.refuse(file, number, f"{len(order)} numbers are needed (got {len(words)})")
         elif order and words and "(" not in line:
             _apc_row(read, speed, dict(zip(order, words, strict=False)), (file, number))
 
@@ -205,7 +199,7 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
             read.left_out.append(Problem(*place, None, "", "no CT and CP"))
         else:
             message = f"{wrong[0].upper()} must be a number (got {row.get(wrong[0], '')!r})"
-            read.problems.append(Problem(*place, None, "", shortened(printable(message))))
+            read.refuse(*place, shortened(printable(message)))
         return
     advance = values["j"]
     if read.diameter_m is not None and speed > 0.0:
@@ -217,7 +211,7 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
                 f"J {row['j']} is not V/(nD) of {row['v']} mph, {speed:g} rpm and a diameter of "
                 f"{read.diameter_m:g} m, which is {by_speed:.3f}"
             )
-            read.problems.append(Problem(*place, None, "", message))
+            read.refuse(*place, message)
         advance = by_speed if step_v < step_j else advance
     read.points.append(_Point(*place, speed, advance, values["ct"], values["cp"]))
 
@@ -241,19 +235,14 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
             odd = sorted(set(names) - {"j", "ct", "cp", "rpm", "eta"})
             if odd or len(set(names)) < len(names) or not {"j", "ct", "cp"} <= set(names):
                 message = f"columns must be J, CT, CP and rpm, each once (got {line.strip()!r})"
-                read.problems.append(Problem(file, number, None, "", shortened(message)))
-                return
+                return read.refuse(file, number, shortened(message))
         else:
             for place, row in _numbers(read, [line.replace(",", " ")], file, len(names), number):
-                by = dict(zip(names, row, strict=True))
-                read.points.append(
-                    _Point(file, place, by.get("rpm", math.nan), by["j"], by["ct"], by["cp"])
-                )
-                if "rpm" in by and not 0.0 < by["rpm"] <= _LARGEST_RPM:
-                    message = (
-                        f"rpm must be above 0 and at most {_LARGEST_RPM:g} (got {by['rpm']:g})"
-                    )
-                    read.problems.append(Problem(file, place, None, "", message))
+                by = {"rpm": math.nan} | dict(zip(names, row, strict=True))
+                read.points.append(_Point(file, place, *(by[k] for k in ("rpm", "j", "ct", "cp"))))
+                if not (0.0 < by["rpm"] <= _LARGEST_RPM or math.isnan(by["rpm"])):
+                    allowed = f"above 0 and at most {_LARGEST_RPM:g}"
+                    read.refuse(file, place, f"rpm must be {allowed} (got {by['rpm']:g})")
 
 
 def _numbers(
@@ -266,8 +255,7 @@ def _numbers(
         values = [_number(word) for word in line.split()]
         if len(values) != columns or any(map(math.isnan, values)):
             got = shortened(printable(" ".join(line.split())))
-            message = f"{columns} finite numbers are needed (got {got!r})"
-            read.problems.append(Problem(file, number, None, "", message))
+            read.refuse(file, number, f"{columns} finite numbers are needed (got {got!r})")
         else:
             yield number, values
 
@@ -281,45 +269,43 @@ def _number(text: str) -> float:
     return value if math.isfinite(value) else math.nan
 
 
-def _impossible(point: _Point) -> Iterator[Problem]:
-    """Yield the physically impossible coefficients of a point."""
+def _impossible(point: _Point) -> str:
+    """Return what is physically impossible of a point; empty if nothing is."""
     if not 0.0 <= point.advance <= _LARGEST_ADVANCE:
-        yield point.problem(f"J must be from 0 to {_LARGEST_ADVANCE:g} (got {point.advance:g})")
-        return
+        return f"J must be from 0 to {_LARGEST_ADVANCE:g} (got {point.advance:g})"
     for name, value in (("CT", point.thrust), ("CP", point.power)):
         if abs(value) > _LARGEST_COEFFICIENT:
-            yield point.problem(f"{name} must be within {_LARGEST_COEFFICIENT:g} (got {value:g})")
-            return
+            return f"{name} must be within {_LARGEST_COEFFICIENT:g} (got {value:g})"
     if point.thrust > 0.0 and point.advance * point.thrust > (1.0 + _ROUNDING) * point.power:
-        yield point.problem(
-            f"CT {point.thrust:g} and CP {point.power:g} at J {point.advance:g} are an efficiency "
-            "J CT / CP above 1"
-        )
+        point_text = f"CT {point.thrust:g} and CP {point.power:g} at J {point.advance:g}"
+        return f"{point_text} are an efficiency J CT / CP above 1"
+    return ""
 
 
-def _by_speed(points: Sequence[_Point]) -> Iterator[list[_Point]]:
-    """Yield the points of each speed of rotation, with runs of nearly the same speed together."""
-    ordered = sorted(points, key=lambda point: (point.speed_rpm, point.advance))
-    group: list[_Point] = []
-    for point in ordered:
-        if group and point.speed_rpm > group[0].speed_rpm * (1.0 + _SAME_SPEED):
-            yield group
-            group = []
-        group.append(point)
-    yield group
+def _by_speed(points: Sequence[_Point]) -> list[list[_Point]]:
+    """Return the points of each speed of rotation, with runs of nearly the same speed together."""
+    groups: list[list[_Point]] = []
+    for point in sorted(points, key=lambda point: (point.speed_rpm, point.advance)):
+        if not groups or point.speed_rpm > groups[-1][0].speed_rpm * (1.0 + _SAME_SPEED):
+            groups.append([])
+        groups[-1].append(point)
+    return groups
 
 
 def _curve(points: Sequence[_Point], static: Sequence[_Point]) -> SpeedCurve:
     """Return the curve of one speed, averaged over equal J, with J = 0 of the static runs."""
     speed = float(np.mean([point.speed_rpm for point in points]))
     advance, place = np.unique([point.advance for point in points], return_inverse=True)
-    count = np.bincount(place)
-    thrust = np.bincount(place, [point.thrust for point in points]) / count
-    power = np.bincount(place, [point.power for point in points]) / count
+    columns = [
+        np.bincount(place, [getattr(point, name) for point in points]) / np.bincount(place)
+        for name in ("thrust", "power")
+    ]
     still = sorted(static, key=lambda point: point.speed_rpm)
     if still and advance[0] > 0.0 and still[0].speed_rpm <= speed <= still[-1].speed_rpm:
-        speeds = [point.speed_rpm for point in still]
+        rpm, *at_rest = zip(*((s.speed_rpm, s.thrust, s.power) for s in still), strict=True)
         advance = np.append(0.0, advance)
-        thrust = np.append(np.interp(speed, speeds, [point.thrust for point in still]), thrust)
-        power = np.append(np.interp(speed, speeds, [point.power for point in still]), power)
-    return SpeedCurve(speed, advance, thrust, power)
+        columns = [
+            np.append(np.interp(speed, rpm, first), column)
+            for first, column in zip(at_rest, columns, strict=True)
+        ]
+    return SpeedCurve(speed, advance, columns[0], columns[1])

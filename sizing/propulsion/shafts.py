@@ -23,7 +23,7 @@ def motor_state(
     """Return current and voltage of the motor behind the gear."""
     gear = parts.gear
     torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
-    return parts.motor_constants.state_of(60.0 * rotation_per_s * gear.ratio, torque)
+    return parts.motor_constants.state(60.0 * rotation_per_s * gear.ratio, torque)
 
 
 def inlet(parts: OperatingPointPropulsion, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
