@@ -106,17 +106,9 @@ class AirfoilPolar:
     is constant. Drag is positive everywhere. Values outside the table are a penalty for optimisers,
     not physics.
 
-    Attributes
-    ----------
-    name : str
-        Airfoil as the table names it.
-    reynolds_range : tuple of float
-        Lowest and highest Reynolds number of the fit. Rows at the low end whose maximum lift
-        collapses (laminar separation without reattachment) are left out.
-    least_lift : float
-        Lift coefficient at which the branch starts at all these Reynolds numbers.
-    notes : tuple of str
-        Rows left out of the table, and remarks on its format.
+    ``reynolds_range``: of the fit; rows at the low end whose maximum lift collapses (laminar
+    separation without reattachment) are left out. ``least_lift``: lift coefficient at which the
+    branch starts at all these Reynolds numbers. ``notes``: rows left out, and on the format.
     """
 
     name: str
@@ -135,9 +127,9 @@ class AirfoilPolar:
         Unknown names raise ValueError; files that are no polar table raise
         :class:`missions.files.errors.InputError`, with line numbers.
         """
-        if is_table_path(airfoil):
-            return cls.from_table(parse_polar(read_polar_text(airfoil), airfoil))
-        return _shipped_polar(airfoil)
+        if not is_table_path(airfoil):
+            return _shipped_polar(airfoil)
+        return cls.from_table(parse_polar(read_polar_text(airfoil), airfoil))
 
     @classmethod
     def from_table(cls, table: PolarTable) -> AirfoilPolar:
@@ -145,7 +137,10 @@ class AirfoilPolar:
         branches = _attached_branches(table)
         least_lift = max(float(b.cl[0]) for b in branches)
         scale = _ReynoldsScale.between(branches[0].reynolds, branches[-1].reynolds)
-        peak = _fit_maximum_lift(branches, scale)
+        z = [scale.at(branch.reynolds) for branch in branches]
+        highest = [branch.maximum_lift for branch in branches]
+        degree = min(_MAXIMUM_LIFT_DEGREE, len(branches) - 2)
+        peak = tuple(np.polynomial.chebyshev.chebfit(z, highest, degree).tolist())
         polar = cls(
             name=table.name,
             reynolds_range=(branches[0].reynolds, branches[-1].reynolds),
@@ -230,7 +225,11 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
                 f"at least {_LEAST_ANGLES} are needed",
             )
         alpha, cl, cd = (columns[name][rows] for name in ("alpha_deg", "cl", "cd"))
-        branches.append(_attached_branch(float(reynolds), alpha, cl, cd))
+        # The branch of rising lift around half the greatest lift.
+        start = int(np.argmax(cl >= 0.5 * np.max(cl)))
+        first, last = (_end_of_rise(sign * alpha, sign * cl, start, sign) for sign in (-1, 1))
+        kept_rows = slice(first, last + 1)
+        branches.append(_Branch(float(reynolds), alpha[kept_rows], cl[kept_rows], cd[kept_rows]))
     while len(branches) > 1 and (
         branches[0].maximum_lift < _STALLED_RATIO * branches[1].maximum_lift
     ):
@@ -249,16 +248,6 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
     raise file_error(table.source, "the branch of attached flow is too short; extend alpha_deg")
 
 
-def _attached_branch(
-    reynolds: float, alpha_deg: FloatArray, cl: FloatArray, cd: FloatArray
-) -> _Branch:
-    """Return the branch of rising lift around half the greatest lift."""
-    start = int(np.argmax(cl >= 0.5 * np.max(cl)))
-    first, last = (_end_of_rise(sign * alpha_deg, sign * cl, start, sign) for sign in (-1, 1))
-    rows = slice(first, last + 1)
-    return _Branch(reynolds, alpha_deg[rows], cl[rows], cd[rows])
-
-
 def _end_of_rise(alpha_deg: FloatArray, cl: FloatArray, row: int, step: int) -> int:
     """Return the last row from ``row`` on, in steps of ``step``, up to which lift rises."""
     while 0 <= row + step < len(cl):
@@ -270,13 +259,6 @@ def _end_of_rise(alpha_deg: FloatArray, cl: FloatArray, row: int, step: int) -> 
             break
         row = int(rising[0])
     return row
-
-
-def _fit_maximum_lift(branches: tuple[_Branch, ...], scale: _ReynoldsScale) -> tuple[float, ...]:
-    z = [scale.at(b.reynolds) for b in branches]
-    degree = min(_MAXIMUM_LIFT_DEGREE, len(branches) - 2)
-    fitted = np.polynomial.chebyshev.chebfit(z, [b.maximum_lift for b in branches], degree)
-    return tuple(float(value) for value in fitted)
 
 
 def _fit_log_drag(
@@ -300,4 +282,4 @@ def _fit_log_drag(
         np.vstack((basis, ridge)), np.concatenate((target, np.zeros(len(ridge)))), rcond=None
     )
     table = fitted.reshape(degrees[0] + 1, degrees[1] + 1)
-    return tuple(tuple(float(value) for value in row) for row in table)
+    return tuple(map(tuple, table.tolist()))

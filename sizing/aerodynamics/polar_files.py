@@ -46,6 +46,7 @@ _ENTRY = re.compile(
     r"^\s*(Airfoil|Reynolds number|Mach|Ncrit)\s*,\s*([^,]*\S)[\s,]*$", re.IGNORECASE
 )
 _WING = re.compile(r"^\s*(?:Wing|Plane) name\s*:\s*,?(.*)$", re.IGNORECASE)
+_STARTS: dict[Literal["section", "wing"], re.Pattern[str]] = {"section": _SECTION, "wing": _WING}
 _WING_POLAR = re.compile(r"^\s*(?:Wing polar|Plane polar|Polar) name\s*:\s*,?(.*)$", re.IGNORECASE)
 _TYPE = re.compile(r"^\s*(\d)\s+(\d)\s+Reynolds number", re.IGNORECASE)
 _FIXED_ALPHA = re.compile(r"^\s*Alpha\s*=", re.IGNORECASE)
@@ -185,11 +186,10 @@ def _new_polar(file: str, number: int, line: str, program: str) -> FilePolar | N
     """Return a new polar if a line starts one, else None."""
     if _OF_A_SITE.match(line):
         return FilePolar(file, number, "section", "unnamed", program)
-    for expression, kind in ((_SECTION, "section"), (_WING, "wing")):
+    for kind, expression in _STARTS.items():
         if match := expression.match(line):
             name = printable(" ".join(match[1].split()).strip(","))[:80] or "unnamed"
-            section_or_wing: Literal["section", "wing"] = "wing" if kind == "wing" else "section"
-            return FilePolar(file, number, section_or_wing, name, program)
+            return FilePolar(file, number, kind, name, program)
     return None
 
 
@@ -228,13 +228,17 @@ def _read_header(polar: FilePolar, line: str) -> None:
     elif match := _WING_POLAR.match(line):
         polar.polar_name = printable(" ".join(match[1].split()))[:80]
     elif match := _SPEED.match(line):
-        polar.speed_m_per_s, polar.speed_unit = _speed(match[1], match[2])
-    elif _FIXED_ALPHA.match(line):
+        name = match[2].strip(" ,;").lower()
+        if name not in _SPEED_UNITS:
+            allowed = ", ".join(_SPEED_UNITS)
+            got = shortened(printable(name)) or "none"
+            raise ValueError(f"the unit of the speed must be one of {allowed} (got {got})")
+        polar.speed_unit = _SPEED_UNITS[name]
+        polar.speed_m_per_s = _float(match[1]) * polar.speed_unit
+    elif _FIXED_ALPHA.match(line) or (polar.kind == "section" and re.match(r"^\s*Re\s*,", line)):
         raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
     elif line.lower().lstrip().startswith("alpha"):
         _take_columns(polar, line)
-    elif polar.kind == "section" and re.match(r"^\s*Re\s*,|^\s*Alpha\s+Re\b", line):
-        raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
 
 
 def _take_entry(polar: FilePolar, key: str, value: str) -> None:
@@ -262,17 +266,6 @@ def _take_air(polar: FilePolar, mach: float, reynolds: float) -> None:
             f"Re must be from {_LEAST_REYNOLDS:g} to {_LARGEST_REYNOLDS:g} "
             f"(got {polar.reynolds:g}{inviscid})"
         )
-
-
-def _speed(number: str, unit: str) -> tuple[float, float]:
-    """Return the speed [m/s], and metres per second of its unit."""
-    name = unit.strip(" ,;").lower()
-    if name not in _SPEED_UNITS:
-        allowed = ", ".join(_SPEED_UNITS)
-        got = shortened(printable(name)) or "none"
-        raise ValueError(f"the unit of the speed must be one of {allowed} (got {got})")
-    factor = _SPEED_UNITS[name]
-    return _float(number) * factor, factor
 
 
 def _take_columns(polar: FilePolar, line: str) -> None:
@@ -315,13 +308,13 @@ def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
         return None
     if abs(values["alpha"]) > 90.0:
         raise ValueError(f"alpha must be from -90 to 90 degrees (got {values['alpha']:g})")
+    wrong = ""
     if abs(values["lift"]) > _LARGEST_LIFT:
         wrong = f"CL must be within {_LARGEST_LIFT:.3g} (got {values['lift']:g})"
-        polar.left_out.append(polar.problem(number, wrong))
-        return None
-    if not 0.0 < drag < 10.0:
+    elif not 0.0 < drag < 10.0:
         name = "CD" if polar.kind == "section" else "CDv"
         wrong = f"{name} must be above 0 and below 10 (got {drag:g})"
+    if wrong:
         polar.left_out.append(polar.problem(number, wrong))
         return None
     moment, induced = (values.get(key, math.nan) for key in ("moment", "induced"))
@@ -371,10 +364,3 @@ def reading_notes(polars: Sequence[FilePolar]) -> tuple[str, ...]:
             "by their place from the left"
         )
     return (*notes, *left_out_note([row for polar in polars for row in polar.left_out]))
-
-
-def polar_names(polars: Sequence[FilePolar]) -> list[str]:
-    """Return the different names of airfoils or wings, as first written."""
-    return list(
-        {" ".join(polar.name.lower().split()): polar.name for polar in reversed(polars)}.values()
-    )

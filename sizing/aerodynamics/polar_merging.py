@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from sizing.aerodynamics.polar_files import (
     FilePolar,
     PolarRow,
     is_foreign,
-    polar_names,
     read_polars,
     reading_notes,
 )
@@ -35,43 +33,22 @@ _CRUISE = (0.3, 0.9)
 _SAME_SPEED = 2e-3  # relative, rounding of a column of speeds
 
 
-@dataclass(frozen=True)
-class Merged:
-    """Rows ``(alpha_deg, reynolds, cl, cd, cm)``, and a wing's span efficiency (sections: None)."""
-
-    name: str
-    program: str
-    rows: FloatArray
-    span_efficiency: float | None
-
-
 def parse_polar(text: str, source: str, wing: WingReference | None = None) -> PolarTable:
     """Read a polar of a file's or folder's text: a table, or polars by XFOIL and XFLR5.
 
     ``source`` is the file or folder, for messages. With ``wing`` the polars are those of a whole
-    wing, and the table has the viscous drag. Raises InputError with every wrong line.
+    wing, and the table has the viscous drag. Raises InputError with every wrong line, and for
+    polars of different airfoils, settings or kinds.
+
+    Polars of fixed lift (type 2) have another Reynolds number in each row. At equal angle of
+    attack, lift, logarithm of drag and moment are interpolated linearly in the logarithm of the
+    Reynolds number, to as many fixed Reynolds numbers as there are polars.
     """
     if not is_foreign(text):
         if wing is not None:
             raise file_error(source, OF_A_SECTION)
         return parse_polar_table(text, source)
     polars = read_polars(text, source)
-    polar = merged(polars, source, wing)
-    columns = dict(zip(COLUMNS, (*polar.rows.T, np.ones(len(polar.rows))), strict=True))
-    header = {"airfoil": polar.name, "source": polar.program}
-    return PolarTable(source, header, columns, polar.span_efficiency, reading_notes(polars))
-
-
-def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> Merged:
-    """Merge polars of one airfoil, or of one wing.
-
-    Polars of fixed lift (type 2) have another Reynolds number in each row. At equal angle of
-    attack, lift, logarithm of drag and moment are interpolated linearly in the logarithm of the
-    Reynolds number, to as many fixed Reynolds numbers as there are polars.
-
-    ``source`` is the file or folder, for messages. ``wing`` is needed for polars of a wing, and
-    refused for sections. Raises InputError for polars of different airfoils, settings or kinds.
-    """
     _check_kind(polars, source, wing)
     _check_settings(polars)
     pairs = [(polar, _reynolds(polar, wing)) for polar in polars]
@@ -81,40 +58,42 @@ def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None)
         raise InputError([odd.problem(odd.line, "polars of fixed speed and of fixed lift mixed")])
     if all(fixed):
         _check_repeated(pairs)
-        both = [zip(polar.rows, reynolds, strict=True) for polar, reynolds in pairs]
         rows = np.array(
             [
                 (row.alpha_deg, re, row.lift, row.drag, row.moment)
-                for pair in both
-                for row, re in pair
+                for polar, reynolds in pairs
+                for row, re in zip(polar.rows, reynolds, strict=True)
             ]
         )
     else:
         rows = _resampled(pairs, source)
+    columns = dict(zip(COLUMNS, (*rows.T, np.ones(len(rows))), strict=True))
+    header = {"airfoil": polars[0].name, "source": polars[0].program or "XFLR5"}
     efficiency = None if wing is None else _span_efficiency(polars, wing, source)
-    return Merged(polars[0].name, polars[0].program or "XFLR5", rows, efficiency)
+    return PolarTable(source, header, columns, efficiency, reading_notes(polars))
 
 
 def _check_kind(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> None:
     of_wings = [polar for polar in polars if polar.kind == "wing"]
-    if of_wings and len(of_wings) < len(polars):
-        polar = of_wings[0]
-        raise InputError([polar.problem(polar.line, "polars of an airfoil and of a wing mixed")])
-    if of_wings and wing is None:
-        polar = of_wings[0]
+    if not of_wings:
+        if wing is not None:
+            raise file_error(source, OF_A_SECTION)
+        return
+    message = ""
+    if len(of_wings) < len(polars):
+        message = "polars of an airfoil and of a wing mixed"
+    elif wing is None:
         message = (
-            f"is the polar of a whole wing ({polar.name}), induced drag included, not of its "
+            f"is the polar of a whole wing ({of_wings[0].name}), induced drag included, not of its "
             "section: give wing_chord_m and wing_aspect_ratio, or polars of the section"
         )
-        raise InputError([polar.problem(polar.line, message)])
-    if wing is not None and not of_wings:
-        raise file_error(source, OF_A_SECTION)
+    if message:
+        raise InputError([of_wings[0].problem(of_wings[0].line, message)])
 
 
 def _check_settings(polars: Sequence[FilePolar]) -> None:
     """Refuse polars of different airfoils, Mach numbers or transitions."""
     first = polars[0]
-    names = polar_names(polars)
     problems: list[Problem] = []
     for polar in polars[1:]:
         for setting, expected, actual in (
@@ -127,7 +106,7 @@ def _check_settings(polars: Sequence[FilePolar]) -> None:
                     f"{setting} {_spelled(actual)}, but {_spelled(expected)} in {_place(first)}"
                 )
                 problems.append(polar.problem(polar.line, message))
-        if len(names) > 1 and polar.name.lower().split() != first.name.lower().split():
+        if polar.name.lower().split() != first.name.lower().split():
             message = f"polar of {polar.name}, but {_place(first)} is of {first.name}"
             problems.append(polar.problem(polar.line, message))
     if problems:
@@ -200,14 +179,10 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
         for polar, res in pairs
         if any(True for _ in _level_flight_rows(polar, res))
     )
-    low, high = (
-        (0.0, 0.0)
-        if len(constants) < 2 or highest <= 0.0
-        else (
-            constants[0] / math.sqrt(_LOW_LIFT_SHARE * highest),
-            constants[-1] / math.sqrt(highest),
-        )
-    )
+    low, high = 0.0, 0.0
+    if len(constants) >= 2 and highest > 0.0:
+        low = constants[0] / math.sqrt(_LOW_LIFT_SHARE * highest)
+        high = constants[-1] / math.sqrt(highest)
     if not high >= _LEAST_RATIO * low > 0.0:
         ratio = _LEAST_RATIO / math.sqrt(_LOW_LIFT_SHARE)
         message = (
@@ -243,16 +218,11 @@ def _rows_at(
     log_re = np.log([re for re, _ in points])
     if len(points) < 2 or np.any(np.diff(log_re) <= 0.0):
         return
-    lift, log_drag, moment = (
-        np.array(values)
-        for values in zip(
-            *((row.lift, math.log(row.drag), row.moment) for _, row in points), strict=True
-        )
-    )
+    columns = np.array([(row.lift, math.log(row.drag), row.moment) for _, row in points]).T
     for target in targets:
         x = math.log(target)
         if log_re[0] - 1e-9 <= x <= log_re[-1] + 1e-9:
-            cl, cd, cm = (float(np.interp(x, log_re, y)) for y in (lift, log_drag, moment))
+            cl, cd, cm = (float(np.interp(x, log_re, column)) for column in columns)
             yield (alpha, float(f"{target:.6g}"), cl, math.exp(cd), cm)
 
 

@@ -6,7 +6,7 @@ files.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
 from dataclasses import dataclass
 from importlib import resources
 
@@ -19,11 +19,19 @@ from solar.types import FloatArray
 # Suffixes of files with polars; the path of a folder ends with a slash.
 POLAR_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat")
 
-# Lift without power is at most 4 pi, see LiftCoefficient; drag of a plate across the flow is 2.
-_LARGEST_LIFT, _LARGEST_DRAG, _LARGEST_REYNOLDS = 12.57, 10.0, 1e10
+# Range of each column, and whether its lower end is excluded. Lift without power is at most 4 pi,
+# see LiftCoefficient; drag of a plate across the flow is 2.
+_RANGES = {
+    "alpha_deg": (-180.0, 180.0, False),
+    "reynolds": (0.0, 1e10, True),
+    "cl": (-12.57, 12.57, False),
+    "cd": (0.0, 10.0, True),
+    "cm": (-math.inf, math.inf, False),
+    "confidence": (0.0, 1.0, False),
+}
 # Largest share of rows with impossible lift or drag that is left out of a table or a polar.
 SHARE_LEFT_OUT = 1 / 12
-COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
+COLUMNS = tuple(_RANGES)
 
 
 def is_table_path(airfoil: str) -> bool:
@@ -96,7 +104,8 @@ def parse_polar_table(text: str, source: str) -> PolarTable:
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     comments = [(number, line) for number, line in lines if line.startswith("#")]
     content = [(number, line) for number, line in lines if line and not line.startswith("#")]
-    header = dict(_header_entries(comments))
+    entries = (line.lstrip("# ").partition(":") for _, line in comments)
+    header = {key.strip().lower(): value.strip() for key, colon, value in entries if colon}
     problems = [
         Problem(source, None, None, "", f"the header has no line '# {key}: ...'")
         for key in ("airfoil", "source")
@@ -119,13 +128,6 @@ def parse_polar_table(text: str, source: str) -> PolarTable:
     return PolarTable(source, header, columns, notes=left_out_note(left_out))
 
 
-def _header_entries(comments: list[tuple[int, str]]) -> Iterable[tuple[str, str]]:
-    for _, line in comments:
-        key, colon, value = line.lstrip("# ").partition(":")
-        if colon:
-            yield key.strip().lower(), value.strip()
-
-
 def _read_rows(
     content: list[tuple[int, str]], source: str
 ) -> tuple[list[list[float]], list[Problem], list[Problem]]:
@@ -135,9 +137,8 @@ def _read_rows(
     left_out: list[Problem] = []
     seen: dict[tuple[float, float], int] = {}
     for number, line in content:
-        row = line.split(",")
         try:
-            values = [float(field) for field in row]
+            values = [float(field) for field in line.split(",")]
         except ValueError:
             values = []
         complaint = _complaint(values, line)
@@ -157,15 +158,8 @@ def _read_rows(
 def _complaint(values: list[float], line: str) -> str:
     if len(values) != len(COLUMNS) or not np.all(np.isfinite(values)):
         return f"{len(COLUMNS)} finite numbers are needed (got {line[:60]!r})"
-    alpha_deg, reynolds, cl, cd, _, confidence = values
-    if abs(alpha_deg) > 180.0:
-        return f"alpha_deg must be from -180 to 180 (got {alpha_deg:g})"
-    if not 0.0 < reynolds <= _LARGEST_REYNOLDS:
-        return f"reynolds must be above 0 and at most {_LARGEST_REYNOLDS:g} (got {reynolds:g})"
-    if abs(cl) > _LARGEST_LIFT:
-        return f"cl must be from -{_LARGEST_LIFT:g} to {_LARGEST_LIFT:g} (got {cl:g})"
-    if not 0.0 < cd <= _LARGEST_DRAG:
-        return f"cd must be above 0 and at most {_LARGEST_DRAG:g} (got {cd:g})"
-    if not 0.0 <= confidence <= 1.0:
-        return f"confidence must be from 0 to 1 (got {confidence:g})"
+    for (name, (least, most, above)), value in zip(_RANGES.items(), values, strict=True):
+        if not least <= value <= most or (above and value == least):
+            allowed = f"above {least:g} and at most" if above else f"from {least:g} to"
+            return f"{name} must be {allowed} {most:g} (got {value:g})"
     return ""

@@ -16,8 +16,9 @@ from pydantic import model_validator
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aerodynamics.wing_polar import WingPolar, plane_form_factor
 from sizing.balance.stability import neutral_point, trim
-from sizing.balance.surfaces import Tail, TailPlanes, Wing
+from sizing.balance.surfaces import Tail, Wing
 from sizing.smooth import Value
+from sizing.structures.rib_wing import RibWingStructure
 from solar.schema import (
     NonNegativeReal,
     PositiveInteger,
@@ -161,18 +162,12 @@ class DragShares(NamedTuple):
         return sum(self[3:-1], self[2])
 
 
-class Booms(NamedTuple):
-    """Tubes between wing and tail, of the structure's model."""
-
-    number: int
-    diameter_m: Value
-
-
 @dataclass(frozen=True)
 class BuiltUpPolar:
     """Polar of an aircraft of given size, with the drag of its components and of trim.
 
-    ``base``: polar of the file at the lift coefficient of level flight. ``static_margin``: over the
+    ``base``: polar of the file at the lift coefficient of level flight. ``structure``: has the
+    booms, tubes between wing and tail. ``static_margin``: over the
     mean aerodynamic chord, None without trim drag [-]. ``moment``: pitching moment coefficient of
     the wing about its aerodynamic centre [-].
     """
@@ -180,7 +175,7 @@ class BuiltUpPolar:
     base: DragPolar | WingPolar
     wing: Wing
     tail: Tail
-    booms: Booms
+    structure: RibWingStructure
     components: DragComponents | None = None
     static_margin: float | None = None
     moment: float = 0.0
@@ -207,38 +202,18 @@ class BuiltUpPolar:
         """Return the drag coefficient of the aircraft in level flight, with its own wing [-]."""
         return self.shares(reynolds).total
 
-    @property
-    def planes(self) -> TailPlanes:
-        """Tail planes of this wing."""
-        return self.tail.planes(self.wing)
-
-    @property
-    def body_m3(self) -> float:
-        """Volume of the pods [m3]."""
-        return 0.0 if self.components is None else self.components.volume_m3
-
     def shares(self, reynolds: Value) -> DragShares:
         """Return the drag of the parts."""
         profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
-        horizontal, vertical, booms, pods, gaps = self._components(profile, reynolds)
-        return DragShares(
-            wing_profile=profile,
-            wing_induced=induced,
-            horizontal_tail=horizontal,
-            vertical_tail=vertical,
-            booms=booms,
-            pods=pods,
-            gaps=gaps,
-            other=other,
-            trim=0.0 if self.static_margin is None else self._trim_drag(self.static_margin),
-        )
+        components = self._components(profile, reynolds)
+        return DragShares(profile, induced, *components, other=other, trim=self._trim_drag())
 
     def _components(self, profile: Value, reynolds: Value) -> tuple[Value, ...]:
         """Return the drag of tail planes, booms, pods, and gaps [-]."""
         it = self.components
         if it is None:
             return (0.0,) * 5
-        planes, tail, area_m2 = self.planes, self.tail, self.wing.area_m2
+        planes, tail, area_m2 = self.tail.planes(self.wing), self.tail, self.wing.area_m2
         per_m = reynolds / self.wing.mean_chord_m
         plane = plane_form_factor(tail.thickness_ratio) * _plane_wetted(tail.thickness_ratio)
         plane = plane * it.tail_interference / area_m2
@@ -249,8 +224,8 @@ class BuiltUpPolar:
                 (planes.vertical_m2, planes.fin_chord_m),
             )
         )
-        number, thick_m = self.booms
-        booms = number * pi * thick_m * planes.boom_m / area_m2 * it.boom_interference
+        thick_m = self.structure.boom_diameter_chords * self.wing.mean_chord_m
+        booms = self.structure.booms * pi * thick_m * planes.boom_m / area_m2 * it.boom_interference
         booms = booms * _body_form(planes.boom_m / thick_m)
         booms = booms * skin_friction(per_m * planes.boom_m, it.boom_laminar_fraction)
         pods = 0.0
@@ -261,16 +236,19 @@ class BuiltUpPolar:
         gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)
         return horizontal, vertical, booms, pods, gaps
 
-    def _trim_drag(self, static_margin: float) -> Value:
-        """Return the trim drag at a static margin [-]."""
-        wing, planes = self.wing, self.planes
-        neutral_m = neutral_point(wing, self.tail, planes, self.body_m3).x_m
+    def _trim_drag(self) -> Value:
+        """Return the trim drag at the static margin [-]."""
+        if self.static_margin is None:
+            return 0.0
+        wing, planes = self.wing, self.tail.planes(self.wing)
+        body_m3 = 0.0 if self.components is None else self.components.volume_m3
+        neutral_m = neutral_point(wing, self.tail, planes, body_m3).x_m
         return trim(
             wing,
             self.tail,
             planes,
             lift=self.flight_lift_coefficient,
             moment=self.moment,
-            gravity_x_m=neutral_m - static_margin * wing.aerodynamic_chord_m,
+            gravity_x_m=neutral_m - self.static_margin * wing.aerodynamic_chord_m,
             span_efficiency=self.base.span_efficiency,
         ).drag

@@ -13,7 +13,7 @@ import numpy as np
 from sizing.aerodynamics.parabolic import DragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.balance.drag import Booms, BuiltUpPolar
+from sizing.balance.drag import BuiltUpPolar
 from sizing.balance.masses import (
     Item,
     centre_of_gravity,
@@ -67,7 +67,7 @@ def polar_with_tail(
         base=polar,
         wing=wing,
         tail=tail,
-        booms=Booms(structure.booms, structure.boom_diameter_chords * wing.mean_chord_m),
+        structure=structure,
         components=airframe.drag,
         static_margin=margin,
         moment=0.0 if balance is None else balance.pitching_moment_coefficient,

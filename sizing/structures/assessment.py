@@ -29,18 +29,10 @@ from solar.types import FloatArray
 
 @dataclass(frozen=True)
 class FlightEnvelope:
-    """Airspeeds [m/s, equivalent] and load factors [-] of an aircraft.
+    """Airspeeds [m/s, equivalent] and load factors, all positive [-], of an aircraft.
 
-    Attributes
-    ----------
-    stall_speed_m_per_s, cruise_speed_m_per_s, dive_speed_m_per_s : float
-        Stall speed at 1 g; level flight, taken as cruise; ``dive_speed_ratio`` times cruise.
-    manoeuvre_load_factor, negative_manoeuvre_load_factor : float
-        Limits of manoeuvres, both positive.
-    cruise_gust_increment, dive_gust_increment : float
-        Increments of the gusts at these speeds.
-    limit_load_factor, negative_limit_load_factor : float
-        Load factors that size the structure, both positive.
+    Level flight is taken as cruise. ``*_gust_increment``: of the gusts at these speeds.
+    ``*limit_load_factor``: those that size the structure.
     """
 
     stall_speed_m_per_s: float
@@ -53,17 +45,14 @@ class FlightEnvelope:
     limit_load_factor: float
     negative_limit_load_factor: float
 
-    def highest_lift(self, airspeed_m_per_s: ArrayLike) -> FloatArray:
-        """Return the load factor at the maximum lift coefficient, ``(V/V_s)^2`` [-]."""
-        return np.asarray((np.asarray(airspeed_m_per_s, float) / self.stall_speed_m_per_s) ** 2)
-
     def manoeuvre(self, airspeed_m_per_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return the largest load factors of manoeuvres, upwards and downwards (negative) [-].
 
-        The maximum lift coefficient limits both, and is assumed equal downwards. The downward limit
-        falls linearly to 0 from cruise to dive speed, CS 23.333 (b).
+        The maximum lift coefficient limits both to ``(V/V_s)^2``, and is assumed equal downwards.
+        The downward limit falls linearly to 0 from cruise to dive speed, CS 23.333 (b).
         """
-        airspeed, stalled = np.asarray(airspeed_m_per_s, float), self.highest_lift(airspeed_m_per_s)
+        airspeed = np.asarray(airspeed_m_per_s, float)
+        stalled = (airspeed / self.stall_speed_m_per_s) ** 2
         fading = np.interp(airspeed, (self.cruise_speed_m_per_s, self.dive_speed_m_per_s), (1, 0))
         up = np.minimum(stalled, self.manoeuvre_load_factor)
         return up, -np.minimum(stalled, fading * self.negative_manoeuvre_load_factor)
@@ -82,21 +71,12 @@ def flight_envelope(
 ) -> FlightEnvelope:
     """Return the flight envelope of a rib wing, with inputs that are numbers."""
     wing = model.wing(inputs)
-    area_m2, density = float(wing.wing_area_m2), float(inputs.density_kg_per_m3)
     mass_kg, cruise = float(inputs.total_mass_kg), float(wing.equivalent_airspeed_m_per_s)
-    dynamic = 0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * area_m2 * maximum_lift_coefficient
+    dynamic = 0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * wing.wing_area_m2 * maximum_lift_coefficient
     dive, pull_up = model.dive_speed_ratio * cruise, float(model.pull_up(mass_kg))
     fraction = float(inputs.gust_fraction) if model.gusts_fall_with_altitude else 1.0
     increments = [
-        float(
-            gust_load_increment(
-                fraction * gust * airspeed,
-                total_mass_kg=mass_kg,
-                wing_area_m2=area_m2,
-                aspect_ratio=float(inputs.aspect_ratio),
-                density_kg_per_m3=density,
-            )
-        )
+        float(gust_load_increment(fraction * gust * airspeed, inputs))
         for gust, airspeed in ((model.cruise_gust_m_per_s, cruise), (model.dive_gust_m_per_s, dive))
     ]
     return FlightEnvelope(
@@ -132,16 +112,9 @@ _LABELS = {
 class Torsion:
     """Torsional stiffness of a wing, and its critical speeds.
 
-    Attributes
-    ----------
-    stiffness_nm2, needed_nm2 : float
-        Lower bound of the torsional stiffness GJ, and stiffness required by the criteria [N m2].
-    divergence_speed_ratio : float or None
-        Speed of torsional divergence over dive speed [-]; None where the wing cannot diverge.
-    flutter_flexibility_ratio : float
-        Torsional flexibility over the largest that Report 45 allows [-].
-    twist_at_limit_load_deg : float
-        Of the tip [deg].
+    ``stiffness_nm2``: lower bound of GJ. ``needed_nm2``: GJ required by the criteria.
+    ``divergence_speed_ratio``: over dive speed; None where the wing cannot diverge.
+    ``flutter_flexibility_ratio``: over the largest that Report 45 allows. Twist is the tip's.
     """
 
     stiffness_nm2: float
@@ -159,34 +132,12 @@ _WITHOUT_CASE = ("gauge", "tip_deflection", "tip_slope", "landing_deflection")
 class StructureAssessment:
     """Sizing criteria of spar and nose, and the resulting stiffness.
 
-    Attributes
-    ----------
-    limit_load_factor, negative_limit_load_factor : float
-        Upwards and downwards, both positive [-].
-    load_case, negative_load_case : str
-        ``gust`` or ``manoeuvre``.
-    landing_load_factor : float
-        Of the landing without lift [-].
-    spar_caps, spar_web : dict
-        Share of the mass of caps and webs that each criterion sizes [-], largest first.
-    spar_caps_case : str
-        Load case under which the first criterion of the caps sizes most of them.
-    nose : str
-        Criterion that sizes the sheet of the nose.
-    tip_deflection_1g, tip_deflection_limit : float
-        Of the tip over the half-span, in level flight and at the upward limit load [-].
-    tip_deflection_landing : float
-        Of the tip downwards in landing, over the half-span [-].
-    tip_slope_1g_deg, tip_slope_limit_deg : float
-        Slope of the tip in level flight and at the upward limit load [deg].
-    torsion : Torsion or None
-        None without requirements on torsional stiffness.
-    wing_battery_kg, pod_battery_kg : float
-        Battery in the spar and in the pod [kg].
-    remarks : tuple of str
-        Loads that the criteria do not cover, and keys whose meaning has changed.
-    flight_envelope : FlightEnvelope or None
-        Airspeeds and load factors of manoeuvres and gusts.
+    Load factors are all positive; load cases ``gust`` or ``manoeuvre``. ``spar_caps``,
+    ``spar_web``: share of the mass that each criterion sizes [-], largest first;
+    ``spar_caps_case``: load case under which the first one sizes most of the caps. Deflections are
+    over the half-span, in level flight, at the upward limit load, and downwards in landing.
+    ``torsion``: None without requirements. Batteries lie in spar and pod. ``remarks``: loads that
+    the criteria do not cover, and keys whose meaning has changed.
     """
 
     limit_load_factor: float

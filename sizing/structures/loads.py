@@ -18,6 +18,7 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, smooth_absolute
+from solar.types import FloatArray
 
 SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
 
@@ -25,21 +26,10 @@ SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
 class StructureInputs(NamedTuple):
     """Wing, masses and flight for the sizing of a structure.
 
-    Attributes
-    ----------
-    wingspan_m, aspect_ratio
-        Span [m] and aspect ratio [-] of the wing.
-    total_mass_kg
-        Take-off mass [kg].
-    span_load_kg
-        Mass of battery and modules spread evenly along the span, which relieves the spar [kg].
-    airspeed_m_per_s, density_kg_per_m3
-        True airspeed of level flight [m/s], taken as cruise, and density of the air [kg/m3].
-    wing_battery_kg, pod_battery_kg
-        Battery within the span load, and the rest of it [kg].
-    gust_fraction
-        Gust speed at the flight's altitude over that near the ground [-], see
-        :func:`missions.air.gust_speed_fraction`.
+    ``span_load_kg``: battery and modules spread evenly along the span, which relieves the spar.
+    ``airspeed_m_per_s``: true airspeed of level flight, taken as cruise. ``wing_battery_kg``,
+    ``pod_battery_kg``: battery within the span load, and the rest of it. ``gust_fraction``: gust
+    speed at altitude over that at the ground [-], :func:`missions.air.gust_speed_fraction`.
     """
 
     wingspan_m: Value
@@ -51,6 +41,16 @@ class StructureInputs(NamedTuple):
     wing_battery_kg: Value = 0.0
     pod_battery_kg: Value = 0.0
     gust_fraction: Value = 1.0
+
+    @property
+    def chord_m(self) -> Value:
+        """Mean chord [m]."""
+        return self.wingspan_m / self.aspect_ratio
+
+    @property
+    def wing_area_m2(self) -> Value:
+        """Wing area [m2]."""
+        return self.wingspan_m * self.chord_m
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:
@@ -66,42 +66,19 @@ def lift_curve_slope(aspect_ratio: Value) -> Value:
     return 2.0 * pi * aspect_ratio / (aspect_ratio + 2.0)
 
 
-def gust_alleviation_factor(mass_ratio: Value) -> Value:
-    """Return the gust alleviation factor of CS 23.341, ``0.88 mu/(5.3 + mu)`` [-]."""
-    return 0.88 * mass_ratio / (5.3 + mass_ratio)
-
-
-def gust_mass_ratio(
-    *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density_kg_per_m3: Value
-) -> Value:
-    """Return the aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)`` with c = b/AR [-]."""
-    chord_m = (wing_area_m2 / aspect_ratio) ** 0.5
-    slope = lift_curve_slope(aspect_ratio)
-    return 2.0 * total_mass_kg / (density_kg_per_m3 * wing_area_m2 * chord_m * slope)
-
-
-def gust_load_increment(
-    gust_times_airspeed: Value,
-    *,
-    total_mass_kg: Value,
-    wing_area_m2: Value,
-    aspect_ratio: Value,
-    density_kg_per_m3: Value,
-) -> Value:
+def gust_load_increment(gust_times_airspeed: Value, inputs: StructureInputs) -> Value:
     """Return the magnitude of a sharp-edged gust's load factor increment, CS 23.341 [-].
 
-    ``dn = K_g rho_0 a U V / (2 W/S)`` with gust times airspeed ``U V``, both equivalent [m2/s2].
-    The air density enters the mass ratio only.
+    ``dn = K_g rho_0 a U V / (2 W/S)`` with gust times airspeed ``U V``, both equivalent [m2/s2],
+    the alleviation factor ``K_g = 0.88 mu/(5.3 + mu)`` and the mass ratio ``mu = 2 m/(rho S c a)``,
+    ``c = b/AR``, which the air density enters alone.
     """
-    ratio = gust_mass_ratio(
-        total_mass_kg=total_mass_kg,
-        wing_area_m2=wing_area_m2,
-        aspect_ratio=aspect_ratio,
-        density_kg_per_m3=density_kg_per_m3,
-    )
-    pressure = total_mass_kg * GRAVITY_M_PER_S2 / wing_area_m2
-    rate = SEA_LEVEL_DENSITY_KG_PER_M3 * lift_curve_slope(aspect_ratio) * gust_times_airspeed
-    return gust_alleviation_factor(ratio) * rate / (2.0 * pressure)
+    area_m2, slope = inputs.wing_area_m2, lift_curve_slope(inputs.aspect_ratio)
+    chord_m = (area_m2 / inputs.aspect_ratio) ** 0.5
+    ratio = 2.0 * inputs.total_mass_kg / (inputs.density_kg_per_m3 * area_m2 * chord_m * slope)
+    pressure = inputs.total_mass_kg * GRAVITY_M_PER_S2 / area_m2
+    rate = SEA_LEVEL_DENSITY_KG_PER_M3 * slope * gust_times_airspeed
+    return 0.88 * ratio / (5.3 + ratio) * rate / (2.0 * pressure)
 
 
 def root_bending_moment_nm(
@@ -148,60 +125,47 @@ class Station(NamedTuple):
     inboard: Value
 
 
-def stations(count: int, gear: float = 0.0, wire: float | None = None) -> tuple[Station, ...]:
-    """Return the stations of a Gauss-Legendre rule from root (0) to tip (1).
+@cache
+def stations(gear: float = 0.0, wire: float | None = None) -> Station:
+    """Return the stations of a Gauss-Legendre rule from root (0) to tip (1), as arrays.
 
     ``gear`` is the fraction of the half-span of the landing gear, ``wire`` that of the wire's
     attachment, None without a wire.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return tuple(
-        _station((float(x) + 1.0) / 2.0, float(w), gear, wire)
-        for x, w in zip(nodes, weights / 2.0, strict=True)
-    )
-
-
-def _station(x: float, weight: float, gear: float, wire: float | None) -> Station:
-    """Return the station at a fraction of the half-span."""
+    nodes, weights = np.polynomial.legendre.leggauss(STATION_COUNT)
+    x = (nodes + 1.0) / 2.0
     lift, mass, landed = _moments(x, gear)
     # A wire carries the whole moment at the root, decreasing linearly to its attachment.
-    share = 0.0 if wire is None else max(0.0, 1.0 - x / wire)
-    at_root = _moments(0.0, gear)
-    outboard = _outboard(x)
+    share = np.zeros_like(x) if wire is None else np.maximum(0.0, 1.0 - x / wire)
+    at_root = _moments(np.zeros(1), gear)
     return Station(
         fraction=x,
-        weight=weight,
+        weight=weights / 2.0,
         lift_moment=lift,
         mass_moment=mass,
-        lift_shear=outboard * 4.0 / pi,
+        lift_shear=_outboard(x) * 4.0 / pi,
         mass_shear=1.0 - x,
         landed_moment=landed,
-        landed_shear=(1.0 - x) - (max(0.0, 1.0 - x / gear) if gear else 0.0),
+        landed_shear=(1.0 - x) - (np.maximum(0.0, 1.0 - x / gear) if gear else 0.0),
         braced_lift_moment=lift - share * at_root[0],
         braced_mass_moment=mass - share * at_root[1],
         braced_landed_moment=landed - share * at_root[2],
-        inboard=float(share > 0.0),
+        inboard=(share > 0.0).astype(float),
     )
 
 
-def _outboard(x: float) -> float:
+def _outboard(x: FloatArray) -> FloatArray:
     """Return the area of the quarter circle outboard of x."""
-    return float((np.arccos(x) - x * (1.0 - x * x) ** 0.5) / 2.0)
+    return np.asarray((np.arccos(x) - x * (1.0 - x * x) ** 0.5) / 2.0)
 
 
-def _moments(x: float, gear: float) -> tuple[float, float, float]:
+def _moments(x: FloatArray, gear: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return moments of elliptic lift, of an even mass, and of that mass on its landing gear."""
     lift = ((1.0 - x * x) ** 1.5 / 3.0 - x * _outboard(x)) * 4.0 / pi
     mass = (1.0 - x) ** 2 / 2.0
     # The ground's reaction is even over the landing gear.
-    ground = max(0.0, gear - x) ** 2 / (2.0 * gear) if gear else 0.0
+    ground = np.maximum(0.0, gear - x) ** 2 / (2.0 * gear) if gear else 0.0
     return lift, mass, mass - ground
-
-
-@cache
-def _station_columns(gear: float, wire: float | None) -> Station:
-    """Return all stations as arrays of the quantities."""
-    return Station(*np.array(stations(STATION_COUNT, gear, wire)).T)
 
 
 def along_the_span(
@@ -212,7 +176,7 @@ def along_the_span(
     Stations are the first axis of arrays and the rows of symbols. ``gear`` and ``wire`` as in
     :func:`stations`.
     """
-    columns = _station_columns(gear, wire)
+    columns = stations(gear, wire)
     if all(isinstance(value, (int, float, np.number, np.ndarray)) for value in values):
         shape = (-1, *(1 for _ in range(max(np.ndim(value) for value in values))))
         arrays = Station(*(column.reshape(shape) for column in columns))

@@ -64,16 +64,11 @@ class SparStructure(BuiltStructure):
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Return the structural mass [kg]; airspeed and air are not used."""
-        chord_m = inputs.wingspan_m / inputs.aspect_ratio
-        area_m2 = inputs.wingspan_m * chord_m
+        chord_m, area_m2 = inputs.chord_m, inputs.wing_area_m2
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
         shell_kg = area_m2 * (self.shell_kg_per_m2 + tail_ratio * self.tail_shell_kg_per_m2)
         boom_kg = self.boom_kg_per_m * self.fuselage_chords * chord_m
         web_kg = self.spar_web_kg_per_m * inputs.wingspan_m
-        caps_kg = self._spar_caps_kg(inputs, chord_m)
-        return self.mass_factor * (shell_kg + boom_kg + web_kg + caps_kg)
-
-    def _spar_caps_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
         moment = root_bending_moment_nm(
             inputs.wingspan_m,
             inputs.total_mass_kg,
@@ -83,7 +78,8 @@ class SparStructure(BuiltStructure):
         depth_m = self.spar_depth_fraction * self.thickness_ratio * chord_m
         cap_area_m2 = self.safety_factor * moment / (depth_m * self.allowable_stress_pa)
         volume_m3 = 2.0 * cap_area_m2 * inputs.wingspan_m * self.cap_volume_factor
-        return self.spar_density_kg_per_m3 * volume_m3
+        caps_kg = self.spar_density_kg_per_m3 * volume_m3
+        return self.mass_factor * (shell_kg + boom_kg + web_kg + caps_kg)
 
 
 class StructureModel(Protocol):

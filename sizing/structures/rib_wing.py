@@ -83,22 +83,18 @@ class RibWingStructure(RibWingKeys):
 
     def wing(self, inputs: StructureInputs) -> Wing:
         """Return geometry, load factors, sheets, and the mass that relieves the spar."""
-        chord_m = inputs.wingspan_m / inputs.aspect_ratio
-        area_m2 = inputs.wingspan_m * chord_m
+        chord_m, area_m2 = inputs.chord_m, inputs.wing_area_m2
         relative_density = inputs.density_kg_per_m3 / SEA_LEVEL_DENSITY_KG_PER_M3
         equivalent_airspeed = inputs.airspeed_m_per_s * relative_density**0.5
-        factors = self.load_factors(
-            total_mass_kg=inputs.total_mass_kg,
-            wing_area_m2=area_m2,
-            aspect_ratio=inputs.aspect_ratio,
-            equivalent_airspeed_m_per_s=equivalent_airspeed,
-            density_kg_per_m3=inputs.density_kg_per_m3,
-            gust_fraction=inputs.gust_fraction if self.gusts_fall_with_altitude else 1.0,
-        )
         sheet_m = smooth_maximum(
             self.minimum_sheet_thickness_m, self.sheet_thickness_ratio * chord_m
         )
-        outside_kg = self._battery_outside_spar_kg(inputs, chord_m)
+        outside_kg: Value = 0.0
+        if self.spar_battery_density_kg_per_m3 is not None:
+            section = self.cap_width_fraction * self.spar_depth_fraction * self.thickness_ratio
+            volume_m3 = section * chord_m * chord_m * inputs.wingspan_m
+            room_kg = self.spar_battery_density_kg_per_m3 * volume_m3
+            outside_kg = inputs.wing_battery_kg - smooth_minimum(inputs.wing_battery_kg, room_kg)
         wing = Wing(
             wingspan_m=inputs.wingspan_m,
             chord_m=chord_m,
@@ -108,12 +104,16 @@ class RibWingStructure(RibWingKeys):
             total_mass_kg=inputs.total_mass_kg,
             relief_kg=inputs.span_load_kg - outside_kg,
             pod_battery_kg=inputs.pod_battery_kg + outside_kg,
-            factors=factors,
+            factors=self.load_factors(inputs, equivalent_airspeed),
             sheet_m=sheet_m,
             nose_sheet_m=sheet_m,
         )
         if self.torsion is not None:
-            wing = wing._replace(nose_sheet_m=self._stiff_nose_sheet_m(wing))
+            # Sheet equivalent in mass to a stiff nose of sheet and cloth.
+            stiffness = self.torsion.sheet_shear_modulus_pa / self.torsion.cloth_shear_modulus_pa
+            density = self.torsion.cloth_density_kg_per_m3 / self.sheet_density_kg_per_m3
+            added_m = self.stiffening_sheet_m(wing) * (stiffness * density)
+            wing = wing._replace(nose_sheet_m=sheet_m + added_m)
         # The shell of the wing relieves the spar; the spar's mass is neglected, conservatively.
         spread = (
             wing.relief_kg + self._covering_kg(area_m2) + self._ribs_kg(area_m2, chord_m, sheet_m)
@@ -121,15 +121,6 @@ class RibWingStructure(RibWingKeys):
         spread = spread + self._edges_kg(area_m2, chord_m, wing.nose_sheet_m)
         # At most the total mass: an assumed total may be below the mass of the wing.
         return wing._replace(relief_kg=smooth_minimum(spread, inputs.total_mass_kg))
-
-    def _battery_outside_spar_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
-        """Return the battery for the wing that does not fit into the spar's box [kg]."""
-        if self.spar_battery_density_kg_per_m3 is None:
-            return 0.0
-        section = self.cap_width_fraction * self.spar_depth_fraction * self.thickness_ratio
-        volume_m3 = section * chord_m * chord_m * inputs.wingspan_m
-        room_kg = self.spar_battery_density_kg_per_m3 * volume_m3
-        return inputs.wing_battery_kg - smooth_minimum(inputs.wing_battery_kg, room_kg)
 
     def twisting(self, wing: Wing) -> Twisting:
         """Return geometry, dive pressure and limit loading that twist the wing."""
@@ -155,7 +146,8 @@ class RibWingStructure(RibWingKeys):
     def box_torsional_stiffness_nm2(self, wing: Wing) -> Value:
         """Return the torsional stiffness GJ of the spar's box at minimum gauges [N m2]."""
         width_m = self.cap_width_fraction * wing.chord_m
-        web_n_per_m = self.laminate_shear_modulus_pa * self.minimum_web_thickness_m
+        # Shear modulus of the quasi-isotropic laminate, E/(2 (1 + 0.3)).
+        web_n_per_m = self.laminate_modulus_pa / 2.6 * self.minimum_web_thickness_m
         cap_n_per_m = self.shear_modulus_pa * self.minimum_cap_thickness_m
         flexibility = 2.0 * (wing.depth_m / web_n_per_m + width_m / cap_n_per_m)
         return closed_cell_nm2(width_m * wing.depth_m, flexibility)
@@ -170,24 +162,7 @@ class RibWingStructure(RibWingKeys):
         missing = (missing + smooth_absolute(missing, needed)) / 2.0
         return nose.wall_n_per_m(missing) / self.torsion.sheet_shear_modulus_pa
 
-    def _stiff_nose_sheet_m(self, wing: Wing) -> Value:
-        """Return the sheet equivalent in mass to a stiff nose of sheet and cloth [m]."""
-        torsion = self.torsion
-        assert torsion is not None
-        stiffness = torsion.sheet_shear_modulus_pa / torsion.cloth_shear_modulus_pa
-        density = torsion.cloth_density_kg_per_m3 / self.sheet_density_kg_per_m3
-        return wing.sheet_m + self.stiffening_sheet_m(wing) * (stiffness * density)
-
-    def load_factors(
-        self,
-        *,
-        total_mass_kg: Value,
-        wing_area_m2: Value,
-        aspect_ratio: Value,
-        equivalent_airspeed_m_per_s: Value,
-        density_kg_per_m3: Value,
-        gust_fraction: Value = 1.0,
-    ) -> LoadFactors:
+    def load_factors(self, inputs: StructureInputs, equivalent_airspeed: Value) -> LoadFactors:
         """Return limit load factors: the larger of manoeuvre and gust, upwards and downwards [-].
 
         ``max(n, 1 + dn)`` up and ``max(r n, dn - 1)`` down as smooth maxima, with the manoeuvre
@@ -195,14 +170,9 @@ class RibWingStructure(RibWingKeys):
         whether gust times airspeed is larger at cruise or in a dive.
         """
         gust = max(self.cruise_gust_m_per_s, self.dive_gust_m_per_s * self.dive_speed_ratio)
-        increment = gust_load_increment(
-            gust_fraction * gust * equivalent_airspeed_m_per_s,
-            total_mass_kg=total_mass_kg,
-            wing_area_m2=wing_area_m2,
-            aspect_ratio=aspect_ratio,
-            density_kg_per_m3=density_kg_per_m3,
-        )
-        pull_up = self.pull_up(total_mass_kg)
+        gust_fraction = inputs.gust_fraction if self.gusts_fall_with_altitude else 1.0
+        increment = gust_load_increment(gust_fraction * gust * equivalent_airspeed, inputs)
+        pull_up = self.pull_up(inputs.total_mass_kg)
         return LoadFactors(
             up=smooth_maximum(pull_up, 1.0 + increment),
             down=smooth_maximum(1.0 + self.negative_load_ratio * pull_up, increment) - 1.0,
@@ -231,16 +201,6 @@ class RibWingStructure(RibWingKeys):
         """Return the width at which a cap buckles at its compressive strength [m]."""
         slenderness = (self.compressive_strength_pa / self.cap_buckling_pa) ** 0.5
         return (section_m2 / slenderness) ** 0.5
-
-    @property
-    def web_buckling_pa(self) -> float:
-        """Shear stress [Pa] at which a web as thick as high would buckle; falls with (t/h)^2."""
-        return SHEAR_PLATE * pi**2 / (12.0 * (1.0 - 0.3**2)) * self.laminate_modulus_pa
-
-    @property
-    def laminate_shear_modulus_pa(self) -> Value:
-        """Shear modulus of the quasi-isotropic laminate, ``E/(2 (1 + 0.3))`` [Pa]."""
-        return self.laminate_modulus_pa / 2.6
 
     def along_the_span(self, *values: Value) -> tuple[Station, Callable[[Value], Value]]:
         """Return stations with landing gear and wires of this wing, and the integral over them."""
@@ -386,9 +346,11 @@ class RibWingStructure(RibWingKeys):
     def web_needs_m(self, wing: Wing, shear_n: Value) -> dict[str, Value]:
         """Return the thickness of each web that each criterion requires, of ultimate shear [m]."""
         depth_m = wing.depth_m
+        # Stress at which a web as thick as high would buckle; it falls with (t/h)^2.
+        buckling_pa = SHEAR_PLATE * pi**2 / (12.0 * (1.0 - 0.3**2)) * self.laminate_modulus_pa
         needs = {
             "shear": shear_n / (2.0 * depth_m * self.laminate_shear_strength_pa),
-            "buckling": (shear_n * depth_m / (2.0 * self.web_buckling_pa)) ** (1.0 / 3.0),
+            "buckling": (shear_n * depth_m / (2.0 * buckling_pa)) ** (1.0 / 3.0),
             "gauge": self.minimum_web_thickness_m,
         }
         # A core prevents buckling of the facings.

@@ -26,18 +26,10 @@ _NOSE_AREA = 0.77
 
 
 class Twisting(NamedTuple):
-    """Geometry, dive pressure and limit loading that twist a wing.
+    """Geometry and loads that twist a wing.
 
-    Attributes
-    ----------
-    chord_m, half_span_m
-        Of the wing [m].
-    lift_slope
-        Of the wing [1/rad].
-    dive_pressure_pa
-        Dynamic pressure at dive speed [Pa].
-    limit_loading_pa
-        Lift over wing area at the limit load [Pa].
+    ``lift_slope`` of the wing [1/rad]; dynamic pressure at dive speed, and lift over wing area at
+    the limit load [Pa].
     """
 
     chord_m: Value
