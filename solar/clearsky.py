@@ -198,16 +198,12 @@ def irradiance_under(
     if np.all(pressure >= _GROUND_SKY_DOWN_TO_RATIO):
         return Irradiance(dni, dhi)
     thin = thin_air_irradiance(sky.extraterrestrial, cos_z, pressure)
-    share = _share_of_thin_air(pressure)
+    # 0 up to 9 km, 1 from 12 km on, without a kink between.
+    span = _GROUND_SKY_DOWN_TO_RATIO - _THIN_AIR_BELOW_RATIO
+    way = np.clip((_GROUND_SKY_DOWN_TO_RATIO - pressure) / span, 0.0, 1.0)
+    share = way * way * (3.0 - 2.0 * way)
     ground = 1.0 - share
     return Irradiance(ground * dni + share * thin.dni, ground * dhi + share * thin.dhi)
-
-
-def _share_of_thin_air(relative_pressure: FloatArray) -> FloatArray:
-    """Return 0 up to 9 km, 1 from 12 km on, without a kink between."""
-    span = _GROUND_SKY_DOWN_TO_RATIO - _THIN_AIR_BELOW_RATIO
-    way = np.clip((_GROUND_SKY_DOWN_TO_RATIO - relative_pressure) / span, 0.0, 1.0)
-    return np.asarray(way * way * (3.0 - 2.0 * way))
 
 
 def thin_air_irradiance(

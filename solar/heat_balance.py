@@ -66,25 +66,10 @@ def balanced_temperature_c(
     cell: SolarCell,
     surroundings: Surroundings,
 ) -> FloatArray:
-    """Solve for the module temperature at which the heat balance closes.
+    """Return the module temperature at which the heat balance closes [C]; arguments broadcast.
 
-    Parameters
-    ----------
-    light_w_per_m2 : array_like
-        Light on the modules [W/m2].
-    level_light_w_per_m2 : array_like
-        Light on a level surface [W/m2]; the earth reflects it.
-    electric_at_25_c : array_like
-        Electric power of modules at 25 C, before the MPPT [W/m2].
-    cell : SolarCell
-        Efficiencies, and thermal properties ``cell.thermal``.
-    surroundings : Surroundings
-        Air and radiation.
-
-    Returns
-    -------
-    ndarray
-        Temperature [C], broadcast shape of the arguments.
+    The earth reflects the light on a level surface. ``electric_at_25_c``: electric power of modules
+    at 25 C, before the MPPT [W/m2].
     """
     thermal, around = cell.thermal, surroundings
     share, per_k = thermal.underside_share, cell.temperature_coefficient_per_k

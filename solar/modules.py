@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib import resources
 from typing import Annotated, Self
 
@@ -63,7 +63,7 @@ class MpptTable(_Table):
     mppt_efficiency: tuple[Fraction, ...] = Field(min_length=2)
 
 
-class Curve(Record):
+class Curve(_Table):
     """Tabulated curve ``y(x)``, interpolated monotonically and constant outside.
 
     The interpolant is a piecewise cubic that is monotone by the criterion of Fritsch & Carlson
@@ -73,14 +73,6 @@ class Curve(Record):
 
     x: tuple[Real, ...] = Field(min_length=2)
     y: tuple[Real, ...] = Field(min_length=2)
-
-    @model_validator(mode="after")
-    def _check_columns(self) -> Curve:
-        if len(self.x) != len(self.y):
-            raise ValueError(f"x has {len(self.x)} values and y has {len(self.y)}; they must match")
-        if np.any(np.diff(self.x) <= 0.0):
-            raise ValueError("x must increase strictly")
-        return self
 
     @cached_property
     def _pieces(self) -> _Pieces:
@@ -257,29 +249,19 @@ class SolarCell(Record):
         """Return ``eps_gamma`` [-] of direct light; zero for light from behind."""
         cosine = np.asarray(cos_aoi, float)
         angle_deg = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
-        return np.where(cosine > 0.0, self._incidence_curve(angle_deg), 0.0)
+        efficiency = _curve(self.incidence, "incidence_sunpower_glass")(angle_deg)
+        return np.where(cosine > 0.0, efficiency, 0.0)
 
     def low_light_efficiency(self, irradiance_w_per_m2: ArrayLike) -> FloatArray:
         """Return ``eps_I`` [-] of the irradiance on a module."""
-        return self._low_light_curve(irradiance_w_per_m2)
+        return _curve(self.low_light, "low_light_sunpower_c60")(irradiance_w_per_m2)
 
     def mppt_efficiency_at(self, relative_load: ArrayLike) -> FloatArray:
         """Return the efficiency of the MPPT [-] at a load relative to the rated power."""
-        return self._mppt_curve(relative_load)
-
-    @cached_property
-    def _incidence_curve(self) -> Curve:
-        return _curve(self.incidence, "incidence_sunpower_glass")
-
-    @cached_property
-    def _low_light_curve(self) -> Curve:
-        return _curve(self.low_light, "low_light_sunpower_c60")
-
-    @cached_property
-    def _mppt_curve(self) -> Curve:
-        return _curve(self.mppt, "mppt_atlantiksolar")
+        return _curve(self.mppt, "mppt_atlantiksolar")(relative_load)
 
 
+@lru_cache
 def _curve(table: _Table | None, shipped: str) -> Curve:
     """Return the curve of a table, by default the shipped one."""
     if table is None:

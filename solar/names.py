@@ -5,6 +5,7 @@ A command line that lists the choices does not have to import the models.
 
 from __future__ import annotations
 
+import math
 from typing import Literal, NamedTuple, get_args
 
 ModelName = Literal["CDM", "CAM", "VM", "FM"]
@@ -18,14 +19,19 @@ class ModelEntry(NamedTuple):
     """Facts about a solar power model besides its formula.
 
     ``needs_path``: True for models of the attitude, which need module surfaces and a flight path.
-    ``average_error``, ``rms_error``: relative to flight, table 3 of the report in
-    :mod:`solar.systematic_errors`.
+    ``average`` (positive: overestimated), ``rms``: errors relative to flight, table 3 of the report
+    in :mod:`solar.systematic_errors`.
     """
 
     label: str
     needs_path: bool
-    average_error: float
-    rms_error: float
+    average: float
+    rms: float
+
+    @property
+    def scatter(self) -> float:
+        """RMS error that remains when the average error is taken away."""
+        return math.sqrt(self.rms**2 - self.average**2)
 
 
 MODELS: dict[ModelName, ModelEntry] = {

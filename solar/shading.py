@@ -92,25 +92,8 @@ class TailGeometry(Record):
 def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatArray:
     """Return the corners of a module in body axes [m], from the leading edge of the wing root.
 
-    Parameters
-    ----------
-    surface : ModuleSurface
-        One of the surfaces; it needs an outline.
-    geometry : ModuleGeometry
-        All surfaces, for the wing's incidence and for where the dihedral begins.
+    Front left, front right, rear right, rear left, shape (4, 3). The surface needs an outline.
 
-    Returns
-    -------
-    ndarray, shape (4, 3)
-        Front left, front right, rear right, rear left: clockwise seen from above.
-
-    Raises
-    ------
-    ValueError
-        If the surface has no outline.
-
-    Notes
-    -----
     The chord line is turned by the wing's incidence about the root's leading edge. The dihedral
     begins at the outer edge of the central modules (at the symmetry plane if there are none), and
     span is counted along the bent wing, so that outlines keep their size. The middle of a module
@@ -175,25 +158,9 @@ def elevation_free_of_shading_deg(
 ) -> float:
     """Return the least sun elevation [deg] above which no module is shaded, at any azimuth.
 
-    Parameters
-    ----------
-    geometry, tail
-        As in :func:`shaded_fraction`.
-    roll, pitch : float
-        Attitude of the aircraft [rad]; its heading does not matter.
+    Zero if nothing is shaded by a sun above the horizon. ``roll``, ``pitch``: attitude of the
+    aircraft [rad]; its heading does not matter. Other arguments as of :func:`shaded_fraction`.
 
-    Returns
-    -------
-    float
-        Elevation over the horizon; zero if nothing is shaded by a sun above it.
-
-    Raises
-    ------
-    ValueError
-        If a surface has no outline.
-
-    Notes
-    -----
     The directions from any point of a module to any point of a panel form a convex cone, spanned
     by the directions from corner to corner. Its steepest direction is the projection of the
     vertical on the cone, a problem of non-negative least squares (Lawson & Hanson 1974, chapter
@@ -201,9 +168,16 @@ def elevation_free_of_shading_deg(
     """
     if tail is None:
         return 0.0
-    up = -direction_cosines(roll, pitch, 0.0)[2]
-    sines = [_steepest_sine(rays, up) for rays in _shading_rays(geometry, tail)]
-    return float(np.degrees(np.arcsin(min(max(sines, default=0.0), 1.0))))
+    from scipy.optimize import nnls
+
+    up, sine = -direction_cosines(roll, pitch, 0.0)[2], 0.0
+    for surface in geometry.surfaces:
+        frame = module_frame(surface, geometry)
+        for panel in frame.panels_above(tail.panels()):
+            rays = (panel @ frame.axes + frame.middle)[:, np.newaxis] - frame.corners()
+            rays = rays.reshape(-1, 3)
+            sine = max(sine, float(np.linalg.norm(nnls(rays.T, up)[0] @ rays)))
+    return float(np.degrees(np.arcsin(min(sine, 1.0))))
 
 
 LossModel = Callable[[FloatArray], FloatArray]
@@ -227,28 +201,11 @@ def proportional_losses(shaded: FloatArray) -> FloatArray:
 
 
 def string_losses(substrings: int = 4, threshold: float = 0.005) -> LossModel:
-    """Return a loss by wiring: a series string with a bypass diode for each sub-string.
+    """Return a loss by wiring: a series string of equal sub-strings, each with a bypass diode.
 
-    Parameters
-    ----------
-    substrings : int
-        Equal sub-strings of a module, each with a bypass diode.
-    threshold : float
-        Shaded fraction of the module up to which nothing is lost; the default is a tenth of a cell
-        in a module of twenty.
+    Above the threshold, a shaded fraction of the module (by default a tenth of a cell in a module
+    of twenty), the share of the sub-strings is lost that the shadow can fill, rounded up.
 
-    Returns
-    -------
-    LossModel
-        Above the threshold, the share of the sub-strings that the shadow can fill, rounded up.
-
-    Raises
-    ------
-    ValueError
-        If there is no sub-string, or the threshold is not in ``[0, 1)``.
-
-    Notes
-    -----
     Cells in series carry the current of the weakest one, and a bypass diode takes its whole
     sub-string out. Assumptions: the shadow is in one piece and covers one sub-string after the
     other; diodes drop no voltage; the MPPT finds the greatest of several maxima. A long, thin
@@ -351,23 +308,3 @@ class Shading:
             return direct_by_surface
         shaded = shaded_fraction(geometry, self.tail, sun_vector_body)
         return apply_losses(direct_by_surface, shaded, self.model)
-
-
-def _shading_rays(geometry: ModuleGeometry, tail: TailGeometry) -> list[FloatArray]:
-    """Return directions from every module's corners to every panel's corners, body axes."""
-    rays = []
-    for surface in geometry.surfaces:
-        frame = module_frame(surface, geometry)
-        for panel in frame.panels_above(tail.panels()):
-            corners = panel @ frame.axes + frame.middle
-            between = corners[:, np.newaxis] - frame.corners()
-            rays.append(between.reshape(-1, 3))
-    return rays
-
-
-def _steepest_sine(rays: FloatArray, up: FloatArray) -> float:
-    """Return the sine of the steepest elevation in the rays' cone; zero if all point downwards."""
-    from scipy.optimize import nnls
-
-    weights, _ = nnls(rays.T, up)
-    return float(np.linalg.norm(weights @ rays))

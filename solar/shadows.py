@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface, direction_cosines
+from solar.geometry import ModuleGeometry, ModuleSurface, direction_cosines
 from solar.types import FloatArray, IntArray
 
 # A sun closer than 0.06 degrees to the plane of a module gives it less than 1 W/m2 of direct light;
@@ -42,13 +42,9 @@ class ModuleFrame:
             self.middle + (signs * (self.half_span_m, self.half_chord_m)) @ self.axes[:2]
         )
 
-    def from_body(self, points: FloatArray) -> FloatArray:
-        """Convert points from body axes to right, aft and height over the module's plane."""
-        return np.asarray((points - self.middle) @ self.axes.T)
-
     def panels_above(self, panels: Iterable[FloatArray]) -> list[FloatArray]:
         """Return the parts of panels above the module's plane, in its axes."""
-        local = (self.from_body(panel) for panel in panels)
+        local = ((panel - self.middle) @ self.axes.T for panel in panels)
         parts = (_clipped(panel[np.newaxis], panel[np.newaxis, :, 2])[0] for panel in local)
         return [part for part in parts if np.linalg.norm(_vector_area(part)) > _NO_AREA_M2]
 
@@ -66,23 +62,18 @@ def module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> ModuleFram
     incidence = np.radians(geometry.wing_incidence_deg)
     in_panel = direction_cosines(0.0, np.radians(surface.pitch_deg), 0.0)
     module_to_body = direction_cosines(-side * dihedral, incidence, 0.0) @ in_panel
+    # The middle in the wing's axes: body axes turned by the incidence.
+    along, aft = outline.inboard_m + outline.outboard_m, outline.front_m + outline.rear_m
+    middle = np.array((-0.5 * aft, 0.5 * along, 0.0))
+    if side:
+        bent = 0.5 * along - hinge
+        middle[1:] = side * (hinge + bent * np.cos(dihedral)), -bent * np.sin(dihedral)
     return ModuleFrame(
         axes=np.stack((module_to_body[:, 1], -module_to_body[:, 0], -module_to_body[:, 2])),
-        middle=direction_cosines(0.0, incidence, 0.0) @ _middle(outline, side, dihedral, hinge),
+        middle=direction_cosines(0.0, incidence, 0.0) @ middle,
         half_span_m=0.5 * (outline.outboard_m - outline.inboard_m),
         half_chord_m=0.5 * (outline.rear_m - outline.front_m),
     )
-
-
-def _middle(outline: ModuleOutline, side: float, dihedral: float, hinge: float) -> FloatArray:
-    """Return the middle of an outline in the wing's axes: body axes turned by the incidence."""
-    along = 0.5 * (outline.inboard_m + outline.outboard_m)
-    aft = 0.5 * (outline.front_m + outline.rear_m)
-    if side == 0.0:
-        return np.array((-aft, along, 0.0))
-    bent = along - hinge
-    y = side * (hinge + bent * np.cos(dihedral))
-    return np.array((-aft, y, -bent * np.sin(dihedral)))
 
 
 def covered_area(frame: ModuleFrame, panels: Sequence[FloatArray], sun: FloatArray) -> FloatArray:

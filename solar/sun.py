@@ -184,18 +184,9 @@ def sun_times(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunTimes:
 
 
 class SunPosition(NamedTuple):
-    """Position of the sun, and solar time.
+    """Position of the sun: unit vector to it, shape (..., 3), angles and true solar time.
 
-    Attributes
-    ----------
-    vector_ned : ndarray, shape (..., 3)
-        Unit vector to the sun, North-East-Down.
-    elevation_rad, azimuth_rad : ndarray
-        Angle above the horizon and bearing from north, clockwise, 0 to 2 pi [rad].
-    time_solar_h : ndarray
-        True solar time, 0 to 24 [h]: noon is 12 on every day.
-    declination_rad : ndarray
-        Declination [rad].
+    The azimuth is the bearing from north, clockwise, 0 to 2 pi [rad]; solar time is 0 to 24 [h].
     """
 
     vector_ned: FloatArray
@@ -212,19 +203,8 @@ def sun_position(
 
     Without refraction and seen from the centre of the Earth: the sun's parallax is below 0.0025
     degrees. Source: Michalsky, J. J. (1988), The Astronomical Almanac's algorithm for approximate
-    solar position (1950-2050), Solar Energy 40(3), pp. 227-235.
-
-    Parameters
-    ----------
-    unix_time_s : array_like
-        Seconds since 1970-01-01 00:00 UTC, leap seconds not counted [s]. Good for 1950 to 2050.
-    latitude_deg, longitude_deg : array_like
-        Latitude and east longitude [deg]; all arguments broadcast.
-
-    Returns
-    -------
-    SunPosition
-        Arrays of the broadcast shape.
+    solar position (1950-2050), Solar Energy 40(3), pp. 227-235. Seconds since 1970-01-01 00:00 UTC
+    do not count leap seconds; longitude is east; the arguments broadcast.
     """
     days = (np.asarray(unix_time_s, float) - J2000_UNIX_S) / SECONDS_PER_DAY
     right_ascension, sun_declination = _equatorial(days)

@@ -9,43 +9,18 @@ simple models leave out then matters less.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, MODELS, CorrectionName, ModelName
 
 
 @dataclass(frozen=True)
-class ModelError:
-    """Relative errors of a model against flight: average (positive: overestimated) and RMS."""
-
-    average: float
-    rms: float
-
-    @property
-    def scatter(self) -> float:
-        """RMS error that remains when the average error is taken away."""
-        return math.sqrt(self.rms**2 - self.average**2)
-
-
-REPORTED_ERRORS: dict[str, ModelError] = {
-    name: ModelError(model.average_error, model.rms_error) for name, model in MODELS.items()
-}
-
-
-@dataclass(frozen=True)
 class Correction:
-    """Factor on the modelled power, and the band in which the truth is expected.
+    """Factor on the modelled power, ``1 / (1 + error)``, and the band of the truth.
 
-    Attributes
-    ----------
-    name : str
-        ``none``, ``report`` or ``loiter``.
-    factor : float
-        Multiplies the modelled power: ``1 / (1 + error)``.
-    rms_relative : float
-        The model's RMS error relative to the mean measured power: a one-sigma band around the
-        modelled power, stated and never applied; without the average error where it is corrected.
+    ``rms_relative``: the model's RMS error relative to the mean measured power, a one-sigma band
+    around the modelled power, stated and never applied; without the average error where it is
+    corrected.
     """
 
     name: CorrectionName
@@ -75,13 +50,10 @@ def correction(model: ModelName, name: CorrectionName) -> Correction:
     """
     if model not in MODEL_NAMES:
         raise ValueError(f"unknown solar power model {model!r}; choose from {MODEL_NAMES}")
-    error = REPORTED_ERRORS[model]
+    if name not in CORRECTION_NAMES:
+        raise ValueError(f"unknown correction {name!r}; choose from {CORRECTION_NAMES}")
     if name == "none":
-        return Correction(name, 1.0, error.rms)
-    if name == "report":
-        return Correction(name, 1.0 / (1.0 + error.average), error.scatter)
-    if name == "loiter":
-        # The ratio to the Full Model is scenario by scenario; what remains is its own bias and RMS.
-        truth = REPORTED_ERRORS["FM"]
-        return Correction(name, 1.0 / (1.0 + truth.average), truth.scatter)
-    raise ValueError(f"unknown correction {name!r}; choose from {CORRECTION_NAMES}")
+        return Correction(name, 1.0, MODELS[model].rms)
+    # The ratio to the Full Model is scenario by scenario; what remains is its own bias and RMS.
+    error = MODELS["FM" if name == "loiter" else model]
+    return Correction(name, 1.0 / (1.0 + error.average), error.scatter)

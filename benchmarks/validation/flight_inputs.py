@@ -15,7 +15,7 @@ from typing import Any
 from benchmarks.validation.published_flights import FLIGHTS, Flight, Quantity, Trial, data
 from missions.mission.mission import Turbulence
 from sizing.day.light import SolarModel
-from solar.systematic_errors import REPORTED_ERRORS
+from solar.names import MODELS
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ INPUTS = {
 def _spread_of(row: dict[str, Any]) -> Spread:
     """Spread as the file gives it; ``error_of`` stands for the RMS error of a model in flight."""
     if "error_of" in row:
-        error = REPORTED_ERRORS[row["error_of"]].rms
+        error = MODELS[row["error_of"]].rms
         return Spread(INPUTS[row["input"]], 1.0 - error, 1.0 + error, row["source"], error)
     return Spread(INPUTS[row["input"]], row["low"], row["high"], row["source"])
 

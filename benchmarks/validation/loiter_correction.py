@@ -19,8 +19,7 @@ from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
 from sizing.day.module_power import modelled_power, surroundings_in_flight
-from solar.names import ModelName
-from solar.systematic_errors import REPORTED_ERRORS
+from solar.names import MODELS, ModelName
 from solar.types import FloatArray
 from studies.render.tables import Column, Table
 
@@ -75,7 +74,7 @@ def transferred_errors(
                 )
                 for direction in directions
             ]
-        ) / (1.0 + REPORTED_ERRORS["FM"].average)
+        ) / (1.0 + MODELS["FM"].average)
         for model in SIMPLE_MODELS:
             errors += _errors(model, wind, scenarios, simple[model], truth)
     return errors

@@ -113,41 +113,13 @@ class BatteryVoltage(Record):
 
     @model_validator(mode="after")
     def _check_table(self) -> BatteryVoltage:
-        wrong = ""
-        if len(self.state_of_charge) != len(self.cell_voltage_v):
-            wrong = "cell_voltage_v must have a value for each state of charge"
-        elif np.any(np.diff(self.state_of_charge) <= 0.0):
-            wrong = "state_of_charge must increase strictly"
-        elif np.any(np.diff(self.cell_voltage_v) < 0.0):
-            wrong = "cell_voltage_v must not fall with the state of charge"
-        if wrong:
-            raise ValueError(wrong)
+        check_columns(self, "state_of_charge", "cell_voltage_v")
+        if np.any(np.diff(self.cell_voltage_v) < 0.0):
+            raise ValueError("cell_voltage_v must not fall with the state of charge")
         return self
 
-    @property
-    def ends_v(self) -> tuple[float, float]:
-        """Voltages of the battery at the ends of the table: empty and full [V]."""
-        low, high = self.voltage_v([self.state_of_charge[0], self.state_of_charge[-1]])
-        return float(low), float(high)
-
     def voltage_v(self, state_of_charge: ArrayLike) -> FloatArray:
-        """Return the voltage of the battery.
-
-        Parameters
-        ----------
-        state_of_charge : array_like
-            Within the table [-].
-
-        Returns
-        -------
-        ndarray
-            Voltage [V].
-
-        Raises
-        ------
-        ValueError
-            Outside the table.
-        """
+        """Return the voltage of the battery [V]; ValueError outside the table."""
         charge = np.asarray(state_of_charge, float)
         first, last = self.state_of_charge[0], self.state_of_charge[-1]
         odd = charge[~((charge >= first) & (charge <= last))]

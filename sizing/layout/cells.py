@@ -23,6 +23,7 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
+    check_columns,
     check_order,
     wrong_value,
 )
@@ -108,15 +109,14 @@ class Planform(Record):
 
     @model_validator(mode="after")
     def _check_table(self) -> Planform:
-        at, wrong = self.half_span, ""
-        if len(at) != len(self.relative_chord):
-            wrong = "relative_chord must have a value for each of half_span"
-        elif at[0] != 0.0 or at[-1] != 1.0 or np.any(np.diff(at) <= 0.0):
-            wrong = "half_span must increase strictly from 0 to 1"
-        elif abs((mean := float(np.trapezoid(self.relative_chord, at))) - 1.0) > _MEAN_TOLERANCE:
-            wrong = f"the mean of relative_chord along the span must be 1 (got {mean:.3g})"
-        if wrong:
-            raise ValueError(wrong)
+        check_columns(self, "half_span", "relative_chord")
+        if self.half_span[0] != 0.0 or self.half_span[-1] != 1.0:
+            raise ValueError("half_span must increase strictly from 0 to 1")
+        mean = float(np.trapezoid(self.relative_chord, self.half_span))
+        if abs(mean - 1.0) > _MEAN_TOLERANCE:
+            raise ValueError(
+                f"the mean of relative_chord along the span must be 1 (got {mean:.3g})"
+            )
         return self
 
 
@@ -324,12 +324,7 @@ class CellLayout(Record):
         first_m = tail.horizontal_aft_m + (tail.horizontal_chord_m - deep_m) / 2.0
         for row, count in enumerate(self.tail_cells):
             front_m = first_m + row * (self.cell_chord_m + self.gap_m)
-            left_m = -self._length(count, self.cell_span_m) / 2.0
-            for number in range(count):
-                at_m = left_m + number * (self.cell_span_m + self.gap_m)
-                yield PlacedCell(
-                    at_m, at_m + self.cell_span_m, front_m, front_m + self.cell_chord_m
-                )
+            yield from self._laid([(-self._length(count, self.cell_span_m) / 2.0, count)], front_m)
 
     def _length(self, count: int, size_m: float) -> float:
         """Return the length of cells in line, with the gaps between them [m]."""

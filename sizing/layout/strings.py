@@ -112,16 +112,17 @@ class Strings(Record):
         cold_v = self.voltage_v(mpp, self.coldest_c, loss_per_k)
         open_v = self.voltage_v(unloaded, self.coldest_c, loss_per_k)
         low_v, why = mppt.minimum_voltage_v, ""
-        ceilings = [_most_within(mppt.maximum_voltage_v, open_v)]
+        # No cell will do without voltage at its coldest.
+        most = mppt.maximum_voltage_v / open_v if open_v > 0.0 else 0.0
         if battery_v is not None and mppt.conversion == "step_up":
-            ceilings.append(_most_within(battery_v[0], cold_v))
+            most = min(most, battery_v[0] / cold_v if cold_v > 0.0 else 0.0)
             why = f", below the {battery_v[0]:.4g} V of the empty battery"
         if battery_v is not None and mppt.conversion == "step_down":
             low_v = max(low_v, battery_v[1])
             why = f", above the {battery_v[1]:.4g} V of the full battery"
         return SeriesWindow(
             least=math.ceil(low_v / hot_v - _ROUNDING) if hot_v > 0.0 else 1 + 10**9,
-            most=math.floor(min(ceilings) + _ROUNDING),
+            most=math.floor(most + _ROUNDING),
             why=(
                 f"the MPPT takes {mppt.minimum_voltage_v:g} to {mppt.maximum_voltage_v:g} V{why}, "
                 f"the modules have {self.coldest_c:g} to {self.hottest_c:g} °C"
@@ -181,8 +182,3 @@ class Strings(Record):
                 if strings.problem(cells, loss_per_k, battery_v) is None:
                     return strings
         return None
-
-
-def _most_within(limit_v: float, cell_v: float) -> float:
-    """Return the number of cells up to a voltage; 0 for cells without voltage at their coldest."""
-    return limit_v / cell_v if cell_v > 0.0 else 0.0

@@ -23,7 +23,6 @@ from sizing.parameters import with_parameter
 from sizing.performance import performance
 from sizing.results.numbers import relative_change
 from solar.names import MODELS
-from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import BoolArray
 from studies.quantities import TABLE
 from studies.render.sentences import battery_line, uncertainty_line
@@ -77,7 +76,7 @@ def _published_errors() -> Table:
     )
     rows = [
         (model, 100.0 * error.average, 100.0 * error.rms, 100.0 * error.scatter)
-        for model, error in REPORTED_ERRORS.items()
+        for model, error in MODELS.items()
     ]
     note = (
         "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "

@@ -52,7 +52,7 @@ FALLING = {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0, 0.0)}
     [
         (Curve, UP | {"y": (0.0,)}, "at least 2"),
         (Curve, {"x": (0.0,), "y": (0.0,)}, "at least 2"),
-        (Curve, UP | {"x": (0.0, 1.0, 2.0)}, "must match"),
+        (Curve, UP | {"x": (0.0, 1.0, 2.0)}, "same length"),
         (Curve, UP | {"x": (0.0, 0.0)}, "increase strictly"),
         (Curve, UP | {"x": (1.0, 0.0)}, "increase strictly"),
         (Curve, UP | {"y": (0.0, NAN)}, "finite"),

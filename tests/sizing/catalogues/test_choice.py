@@ -226,7 +226,8 @@ def test_a_cell_brings_the_curve_of_its_voltage(tmp_path):
         path = written(tmp_path, battery={"cell": cell, "voltage": {"cells_in_series": 6}})
         voltage = load_aircraft(path).battery.voltage
         assert (voltage.state_of_charge, voltage.cell_voltage_v) == curve
-        assert voltage.ends_v == pytest.approx((6 * curve[1][0], 6 * curve[1][-1]))
+        ends_v = voltage.voltage_v([0.0, 1.0])
+        assert ends_v == pytest.approx([6 * curve[1][0], 6 * curve[1][-1]])
     path = written(
         tmp_path, battery={"cell": "amprius-sa03-pack", "voltage": {"cells_in_series": 6}}
     )

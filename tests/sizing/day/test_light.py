@@ -17,8 +17,7 @@ from sizing.day.light import (
 from sizing.day.module_power import clear_daylight
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from solar.names import CORRECTION_NAMES, MODEL_NAMES
-from solar.systematic_errors import REPORTED_ERRORS
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, MODELS
 
 AS2 = load_aircraft("atlantiksolar-as2")
 RAFZ = load_mission("rafz-july")
@@ -59,7 +58,7 @@ def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_m
         np.trapezoid(day.specific_power_w_per_m2, day.time_h, axis=-1) for day in (ours, full)
     )
     # The Full Model's own error in flight is what the correction takes off besides; rounding.
-    np.testing.assert_allclose(energy, expected / (1.0 + REPORTED_ERRORS["FM"].average), rtol=1e-12)
+    np.testing.assert_allclose(energy, expected / (1.0 + MODELS["FM"].average), rtol=1e-12)
 
 
 def test_days_joined_and_taken_apart():

@@ -243,7 +243,7 @@ def test_battery_voltage():
 @pytest.mark.parametrize(
     ("charge", "volts", "message"),
     [
-        ((0.0, 1.0), (3.0, 3.5, 4.0), "cell_voltage_v must have a value for each"),
+        ((0.0, 1.0), (3.0, 3.5, 4.0), "must have the same length"),
         ((0.5, 0.5), (3.0, 3.5), "state_of_charge must increase strictly"),
         ((0.0, 1.0), (4.0, 3.0), "cell_voltage_v must not fall"),
     ],

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from sizing.day.light import SolarModel, solar_day
-from solar.systematic_errors import REPORTED_ERRORS
+from solar.names import MODELS
 from studies.cli.__main__ import cli
 from studies.models import report_reproduction as study
 
@@ -33,10 +33,10 @@ def test_windows(result, index):
 
 def test_loiter_truth_reproduces_the_reports_constants(result):
     # FM on the loiter, corrected by its own bias, stands for the flight.
-    truth = result.models_w["FM"] / (1.0 + REPORTED_ERRORS["FM"].average)
+    truth = result.models_w["FM"] / (1.0 + MODELS["FM"].average)
     for model in ("CDM", "CAM"):
         error = result.models_w[model] / truth - 1.0
-        assert error == pytest.approx(REPORTED_ERRORS[model].average, abs=0.03)  # 3 points
+        assert error == pytest.approx(MODELS[model].average, abs=0.03)  # 3 points
 
 
 def test_full_model_and_loiter_correction_agree_over_the_day():
