@@ -207,8 +207,18 @@ def sun_position(
     do not count leap seconds; longitude is east; the arguments broadcast.
     """
     days = (np.asarray(unix_time_s, float) - J2000_UNIX_S) / SECONDS_PER_DAY
-    right_ascension, sun_declination = _equatorial(days)
-    sidereal = np.radians(_greenwich_sidereal_deg(days) + np.asarray(longitude_deg, float))
+    mean_longitude = np.radians(280.460 + 0.9856474 * days)
+    anomaly = np.radians(357.528 + 0.9856003 * days)
+    longitude = mean_longitude + np.radians(1.915 * np.sin(anomaly) + 0.020 * np.sin(2.0 * anomaly))
+    obliquity = np.radians(23.439 - 0.0000004 * days)
+    along = np.sin(longitude)
+    right_ascension = np.arctan2(np.cos(obliquity) * along, np.cos(longitude))
+    sun_declination = np.arcsin(np.sin(obliquity) * along)
+    # The almanac's sidereal time at Greenwich, 6.697375 h + 0.0657098242 h/d, plus universal time
+    # is one linear function; the whole days are dropped first, which keeps the digits.
+    sidereal_h = 18.697375 + 0.0657098242 * days + 24.0 * np.remainder(days, 1.0)
+    east_deg = np.asarray(longitude_deg, float)
+    sidereal = np.radians(_DEGREES_PER_HOUR * sidereal_h + east_deg)
     hour = np.remainder(sidereal - right_ascension + np.pi, 2.0 * np.pi) - np.pi
     vector = sun_vector_ned(latitude_deg, sun_declination, hour)
     north, east, down = np.moveaxis(vector, -1, 0)
@@ -221,26 +231,3 @@ def sun_position(
         time_solar_h=np.asarray(np.broadcast_to(solar_h, np.shape(elevation))),
         declination_rad=np.asarray(np.broadcast_to(sun_declination, np.shape(elevation))),
     )
-
-
-def _equatorial(days: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return right ascension and declination [rad] from days since J2000."""
-    mean_longitude = np.radians(280.460 + 0.9856474 * days)
-    anomaly = np.radians(357.528 + 0.9856003 * days)
-    longitude = mean_longitude + np.radians(1.915 * np.sin(anomaly) + 0.020 * np.sin(2.0 * anomaly))
-    obliquity = np.radians(23.439 - 0.0000004 * days)
-    along = np.sin(longitude)
-    return (
-        np.arctan2(np.cos(obliquity) * along, np.cos(longitude)),
-        np.arcsin(np.sin(obliquity) * along),
-    )
-
-
-def _greenwich_sidereal_deg(days: FloatArray) -> FloatArray:
-    """Return the mean sidereal time at Greenwich [deg].
-
-    The almanac's ``6.697375 h + 0.0657098242 h/d`` plus universal time is one linear function; the
-    whole days are dropped first, which keeps the digits.
-    """
-    turns = 18.697375 + 0.0657098242 * days + 24.0 * np.remainder(days, 1.0)
-    return np.asarray(_DEGREES_PER_HOUR * turns)

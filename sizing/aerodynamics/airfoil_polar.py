@@ -86,11 +86,6 @@ class _ReynoldsScale(NamedTuple):
     middle: float
     half: float
 
-    @classmethod
-    def between(cls, lowest: float, highest: float) -> _ReynoldsScale:
-        low, high = lowest**-0.25, highest**-0.25
-        return cls((low + high) / 2.0, (low - high) / 2.0)
-
     def at(self, reynolds: Value) -> Value:
         return (reynolds**-0.25 - self.middle) / self.half
 
@@ -136,7 +131,8 @@ class AirfoilPolar:
         """Fit a table; raise InputError where it is rough or has no branch of attached flow."""
         branches = _attached_branches(table)
         least_lift = max(float(b.cl[0]) for b in branches)
-        scale = _ReynoldsScale.between(branches[0].reynolds, branches[-1].reynolds)
+        low, high = branches[0].reynolds ** -0.25, branches[-1].reynolds ** -0.25
+        scale = _ReynoldsScale((low + high) / 2.0, (low - high) / 2.0)
         z = [scale.at(branch.reynolds) for branch in branches]
         highest = [branch.maximum_lift for branch in branches]
         degree = min(_MAXIMUM_LIFT_DEGREE, len(branches) - 2)

@@ -117,8 +117,7 @@ class WingPolar(Record):
         cls, data: Any, handler: ModelWrapValidatorHandler[WingPolar]
     ) -> WingPolar:
         """Take values from polars of a wing unless given, without counting them as given."""
-        polar = _wing_values(data)
-        new = {key: value for key, value in polar.items() if key not in data}
+        new = {key: value for key, value in _wing_values(data).items() if key not in data}
         if not new:
             return handler(data)
         record = handler({**data, **new})

@@ -40,11 +40,6 @@ def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
     return laminar_fraction * laminar + (1.0 - laminar_fraction) * turbulent
 
 
-def _plane_wetted(thickness_ratio: float) -> float:
-    """Return the wetted area of a plane over its area: Raymer, eq. 7.11 [-]."""
-    return 1.977 + 0.52 * thickness_ratio
-
-
 def _body_form(slenderness: Value) -> Value:
     """Return a body's form factor ``1 + 60/f^3 + f/400``, f length over diameter: Raymer, 12.31."""
     return 1.0 + 60.0 / slenderness**3 + slenderness / 400.0
@@ -206,7 +201,7 @@ class BuiltUpPolar:
         """Return the drag of the parts."""
         profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
         components = self._components(profile, reynolds)
-        return DragShares(profile, induced, *components, other=other, trim=self._trim_drag())
+        return DragShares(profile, induced, *components, other, self._trim_drag())
 
     def _components(self, profile: Value, reynolds: Value) -> tuple[Value, ...]:
         """Return the drag of tail planes, booms, pods, and gaps [-]."""
@@ -215,7 +210,8 @@ class BuiltUpPolar:
             return (0.0,) * 5
         planes, tail, area_m2 = self.tail.planes(self.wing), self.tail, self.wing.area_m2
         per_m = reynolds / self.wing.mean_chord_m
-        plane = plane_form_factor(tail.thickness_ratio) * _plane_wetted(tail.thickness_ratio)
+        wetted = 1.977 + 0.52 * tail.thickness_ratio  # over the plane's area: Raymer, eq. 7.11
+        plane = plane_form_factor(tail.thickness_ratio) * wetted
         plane = plane * it.tail_interference / area_m2
         horizontal, vertical = (
             plane * m2 * skin_friction(per_m * chord_m, it.tail_laminar_fraction)

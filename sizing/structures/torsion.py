@@ -19,10 +19,6 @@ from solar.schema import NonNegativeReal, PositiveReal, Record
 # Simplified Flutter Prevention Criteria for Personal Type Aircraft, CAA Airframe and Equipment
 # Engineering Report 45, 1955; FAR 23.629 (d) accepts it). Here F times dynamic pressure, SI.
 FLUTTER_LIMIT = 0.5 * 1.225 * 200.0 * (0.3048**2 / 4.4482216) * 0.44704**2
-# Area ahead of a quarter of the chord over thickness ratio and chord squared, of the thickness
-# distribution of the NACA four-digit sections (Abbott & von Doenhoff, section 6.4), per fraction of
-# the chord. It holds near a quarter.
-_NOSE_AREA = 0.77
 
 
 class Twisting(NamedTuple):
@@ -96,14 +92,6 @@ class NoseCell(NamedTuple):
 
     area_m2: Value
     perimeter_m: Value
-
-    @classmethod
-    def of(
-        cls, chord_m: Value, *, thickness_ratio: Value, chord_fraction: Value, skin_m: Value
-    ) -> NoseCell:
-        """Return the cell ahead of a fraction of the chord, with a skin of length ``skin_m``."""
-        area = _NOSE_AREA * chord_fraction * thickness_ratio * chord_m * chord_m
-        return cls(area, skin_m + thickness_ratio * chord_m)
 
     def stiffness_nm2(self, wall_n_per_m: Value) -> Value:
         """Return the torsional stiffness [N m2] of walls of equal shear stiffness G t [N/m]."""

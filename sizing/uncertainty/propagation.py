@@ -73,8 +73,7 @@ _FIXED = (
 )
 
 
-@dataclass(frozen=True)
-class Flights:
+class Flights(NamedTuple):
     """Results of the draws in their critical scenario; arrays of shape ``(sample,)``.
 
     ``excess_time_h`` is infinite where it is unlimited; ``minimum_state_of_charge`` is that of the
@@ -93,7 +92,7 @@ class Flights:
 
     def first(self, count: int) -> Flights:
         """Return the results of the first draws."""
-        return Flights(*(getattr(self, name)[:count] for name in Flights.__dataclass_fields__))
+        return Flights(*(column[:count] for column in self))
 
 
 class Profiles(NamedTuple):
@@ -184,12 +183,7 @@ class Propagation:
             self._block({key: value[draws] for key, value in values.items()}, stop_at_excess_time_h)
             for draws in blocks(count, at_once)
         ]
-        return Flights(
-            *(
-                np.concatenate([getattr(part, name) for part in parts])
-                for name in Flights.__dataclass_fields__
-            )
-        )
+        return Flights(*map(np.concatenate, zip(*parts, strict=True)))
 
     def extrapolations(
         self, values: dict[str, FloatArray], flights: Flights

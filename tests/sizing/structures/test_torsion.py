@@ -9,7 +9,6 @@ from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.torsion import (
     FLUTTER_LIMIT,
-    NoseCell,
     Twisting,
     WingTorsion,
     closed_cell_nm2,
@@ -77,7 +76,7 @@ def test_nose_encloses_the_front_quarter_of_a_section():
         return 10.0 * 0.125 * (root - 0.126 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1015 * x**4)
 
     area, _ = quad(thickness, 0.0, 0.25)
-    cell = NoseCell.of(0.3, thickness_ratio=0.125, chord_fraction=0.25, skin_m=0.153)
+    cell = RibWingStructure(model="rib_wing").nose_cell(0.3)
     assert cell.area_m2 == pytest.approx(area * 0.3**2, rel=0.01)  # two digits of the factor
     assert cell.wall_n_per_m(cell.stiffness_nm2(2e5)) == pytest.approx(2e5, rel=1e-12)
 
