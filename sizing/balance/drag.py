@@ -203,11 +203,13 @@ class BuiltUpPolar:
         components = self._components(profile, reynolds)
         return DragShares(profile, induced, *components, other, self._trim_drag())
 
-    def _components(self, profile: Value, reynolds: Value) -> tuple[Value, ...]:
+    def _components(
+        self, profile: Value, reynolds: Value
+    ) -> tuple[Value, Value, Value, Value, Value]:
         """Return the drag of tail planes, booms, pods, and gaps [-]."""
         it = self.components
         if it is None:
-            return (0.0,) * 5
+            return 0.0, 0.0, 0.0, 0.0, 0.0
         planes, tail, area_m2 = self.tail.planes(self.wing), self.tail, self.wing.area_m2
         per_m = reynolds / self.wing.mean_chord_m
         wetted = 1.977 + 0.52 * tail.thickness_ratio  # over the plane's area: Raymer, eq. 7.11
