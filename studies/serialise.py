@@ -188,7 +188,7 @@ RECORDS = {
         constant_altitude_excess_time_h gain_in_excess_time_h dawn_altitude_m
         """,
     "DragShares": "+ parasitic total",
-    "Extrapolation": "+ text",
+    "Extrapolation": "quantity label unit value + text",
     "PowerBudget": """
         *every_w bus_w efficiencies assumed_efficiency=assumed
         operating_point=point:OperatingPoint
