@@ -26,7 +26,7 @@ from missions.weather.record import (
 )
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.sun import SECONDS_PER_DAY
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 # Up to here a gap is bridged between its neighbours; a longer one takes the day next to it.
 SHORT_GAP_H = 3.0
@@ -324,7 +324,7 @@ def _fill_gaps(
 ) -> list[str]:
     """Fill missing light with shares of the clear sky, in place; every ``stride``-th is a row."""
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)
-    begin, stop = max(_gaps(empty), key=lambda gap: gap[1] - gap[0], default=(0, 0))
+    begin, stop = max(runs_of(empty).tolist(), key=lambda gap: gap[1] - gap[0], default=(0, 0))
     if (gap_h := (stop - begin) * interval_s / SECONDS_PER_HOUR) > LONGEST_GAP_H:
         when = np.datetime64(int(start_s[begin]), "s")
         raise file_error(
@@ -346,7 +346,7 @@ def _fill_gaps(
         )
     per_day = round(SECONDS_PER_DAY / interval_s)
     copied = 0
-    for begin, stop in _gaps(empty):
+    for begin, stop in runs_of(empty).tolist():
         short = (stop - begin) * interval_s <= SHORT_GAP_H * SECONDS_PER_HOUR
         copied += 0 if short else stop - begin
         for name, values in light.items():
@@ -363,12 +363,6 @@ def _fill_gaps(
     if copied:
         notes.append(f"{copied} rows of long gaps filled from the nearest days")
     return notes
-
-
-def _gaps(empty: BoolArray) -> list[tuple[int, int]]:
-    """Return begin and end of every gap."""
-    begin, stop = runs_of(empty)
-    return list(zip(begin.tolist(), stop.tolist(), strict=True))
 
 
 def _copy_nearest_days(

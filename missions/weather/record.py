@@ -142,13 +142,12 @@ def sun_over(site: Site, time_s: FloatArray) -> tuple[FloatArray, FloatArray, Fl
     return day, solar_h, cos_zenith(site.latitude_deg, declination(day), hour_angle(solar_h))
 
 
-def runs_of(marks: BoolArray) -> tuple[IntArray, IntArray]:
-    """Return first index and the index after the last of every run of true values."""
+def runs_of(marks: BoolArray) -> IntArray:
+    """Return first index and the index after the last of every run of true values, a row each."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
-    return edges[::2], edges[1::2]
+    return edges.reshape(-1, 2)
 
 
-def run_lengths(marks: BoolArray) -> IntArray:
-    """Return the lengths of the runs of true values, in their order."""
-    begin, stop = runs_of(marks)
-    return stop - begin
+def longest_run(marks: BoolArray) -> int:
+    """Return the length of the longest run of true values."""
+    return int(np.diff(runs_of(marks)).max(initial=0))

@@ -21,7 +21,7 @@ import numpy as np
 from missions.mission import Mission
 from missions.weather.days import DayAxis
 from missions.weather.light import NODE_STEP_S
-from missions.weather.record import Weather, run_lengths
+from missions.weather.record import Weather, longest_run
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, crossing_fraction, running_sum
 from sizing.day.battery import Store
@@ -64,7 +64,7 @@ class WeatherRun:
     @property
     def longest_run_days(self) -> int:
         """Return the largest number of consecutive days that close."""
-        return int(np.max(run_lengths(self.closes), initial=0))
+        return longest_run(self.closes)
 
     def state_of_charge(self) -> FloatArray:
         """Return the state of charge at the nodes [-], ``(day, node)``."""

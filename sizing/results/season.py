@@ -10,7 +10,7 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from missions.weather.days import DayAxis
-from missions.weather.record import Weather, run_lengths
+from missions.weather.record import Weather, longest_run
 from sizing.program.result import SizingStatus
 from solar.types import BoolArray, IntArray
 
@@ -35,7 +35,7 @@ class SeasonDays:
             year=axis.year[season],
             day_of_year=axis.day_of_year[season],
             closes=closes[season],
-            longest_gap_days=int(np.max(run_lengths(season & ~closes), initial=0)),
+            longest_gap_days=longest_run(season & ~closes),
         )
 
     def __len__(self) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from missions.weather.record import run_lengths
+from missions.weather.record import longest_run
 from sizing.day.record import WeatherRun
 from sizing.results.numbers import percentiles
 
@@ -97,7 +97,7 @@ def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ..
                 days=len(closes),
                 days_that_close=int(closes.sum()),
                 clear_sky_days_that_close=int(clear.closes[of_year].sum()),
-                longest_run_days=int(np.max(run_lengths(closes), initial=0)),
+                longest_run_days=longest_run(closes),
                 endurance_h=percentiles(recorded.endurance_h[of_year], "linear"),
             )
         )

@@ -122,8 +122,7 @@ def latex_table(sheet: DesignSheet) -> str:
         r"    Quantity & Symbol & Value & Unit \\",
     ]
     for _, entries in groupby(sheet.quantities, key=lambda quantity: quantity.group):
-        lines.append(r"    \midrule")
-        lines += [f"    {_latex_row(quantity)}" for quantity in entries]
+        lines += [r"    \midrule", *(f"    {_latex_row(quantity)}" for quantity in entries)]
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}"]
     return "\n".join(lines) + "\n"
 
@@ -136,18 +135,9 @@ def escaped(text: str) -> str:
 def _latex_row(quantity: Entry) -> str:
     symbol = f"${quantity.symbol}$" if quantity.symbol else ""
     value, unit = quantity.shown()
-    shown = value if value == UNLIMITED or isinstance(quantity.value, str) else f"${_power(value)}$"
-    return f"{escaped(quantity.label)} & {symbol} & {shown} & {_latex_unit(unit)} \\\\"
-
-
-def _power(number: str) -> str:
-    """Write a number's exponent as a power of ten."""
-    return re.sub(r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", number)
-
-
-def _latex_unit(unit: str) -> str:
-    """Return a unit in upright letters, exponents raised."""
-    if not unit:
-        return ""
+    if value != UNLIMITED and not isinstance(quantity.value, str):  # a number, with its exponent
+        ten = re.sub(r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", value)
+        value = f"${ten}$"
     raised = unit.replace("²", "^2").replace("³", "^3").replace("%", r"\%")
-    return rf"$\mathrm{{{raised}}}$"
+    upright = rf"$\mathrm{{{raised}}}$" if unit else ""
+    return f"{escaped(quantity.label)} & {symbol} & {value} & {upright} \\\\"

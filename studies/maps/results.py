@@ -217,7 +217,7 @@ def season_text(days: IntArray, perpetual: BoolArray) -> str:
     """Return first and last mapped day with perpetual flight; a full year is a circle."""
     if perpetual.all() or not perpetual.any():
         return "on all mapped days" if perpetual.all() else "none"
-    starts, stops = runs_of(perpetual)
+    starts, stops = runs_of(perpetual).T
     ends = [[int(days[a]), int(days[b - 1])] for a, b in zip(starts, stops, strict=True)]
     gaps = np.diff(days, append=days[0] + 365)
     if len(ends) > 1 and perpetual[0] and perpetual[-1] and gaps[-1] <= gaps[:-1].max():

@@ -12,11 +12,6 @@ from sizing.day.light import SolarDay, SolarModel, Sunlight
 from sizing.performance import performance
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 
-# Best estimates of solar power: the Full Model on the flight path, corrected by its systematic
-# error measured in flight; without a path, corrected CAM.
-BEST = SolarModel("FM", "report")
-BEST_WITHOUT_PATH = SolarModel("CAM", "report")
-
 
 def attitude_is_known(aircraft: Aircraft, mission: Mission) -> bool:
     """Return true if aircraft and mission have what VM, FM and the loiter correction need."""
@@ -24,8 +19,8 @@ def attitude_is_known(aircraft: Aircraft, mission: Mission) -> bool:
 
 
 def reference_model(aircraft: Aircraft, mission: Mission) -> SolarModel:
-    """Return the most accurate model."""
-    return BEST if attitude_is_known(aircraft, mission) else BEST_WITHOUT_PATH
+    """Return the most accurate model: FM on the flight path, else CAM, corrected by its error."""
+    return SolarModel("FM" if attitude_is_known(aircraft, mission) else "CAM", "report")
 
 
 def combinations(

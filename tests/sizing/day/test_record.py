@@ -9,7 +9,7 @@ from missions.air import air_at
 from missions.library import load_mission
 from missions.weather.days import DayAxis
 from missions.weather.light import light_at_altitude
-from missions.weather.record import Site, run_lengths
+from missions.weather.record import Site, longest_run
 from missions.weather.site import mission_at_site
 from sizing.day.light import SolarModel
 from sizing.day.record import weather_performance
@@ -233,8 +233,8 @@ def test_attitude_models_fly_through_records(model):
 
 def test_runs_and_windows():
     closes = np.array([0, 1, 1, 0, 1, 1, 1, 0], bool)
-    assert run_lengths(closes).tolist() == [2, 3]
-    assert run_lengths(np.zeros(3, bool)).tolist() == []
+    assert longest_run(closes) == 3
+    assert longest_run(np.zeros(3, bool)) == 0
     assert wait_for_window(closes, 1).tolist() == [1, 0, 0, 1, 0, 0, 0, np.inf]
     assert wait_for_window(closes, 3).tolist() == [4, 3, 2, 1, 0, np.inf, np.inf, np.inf]
     assert np.isinf(wait_for_window(closes, 20)).all()
