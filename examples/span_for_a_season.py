@@ -32,7 +32,7 @@ def main() -> None:
     spans_m = [sized.variables.wingspan_m for sized in sizings]
     reached = [100.0 * sized.survival.achieved for sized in sizings]
     clear = sizings[0].survival
-    clear_m, clear_share = clear.clear_sky_objective, 100.0 * clear.clear_sky_days.share
+    clear_m, clear_share = clear.clear_sky.objective_value, 100.0 * clear.clear_sky_days.share
     print(f"for a clear sky: {clear_m:.2f} m, {clear_share:.1f} % of the days")
     for share, sized in zip(SHARES, sizings, strict=True):
         span_m, mass_kg = sized.variables.wingspan_m, sized.design.total_mass_kg

@@ -97,6 +97,8 @@ RECORDS = {
     "NearestDesign": """
         *design.variables.chosen total_mass_kg excess_time_h worst_scenario=worst_scenario.label
         """,
+    "WholeCells": "loss relaxed:RelaxedCells chosen tried",
+    "RelaxedCells": "value=objective_value *design.variables.chosen",
     "Relaxation": "+ text",
     "Reliability": """
         required achieved=achieved.value low=achieved.low high=achieved.high samples
@@ -106,7 +108,7 @@ RECORDS = {
     "Survival": """
         *weather.origin flight_altitude_m=mission.altitude_m season required achieved
         days=days.count days_that_close=days.that_close longest_gap_days=days.longest_gap_days
-        by_year clear_sky.status=clear_sky_status clear_sky.objective=clear_sky_objective
+        by_year clear_sky.status=clear_sky.status clear_sky.objective=clear_sky.objective_value
         clear_sky.days_that_close=clear_sky_days.that_close clear_sky.share=clear_sky_days.share
         repairs=weather.repairs notes
         """,
@@ -120,12 +122,14 @@ RECORDS = {
     # ---- In the weather
     "WeatherAnalysis": """
         *weather.origin flight_altitude_m=mission.altitude_m days days_that_close
-        clear_sky_days_that_close longest_run_days=performance.recorded.longest_run_days
+        clear_sky_days_that_close=performance.clear.closes.sum
+        longest_run_days=performance.recorded.longest_run_days
         clear_sky_longest_run_days=performance.clear.longest_run_days
         share_of_days_that_close=performance.recorded.closes.mean endurance_h flown_to_sunset_share
-        launches_that_outlast_the_record windows years year_to_year irradiation_kwh_per_m2
-        share_of_clear_sky_light=share_of_clear_light wind_above_airspeed_share battery_condition
-        extrapolations repairs=weather.repairs notes model=performance.days.solar.model
+        launches_that_outlast_the_record=performance.recorded.outlasts.sum windows years
+        year_to_year irradiation_kwh_per_m2 share_of_clear_sky_light=share_of_clear_light
+        wind_above_airspeed_share battery_condition extrapolations repairs=weather.repairs notes
+        model=performance.days.solar.model
         correction=performance.days.solar.correction
         """,
     "YearInWeather": "+ share_of_days_that_close",

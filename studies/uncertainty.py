@@ -113,9 +113,9 @@ def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
     styles = tuple(_LINES.values())
     for style, (name, chosen) in zip(styles, analysis.lobes.items(), strict=False):
         share = f"{100.0 * np.mean(chosen):.0f} % {name}, median"
-        yield style, share, percentiles(excess[chosen], "inverted_cdf")["p50"]
+        yield style, share, percentiles(excess[chosen])["p50"]
     if not analysis.lobes:
-        for name, value in percentiles(excess, "inverted_cdf").items():
+        for name, value in percentiles(excess).items():
             yield _LINES[name], f"{name.upper()} (exceeded in {name[1:]} %)", value
 
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.types import FloatArray
 
 
 class Spread(NamedTuple):
@@ -41,31 +41,14 @@ class BatteryCondition(NamedTuple):
 
 
 def battery_condition(
-    aircraft: Aircraft, mission: Mission, mass_kg: float | None = None
+    aircraft: Aircraft, air_c: ArrayLike, altitude_m: float, mass_kg: float | None = None
 ) -> BatteryCondition | None:
-    """Return the battery as it is on a mission; the margin of its capacity is not counted.
+    """Return the battery in air, or in the mean air of each day, at an altitude [C, m].
 
-    ``mass_kg``: that of a sized design. None for a battery without temperature, resistance and
-    ageing.
+    The margin of its capacity is not counted. ``mass_kg``: that of a sized design. None for a
+    battery without temperature, resistance and ageing.
     """
-    air_c = mission.air_state().temperature_c
-    return _condition(aircraft, air_c, mission.altitude_m, float, mass_kg)
-
-
-def battery_condition_of_days(
-    aircraft: Aircraft, air_c: FloatArray, altitude_m: float
-) -> BatteryCondition | None:
-    """Return the battery as it is in the mean air of each day [C], at an altitude."""
-    return _condition(aircraft, air_c, altitude_m, Spread.of)
-
-
-def _condition(
-    aircraft: Aircraft,
-    air_c: Any,
-    altitude_m: float,
-    reported: Callable[[Any], Any],
-    mass_kg: float | None = None,
-) -> BatteryCondition | None:
+    reported: Callable[[Any], Any] = Spread.of if np.ndim(air_c) else float
     battery, aged = aircraft.battery, aircraft.battery.ageing
     held, _ = battery.temperature_at(altitude_m)
     if not any((held, battery.resistance, aged)):

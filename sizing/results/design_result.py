@@ -54,7 +54,8 @@ class DesignResult(Result, ABC):
         """Battery in the mission's air; None where nothing there changes it."""
         design = self.design
         mass_kg = None if design is None else float(design.variables.battery_mass_kg)
-        return battery_condition(self.aircraft, self.mission, mass_kg)
+        air_c, height_m = self.mission.air_state().temperature_c, self.mission.altitude_m
+        return battery_condition(self.aircraft, air_c, height_m, mass_kg)
 
     @property
     def cells(self) -> dict[str, Any] | None:

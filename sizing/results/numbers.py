@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,22 +25,15 @@ def finite(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a record with null for numbers that are infinite or not defined."""
-    return {
-        name: finite(value) if isinstance(value, float) else value for name, value in record.items()
-    }
-
-
 def relative_change(before: float, after: float) -> float | None:
     """Return a change over the value before it [-]; None where that was next to nothing."""
     return None if abs(before) <= NEGLIGIBLE else (after - before) / before
 
 
-def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
+def percentiles(values: FloatArray | list[float], method: Any = "inverted_cdf") -> dict[str, float]:
     """Return P90, which 90 % of cases exceed, P50 and P10.
 
-    By the method ``inverted_cdf`` each is a value that occurred.
+    By default each is a value that occurred.
     """
     return {
         name: float(np.percentile(values, at, method=method)) for name, at in PERCENTILES.items()

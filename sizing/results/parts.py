@@ -1,14 +1,10 @@
-"""Whole solar and battery cells of an aircraft and of a sizing, in numbers."""
+"""Whole solar and battery cells of an aircraft, in numbers."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sizing.aircraft import Aircraft
-from sizing.results.numbers import finite_values
-
-if TYPE_CHECKING:
-    from sizing.program.whole_cells import WholeCells
 
 
 def cells_record(aircraft: Aircraft) -> dict[str, Any]:
@@ -58,17 +54,3 @@ def _strings_record(aircraft: Aircraft) -> dict[str, Any]:
         "coldest_mpp_voltage_v": longest * strings.voltage_v(mpp, strings.coldest_c, loss),
         "coldest_open_voltage_v": longest * strings.voltage_v(unloaded, strings.coldest_c, loss),
     }
-
-
-def sizing_record(cells: WholeCells, aircraft: Aircraft) -> dict[str, Any]:
-    """Return the whole cells of a sizing, JSON-ready: an unlimited objective is null."""
-    design = cells.relaxed.design
-    variables = {} if design is None else design.variables.chosen()
-    relaxed = {"value": cells.relaxed.objective_value} | variables
-    record: dict[str, Any] = {
-        "loss": cells.loss,
-        "relaxed": finite_values(relaxed),
-        "chosen": None if cells.chosen is None else finite_values(cells.chosen.__dict__),
-        "tried": [finite_values(design.__dict__) for design in cells.tried],
-    }
-    return record | (cells_record(aircraft) if cells.aircraft is not None else {})

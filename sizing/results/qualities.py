@@ -55,31 +55,19 @@ def designs_by_build(
         of_file = bool(changed.mass_factor == structure.mass_factor)
         sizing: SizingResult | None = result
         if not of_file:
-            case = (aircraft.with_airframe(structure=changed), mission, objective, solar)
-            sizing = _sized(*case, result, required_excess_time_h)
+            start = None if result.design is None else result.design.variables
+            built = aircraft.with_airframe(structure=changed)
+            try:
+                _, sizing = sized_in_own_flow(
+                    built,
+                    mission,
+                    objective,
+                    solar,
+                    start=start,
+                    required_excess_time_h=required_excess_time_h,
+                )
+            except ImpossibleDesignError:  # its propulsion flies no design
+                sizing = None
         design, value = (None, None) if sizing is None else (sizing.design, sizing.objective_value)
         designs.append(BuiltDesign(name, quality.factor, of_file, design, value))
     return tuple(designs)
-
-
-def _sized(
-    aircraft: Aircraft,
-    mission: Mission,
-    objective: Objective,
-    solar: SolarModel,
-    near: SizingResult,
-    required_h: float | None,
-) -> SizingResult | None:
-    """Return a sizing started from another one; None where its propulsion flies no design."""
-    near_design = None if near.design is None else near.design.variables
-    try:
-        return sized_in_own_flow(
-            aircraft,
-            mission,
-            objective,
-            solar,
-            start=near_design,
-            required_excess_time_h=required_h,
-        )[1]
-    except ImpossibleDesignError:
-        return None

@@ -11,7 +11,7 @@ from missions.dates import date_code
 from missions.mission import Mission
 from missions.weather.days import DayAxis
 from missions.weather.record import Weather, longest_run
-from sizing.program.result import SizingStatus
+from sizing.program.result import SizingResult
 from solar.types import BoolArray, IntArray
 
 
@@ -76,18 +76,16 @@ class Survival:
 
     ``mission``: at the record's site; its dates are the season. ``required``: share of the days
     that was asked for [-]. ``days``: of the design; of the one with the most days that close that
-    was found, where no design has enough. ``clear_sky_status``: of the sizing for perpetual flight
-    under a clear sky on the same dates. ``clear_sky_objective``: its objective, in its unit; None
-    where it has no design. ``clear_sky_days``: what that design makes of the record. ``notes``:
-    what was changed to fly the mission at the record's site.
+    was found, where no design has enough. ``clear_sky``: sizing for perpetual flight under a clear
+    sky on the same dates. ``clear_sky_days``: what its design makes of the record. ``notes``: what
+    was changed to fly the mission at the record's site.
     """
 
     weather: Weather
     mission: Mission
     required: float
     days: SeasonDays
-    clear_sky_status: SizingStatus
-    clear_sky_objective: float | None
+    clear_sky: SizingResult
     clear_sky_days: SeasonDays | None
     notes: tuple[str, ...] = ()
 

@@ -29,12 +29,12 @@ from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
 from sizing.results.analysis import Analysis
-from sizing.results.conditions import BatteryCondition, battery_condition
+from sizing.results.conditions import BatteryCondition
 from sizing.results.design_result import DesignResult
 from sizing.results.margins import RequirementMargin, requirement_margins
 from sizing.results.measures import MEASURES
 from sizing.results.numbers import NEGLIGIBLE
-from sizing.results.parts import sizing_record
+from sizing.results.parts import cells_record
 from sizing.results.qualities import BuiltDesign
 from sizing.results.result import SERIALISER, data_frame
 from sizing.results.season import Survival
@@ -231,15 +231,16 @@ class SizingStudy(DesignResult):
     @property
     def battery_condition(self) -> BatteryCondition | None:
         """Battery of the optimum, or else of the nearest design, in the mission's air."""
-        simulated = self.result.simulated or self.result.nearest
-        mass_kg = None if simulated is None else float(simulated.design.variables.battery_mass_kg)
-        return battery_condition(self.aircraft, self.mission, mass_kg)
+        shown = self.optimum or self.nearest
+        return super().battery_condition if shown is None else shown.battery_condition
 
     @property
     def cells(self) -> dict[str, Any] | None:
         """Designs of whole cells, the relaxed optimum and the loss; None where not asked for."""
-        whole = self.whole_cells
-        return None if whole is None else sizing_record(whole, self.aircraft)
+        if (whole := self.whole_cells) is None:
+            return None
+        record: dict[str, Any] = import_module(SERIALISER).serialise(whole)
+        return record | (cells_record(self.aircraft) if whole.aircraft is not None else {})
 
     @property
     def range(self) -> dict[str, Any] | None:

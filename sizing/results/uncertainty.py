@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,15 +38,6 @@ class SobolIndex:
 
     first: float
     total: float
-
-
-class DrawnInput(NamedTuple):
-    """An uncertain input, with the percentiles of its draws."""
-
-    key: str
-    nominal: float
-    distribution: str
-    percentiles: dict[str, float]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -108,20 +99,20 @@ class UncertaintyAnalysis(Result):
     @property
     def percentiles(self) -> dict[str, dict[str, float]]:
         """P90, P50 and P10 of excess time, state of charge and endurance."""
-        return {key: draw_percentiles(values) for key, values in self.scattered().items()}
+        return {key: percentiles(values) for key, values in self.scattered().items()}
 
     @property
-    def spreads(self) -> tuple[DrawnInput, ...]:
+    def spreads(self) -> list[dict[str, Any]]:
         """Inputs with the percentiles of their draws."""
-        return tuple(
-            DrawnInput(
-                row.key,
-                row.nominal,
-                row.distribution.distribution,
-                draw_percentiles(self.values[row.key]),
-            )
+        return [
+            {
+                "key": row.key,
+                "nominal": row.nominal,
+                "distribution": row.distribution.distribution,
+                "percentiles": percentiles(self.values[row.key]),
+            }
             for row in self.inputs.inputs
-        )
+        ]
 
     def to_frame(self) -> pd.DataFrame:
         """Return a row for each draw: inputs, excess time, least state of charge, mass, power."""
@@ -251,8 +242,3 @@ def _sobol_indices(
 
 
 _LEAST_LOBE = 0.1  # of all draws
-
-
-def draw_percentiles(values: FloatArray) -> dict[str, float]:
-    """Return P90, P50 and P10, each a draw that occurred."""
-    return percentiles(values, "inverted_cdf")

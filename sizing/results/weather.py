@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft
 from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
-from sizing.results.conditions import BatteryCondition, battery_condition_of_days
+from sizing.results.conditions import BatteryCondition, battery_condition
 from sizing.results.design_result import check_subjects
 from sizing.results.numbers import finite, percentiles
 from sizing.results.result import Result, data_frame
@@ -196,19 +196,9 @@ class WeatherAnalysis(Result):
         return int(self.performance.recorded.closes.sum())
 
     @property
-    def clear_sky_days_that_close(self) -> int:
-        """Days that close under a clear sky."""
-        return int(self.performance.clear.closes.sum())
-
-    @property
     def irradiation_kwh_per_m2(self) -> float:
         """Global horizontal irradiation of the record [kWh/m²]."""
         return float(self.weather.ghi.sum() * self.weather.interval_s / 3.6e6)
-
-    @property
-    def launches_that_outlast_the_record(self) -> int:
-        """Launches at dawn that still fly when the record ends."""
-        return int(self.performance.recorded.outlasts.sum())
 
     @property
     def year_to_year(self) -> YearToYear | None:
@@ -219,9 +209,7 @@ class WeatherAnalysis(Result):
     def battery_condition(self) -> BatteryCondition | None:
         """Battery in the mean air of the days; None where nothing there changes it."""
         done = self.performance
-        return battery_condition_of_days(
-            self.aircraft, done.days.mean_air_c, done.days.mission.altitude_m
-        )
+        return battery_condition(self.aircraft, done.days.mean_air_c, done.days.mission.altitude_m)
 
     def share_of_clear_light(self) -> float:
         """Return the light of the record over that of the clear sky, at flight altitude [-]."""

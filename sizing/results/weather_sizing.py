@@ -110,8 +110,7 @@ def size_in_weather(
         there,
         survive,
         days=days,
-        clear_sky_status=clear.status,
-        clear_sky_objective=clear.objective_value,
+        clear_sky=clear,
         clear_sky_days=of_clear,
         notes=notes,
     )

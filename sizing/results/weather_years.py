@@ -66,16 +66,12 @@ class YearToYear:
         whole = [year for year in years if year.whole]
         if len(whole) < 2:
             return None
-
-        def spread(values: list[float]) -> dict[str, float]:
-            return percentiles(np.array(values), "inverted_cdf")
-
         share = attrgetter("share_of_days_that_close")
         return cls(
             whole_years=len(whole),
-            days_that_close=spread([year.days_that_close for year in whole]),
-            longest_run_days=spread([year.longest_run_days for year in whole]),
-            median_endurance_h=spread([year.endurance_h["p50"] for year in whole]),
+            days_that_close=percentiles([year.days_that_close for year in whole]),
+            longest_run_days=percentiles([year.longest_run_days for year in whole]),
+            median_endurance_h=percentiles([year.endurance_h["p50"] for year in whole]),
             worst_year=min(whole, key=share).year,
             best_year=max(whole, key=share).year,
         )

@@ -12,10 +12,10 @@ from sizing.aircraft import ParametricAirframe
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, parameter, parameter_value, unit_text
 from sizing.results.analysis import Analysis
-from sizing.results.numbers import finite_values
 from sizing.results.result import data_frame
 from studies import quantities as q
 from studies.render.tables import MISSING, Column, Table
+from studies.serialise import serialise
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,7 +92,8 @@ class DesignSheet:
 
     def to_dict(self) -> dict[str, Any]:
         """Return values by key, JSON-ready."""
-        return finite_values({entry.key: entry.value for entry in self.quantities})
+        record: dict[str, Any] = serialise({entry.key: entry.value for entry in self.quantities})
+        return record
 
 
 def group_starts(entries: Sequence[Entry]) -> tuple[int, ...]:

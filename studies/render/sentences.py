@@ -254,7 +254,7 @@ def survival_text(survival: Survival, study: SizingStudy) -> str:
 
 def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
     """Return the design for a clear sky on the same dates, and its days that close."""
-    value, clear = survival.clear_sky_objective, survival.clear_sky_days
+    value, clear = survival.clear_sky.objective_value, survival.clear_sky_days
     if value is None or clear is None:
         return "No design flies perpetually on all of these dates under a clear sky"
     objective, sized = study.objective, study.result.objective_value

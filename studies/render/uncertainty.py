@@ -73,7 +73,7 @@ def _spread_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
 
 
 def _three(quantity: q.Quantity, values: dict[str, Any]) -> str:
-    ends = percentiles(values[quantity.name], "inverted_cdf").values()
+    ends = percentiles(values[quantity.name]).values()
     return ", ".join(quantity.fact(value)[1] for value in ends)
 
 

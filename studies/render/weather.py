@@ -48,7 +48,7 @@ def _rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
     dawn_h = run.dawn_h + run.axis.midnight_h
     rows = [
         ("days that close", f"{analysis.days_that_close} of {days}"),
-        ("days that close under a clear sky", f"{analysis.clear_sky_days_that_close} of {days}"),
+        ("days that close under a clear sky", f"{clear.closes.sum()} of {days}"),
         *_year_rows(analysis),
         ("longest run of days that close", f"{run.longest_run_days} days"),
         ("longest run of days under a clear sky", f"{clear.longest_run_days} days"),

@@ -206,14 +206,15 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same():
 
 def test_the_line_says_temperature_age_and_what_is_left():
     loaded = aircraft("atlantiksolar-as2", *IN_FLIGHT)
-    line = battery_line(loaded, battery_condition(loaded, COLD))
+    air = COLD.air_state().temperature_c, COLD.altitude_m
+    line = battery_line(loaded, battery_condition(loaded, *air))
     assert line.startswith(
         "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
     )
     text = analyse(loaded, COLD).at_level(2).to_text()
     assert "after 180 cycles" in text
-    record = battery_condition(loaded, COLD)._asdict()
+    record = battery_condition(loaded, *air)._asdict()
     assert record["capacity_fraction"] == loaded.battery.capacity_fraction(-5.0)
     plain = aircraft("atlantiksolar-as2")
-    assert battery_condition(plain, COLD) is None
+    assert battery_condition(plain, *air) is None
     assert "battery_condition" not in analyse(aircraft("atlantiksolar-as2"), COLD).to_dict()
