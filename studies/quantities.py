@@ -107,14 +107,16 @@ def table_of(
     return Table(
         title,
         columns,
-        tuple(tuple(_value(row, column.name) for column in columns) for row in rows),
+        tuple(
+            tuple(
+                row[column.name] if isinstance(row, Mapping) else getattr(row, column.name)
+                for column in columns
+            )
+            for row in rows
+        ),
         tuple(notes),
         sections=tuple(sections),
     )
-
-
-def _value(row: Any, name: str) -> Any:
-    return row[name] if isinstance(row, Mapping) else getattr(row, name)
 
 
 def text_of(key: str, value: Any, form: str = "") -> str:

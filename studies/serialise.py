@@ -253,20 +253,14 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
         elif key.startswith("-"):
             del record[key[1:]]
         elif key == "*":
-            of_all = path == "software"
-            record |= software_record() if of_all else _spliced(_reach(value, path), of)
+            joined = software_record() if path == "software" else _reach(value, path)
+            record |= _record(joined, of) if of else plain(joined)
         elif not (_is_nothing(reached := _reach(value, path)) and optional):
             *outer, last = key.split(".")
             inside = record
             for name in outer:
                 inside = inside.setdefault(name, {})
             inside[last] = plain(reached, of)
-    return record
-
-
-def _spliced(value: Any, entry: str) -> dict[str, Any]:
-    """Return a record whose keys join those of another; nulls by an entry without a value."""
-    record: dict[str, Any] = _record(value, entry) if entry else plain(value)
     return record
 
 

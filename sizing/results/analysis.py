@@ -251,7 +251,7 @@ class Analysis(DesignResult):
         Of battery mass, module area and load; empty where it is perpetual, for a mission with
         climbs, and for one with a flight that lands.
         """
-        if not self._repeats:
+        if self.mission.climb is not None or self.mission.flight is not None:
             return ()
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
@@ -266,11 +266,6 @@ class Analysis(DesignResult):
             return None
         by_minute_h = fine_step_excess_time_h(self.aircraft, self.performance)
         return float(program_h[self.worst]), by_minute_h
-
-    @property
-    def _repeats(self) -> bool:
-        """Whether one day at one altitude repeats itself."""
-        return self.climb is None and self.mission.flight is None
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:

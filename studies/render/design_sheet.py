@@ -105,7 +105,10 @@ def group_starts(entries: Sequence[Entry]) -> tuple[int, ...]:
 def design_sheet(analysis: Analysis) -> DesignSheet:
     """Return the quantities of an aircraft on a mission."""
     worst = analysis.performance.day.scenarios.label(analysis.worst)
-    solar = analysis.performance.solar
+    solar, aircraft = analysis.performance.solar, analysis.aircraft
+    values = analysis.scenario()
+    energy = ((quantity, float(values[quantity.name])) for quantity in q.SHEET_ENERGY)
+    technology = ((catalogue()[k], parameter_value(aircraft, None, k)) for k in _TECHNOLOGY)
     quantities = (
         *_of_catalogue("geometry", _GEOMETRY, analysis),
         *_masses(analysis),
@@ -113,8 +116,11 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
         *_of_catalogue("flight", _FLIGHT, analysis),
         *_of_catalogue("power", _POWER, analysis),
         *_of_catalogue("energy", _STORAGE, analysis),
-        *_energy(analysis),
-        *_technology_quantities(analysis),
+        *(
+            _entry("energy", quantity, None if isnan(value) else value)
+            for quantity, value in energy
+        ),
+        *(Entry("technology", p.key, p.label, p.symbol, p.unit, value) for p, value in technology),
     )
     notes = (f"Energy: {worst}; {solar.label}.",)
     return DesignSheet(
@@ -199,22 +205,5 @@ def _balance(analysis: Analysis) -> list[Entry]:
     return [Entry("balance", *row) for row in values]
 
 
-def _energy(analysis: Analysis) -> list[Entry]:
-    """Return the metrics of the worst scenario."""
-    values = ((quantity, float(analysis.scenario()[quantity.name])) for quantity in q.SHEET_ENERGY)
-    return [
-        _entry("energy", quantity, None if isnan(value) else value) for quantity, value in values
-    ]
-
-
 def _entry(group: str, quantity: q.Quantity, value: float | None) -> Entry:
     return Entry(group, quantity.name, quantity.label, quantity.symbol, quantity.unit or "1", value)
-
-
-def _technology_quantities(analysis: Analysis) -> list[Entry]:
-    known = [catalogue()[key] for key in _TECHNOLOGY]
-    return [
-        Entry("technology", p.key, p.label, p.symbol, p.unit,
-                 parameter_value(analysis.aircraft, None, p.key))
-        for p in known
-    ]  # fmt: skip
