@@ -23,8 +23,6 @@ from studies.signals import Signals, interruptible
 _SHOW_WARNING = warnings.showwarning
 
 
-# What one does with the command, in the order in which one does it.
-_TASKS = ("Start", "Design", "Analyse", "Verify")
 _SPELLED = {"analyze": "analyse"}
 _EXAMPLES = (
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
@@ -62,7 +60,7 @@ class _Group(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands by what they are for, and the options of several of them."""
         longest = max(map(len, COMMANDS))
-        for task in _TASKS:
+        for task in dict.fromkeys(made.task for made in COMMANDS.values()):
             rows = [
                 (f"{n:{longest}}", str(c.short_help)) for n, c in COMMANDS.items() if c.task == task
             ]

@@ -414,23 +414,16 @@ def uncertain_inputs_of(case: Case) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise _placed(case, error) from error
+        files = (case.mission_file, case.aircraft_file)
+        documents = {file.record.name: file.document for file in files}
+        placed = []
+        for problem in error.problems:
+            document = documents.get(problem.source)
+            if document is not None:
+                path = tuple(problem.key.split(".", 2))
+                line, column = document.key_marks.get(path) or (None, None)
+                problem = Problem(document.source, line, column, problem.key, problem.message)
+            placed.append(problem)
+        raise InputError(placed) from error
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-
-
-def _placed(case: Case, error: InputError) -> InputError:
-    """Return an error with the lines of the files that its keys stand on."""
-    documents = {
-        case.mission.name: case.mission_file.document,
-        case.aircraft.name: case.aircraft_file.document,
-    }
-    placed = []
-    for problem in error.problems:
-        document = documents.get(problem.source)
-        if document is not None:
-            path = tuple(problem.key.split(".", 2))
-            line, column = document.key_marks.get(path) or (None, None)
-            problem = Problem(document.source, line, column, problem.key, problem.message)
-        placed.append(problem)
-    return InputError(placed)

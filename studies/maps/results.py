@@ -52,7 +52,17 @@ class MapResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the days by outcome and ranges of numbers, lists over the latitudes."""
-        numbers = self._days_of_designs() if self.objective else self._days_of_flights()
+        ends = SizingStatus if self.objective else (Status.failed,)
+        numbers: dict[str, Any] = {f"{end.name}_days": self._days_of(end) for end in ends}
+        if self.objective:
+            windy = self.data["violated_requirement"].to_numpy() == TOO_WINDY
+            numbers = {"objective": self.objective} | numbers
+            numbers |= {"too_windy_days": windy.sum(axis=1)} if windy.any() else {}
+        else:
+            numbers = {"perpetual_days": feasible(self.data).sum(axis=1)} | numbers
+            # Models that need a path in winds have cells too windy for the path.
+            if Status.infeasible in status_names(self.data):
+                numbers["too_windy_days"] = self._days_of(Status.infeasible)
         for quantity in self._ranged:
             for word, values in zip(
                 ("least", "largest"), self._least_and_largest(quantity), strict=True
@@ -72,15 +82,6 @@ class MapResult(Result):
         """Flight that a cell is to have, in words."""
         landed = np.any(self.data["status"].to_numpy() == Status.lands)
         return "flights that land" if landed else "perpetual flight"
-
-    def _days_of_flights(self) -> dict[str, Any]:
-        # Models that need a path in winds have cells too windy for the path.
-        windy = Status.infeasible in status_names(self.data)
-        return {
-            "perpetual_days": feasible(self.data).sum(axis=1),
-            "failed_days": self._days_of(Status.failed),
-            **({"too_windy_days": self._days_of(Status.infeasible)} if windy else {}),
-        }
 
     def _seasons(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
         """Return the season of each latitude, and the largest excess time."""
@@ -109,12 +110,6 @@ class MapResult(Result):
         return columns, rows
 
     # ---- Sized designs
-
-    def _days_of_designs(self) -> dict[str, Any]:
-        ends = {f"{end.name}_days": self._days_of(end) for end in SizingStatus}
-        windy = self.data["violated_requirement"].to_numpy() == TOO_WINDY
-        more = {"too_windy_days": windy.sum(axis=1)} if windy.any() else {}
-        return {"objective": self.objective} | ends | more
 
     def _designs(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
         """Return the days with a design, and the range of its size."""

@@ -29,7 +29,6 @@ def help_text(*names: str, columns: int = 80) -> str:
 def test_every_command_stands_under_what_it_is_for():
     text = help_text()
     for name, made in COMMANDS.items():
-        assert made.task in main._TASKS
         _, _, below = text.partition(f"\n{made.task}:\n")
         section, _, _ = below.partition("\n\n")
         assert f"  {name} " in section
