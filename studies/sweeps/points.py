@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -166,7 +166,7 @@ def _reason_not_to_fly(
 def valid_groups(
     configuration: SweepConfiguration,
     cells: FloatArray,
-    rows: list[dict[str, Any]],
+    rows: dict[int, dict[str, Any]],
     statuses: type[Status] | type[SizingStatus],
 ) -> Iterator[tuple[list[int], Aircraft, Mission]]:
     """Yield indices of cells that differ in design variables alone, with aircraft and mission.
@@ -196,8 +196,7 @@ def valid_groups(
                 "violated_requirement": requirement,
                 "message": text,
             }
-        for number in numbers:
-            rows[number] = row
+        rows |= dict.fromkeys(numbers, row)
 
 
 def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
@@ -206,7 +205,7 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
     ``cells``: values of ``configuration.keys``, shape ``(point, key)``. Returns the columns that
     ``configuration.described`` lists.
     """
-    rows: list[dict[str, Any]] = [{} for _ in cells]
+    rows: dict[int, dict[str, Any]] = {}
     for numbers, aircraft, mission in valid_groups(configuration, cells, rows, Status):
         known_kg = configuration.total_mass_kg
         if isinstance(aircraft.airframe, MeasuredAirframe):
@@ -214,18 +213,13 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
                 try:
                     aircraft = with_total_mass(aircraft, mission, known_kg)
                 except ImpossibleDesignError as error:
-                    for number in numbers:
-                        rows[number] = {
-                            "status": Status.infeasible,
-                            "violated_requirement": "parts",
-                            "message": str(error),
-                        }
+                    row = {"status": Status.infeasible, "violated_requirement": "parts"}
+                    rows |= dict.fromkeys(numbers, row | {"message": str(error)})
                     continue
             result = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, result))}
             row = _row_of_design(result, mission, (), {}, result.worst_endurance_h) | outside
-            for number in numbers:  # the same point, if it is there twice
-                rows[number] = row
+            rows |= dict.fromkeys(numbers, row)  # the same point, if it is there twice
             continue
         columns = np.array([cells[number] for number in numbers]).T
         varied = dict(zip(configuration.keys, columns, strict=True))
@@ -252,11 +246,11 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
 
 
 def columns_of(
-    configuration: SweepConfiguration, rows: Sequence[Mapping[str, Any]]
+    configuration: SweepConfiguration, rows: Mapping[int, Mapping[str, Any]]
 ) -> dict[str, Any]:
-    """Return the columns of rows by name, blank where a row lacks one."""
-    blanks = blanks_of(configuration.described)
-    return {name: [row.get(name, blank) for row in rows] for name, blank in blanks.items()}
+    """Return the columns of rows, in the order of their numbers, blank where a row lacks one."""
+    blanks, ordered = blanks_of(configuration.described), [row for _, row in sorted(rows.items())]
+    return {name: [row.get(name, blank) for row in ordered] for name, blank in blanks.items()}
 
 
 def _variables(

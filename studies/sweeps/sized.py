@@ -40,7 +40,7 @@ def with_fixed_variables(aircraft: Aircraft, variables: Mapping[str, float]) -> 
 def size_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
     """Size points with the varied design variables fixed; arguments as ``simulate_points``."""
     assert configuration.objective is not None
-    rows: list[dict[str, Any]] = [{} for _ in cells]
+    rows: dict[int, dict[str, Any]] = {}
     for numbers, aircraft, mission in valid_groups(configuration, cells, rows, SizingStatus):
         for number in numbers:
             names = map(design_variable, configuration.keys)
