@@ -17,7 +17,7 @@ from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.heat_balance import Surroundings, balanced_temperature_c
 from solar.horizontal_models import PowerModel, conceptual_analysis_model, in_surroundings
 from solar.modules import SolarCell
-from solar.shading import Shading
+from solar.shading import Shading, apply_losses, no_losses, shaded_fraction
 from solar.types import FloatArray
 
 _ITERATIONS = 60
@@ -143,9 +143,10 @@ def full_model(
     sun = np.asarray(sun_vector, float)
     cosine = cos_angle_of_incidence(normals, sun[..., np.newaxis, :])
     direct = np.asarray(irradiance.dni)[..., np.newaxis] * np.maximum(cosine, 0.0)
-    if shading is not None:
+    if shading is not None and shading.model is not no_losses:
         sun_body = np.einsum("...ji,...j->...i", rotation, sun)
-        direct = shading.direct_left(direct, geometry, sun_body)
+        shaded = shaded_fraction(geometry, shading.tail, sun_body)
+        direct = apply_losses(direct, shaded, shading.model)
     diffuse = np.asarray(irradiance.dhi)[..., np.newaxis]
     if geometry.face_down.any():
         # The lower face sees the part of the sky that its tilt leaves (Liu & Jordan 1963).

@@ -145,8 +145,7 @@ class ModuleGeometry(Record):
         upper = ~self.face_down if not self.face_down.all() else self.face_down
         central = upper & np.array([s.side == "centre" for s in self.surfaces])
         counted = central if central.any() else upper
-        shares = np.where(counted, self.area_shares, 0.0) if not counted.all() else self.area_shares
-        mean = shares @ self.normals()
+        mean = np.where(counted, self.area_shares, 0.0) @ self.normals()
         return np.asarray(mean / np.linalg.norm(mean))
 
 

@@ -173,13 +173,7 @@ def _end_slope(h: float, next_h: float, secant: float, next_secant: float) -> fl
 
 
 def shipped_curve(name: str) -> Curve:
-    """Read a shipped curve, for instance ``low_light_sunpower_c60``.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no curve of that name.
-    """
+    """Read a shipped curve, such as ``low_light_sunpower_c60``; FileNotFoundError for others."""
     text = resources.files("solar").joinpath("data", f"{name}.csv").read_text(encoding="utf-8")
     _, *rows = (line for line in text.splitlines() if line and not line.startswith("#"))
     x, y = np.loadtxt(rows, delimiter=",", unpack=True)

@@ -284,27 +284,3 @@ class Shading:
 
     tail: TailGeometry
     model: LossModel = no_losses
-
-    def direct_left(
-        self, direct_by_surface: FloatArray, geometry: ModuleGeometry, sun_vector_body: FloatArray
-    ) -> FloatArray:
-        """Return the direct light of every surface after shading; no shadows without losses.
-
-        Parameters
-        ----------
-        direct_by_surface : ndarray, shape (..., surface)
-            Direct light on the unshaded surfaces, in any unit.
-        geometry : ModuleGeometry
-            Module surfaces.
-        sun_vector_body : ndarray, shape (..., 3)
-            Unit vectors to the sun in body axes.
-
-        Returns
-        -------
-        ndarray, shape (..., surface)
-            In the same unit.
-        """
-        if self.model is no_losses:
-            return direct_by_surface
-        shaded = shaded_fraction(geometry, self.tail, sun_vector_body)
-        return apply_losses(direct_by_surface, shaded, self.model)

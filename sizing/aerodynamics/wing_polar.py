@@ -265,14 +265,12 @@ class WingPolar(Record):
 
 def _wing_values(data: Any) -> dict[str, float]:
     """Return the keys given by polars of a wing; empty without readable ones."""
-    if not isinstance(data, Mapping) or not isinstance(data.get("airfoil"), str):
+    airfoil = data.get("airfoil") if isinstance(data, Mapping) else None
+    if not isinstance(airfoil, str) or not is_table_path(airfoil):
         return {}
     keys = ("wing_chord_m", "wing_aspect_ratio", "wing_kinematic_viscosity_m2_per_s")
     values = [data.get(key, 1.5e-5 if key == keys[-1] else None) for key in keys]
     if not all(type(value) in (int, float) and value > 0.0 for value in values):
-        return {}
-    airfoil = data["airfoil"]
-    if not is_table_path(airfoil):
         return {}
     try:
         table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))

@@ -82,11 +82,20 @@ def check_balance(airframe: Any) -> None:
         if getattr(airframe, key) is not None and airframe.tail is None:
             raise wrong_value("tail", f"required key is missing: airframe.{key} needs it")
     if airframe.tail is not None:
-        _check_structure(airframe.structure)
+        structure = airframe.structure
+        if not isinstance(structure, RibWingStructure):
+            text = "must be rib_wing with airframe.tail, as it alone has the tail as a part"
+            raise wrong_value("structure.model", f"{text} (got {structure.model})")
+        if structure.booms == 0:
+            raise wrong_value("structure.booms", "must be 1 or 2 with airframe.tail (got 0)")
+        for key in () if structure.is_unchecked() else _TAIL_KEYS:
+            if key in structure.model_fields_set:
+                text = f"follows from airframe.tail; give one (got {getattr(structure, key):g})"
+                raise wrong_value(f"structure.{key}", text)
         built_m2 = None if airframe.drag is None else airframe.drag.built_m2
         key = "pod_wetted_area_ratio"
-        if built_m2 is not None and key in airframe.structure.model_fields_set:
-            value = getattr(airframe.structure, key)
+        if built_m2 is not None and key in structure.model_fields_set:
+            value = getattr(structure, key)
             text = f"follows from airframe.drag.pods; give one (got {value:g})"
             raise wrong_value(f"structure.{key}", text)
     trimmed = balance is not None and balance.static_margin is not None
@@ -101,17 +110,3 @@ def check_balance(airframe: Any) -> None:
             if (value := getattr(polar, key)) > 0.0:
                 text = f"must be 0 with airframe.drag, which has that part (got {value:g})"
                 raise wrong_value(f"aerodynamics.{key}", text)
-
-
-def _check_structure(structure: Any) -> None:
-    if not isinstance(structure, RibWingStructure):
-        text = "must be rib_wing with airframe.tail, as it alone has the tail as a part"
-        raise wrong_value("structure.model", f"{text} (got {structure.model})")
-    if structure.booms == 0:
-        raise wrong_value("structure.booms", "must be 1 or 2 with airframe.tail (got 0)")
-    for key in _TAIL_KEYS:
-        if key in structure.model_fields_set and not structure.is_unchecked():
-            value = getattr(structure, key)
-            raise wrong_value(
-                f"structure.{key}", f"follows from airframe.tail; give one (got {value:g})"
-            )

@@ -84,7 +84,10 @@ def with_pack_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[st
         return {"mass_kg": 1.0, **data, "pack": None}, set()
     pack = {**_entry_values(data), **voltage_values, **raw}
     mass_kg, share = data.get("mass_kg"), data.get("cell_mass_fraction", 1.0)
-    unit = _unit_kg(pack, share)
+    series, cell_kg = pack.get("cells_in_series"), pack.get("cell_mass_kg")
+    unit: float | None = None  # mass of a string of cells [kg]
+    if is_positive(series) and is_positive(cell_kg) and is_positive(share):
+        unit = series * cell_kg / share
     if unit is not None and is_positive(mass_kg):
         pack.setdefault("cells_in_parallel", max(round(mass_kg / unit), 1))
     try:
@@ -94,28 +97,14 @@ def with_pack_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[st
     if record is None or unit is None or not (mass_kg is None or is_positive(mass_kg)):
         return {"mass_kg": 1.0, **data, "pack": pack}, set()
     if mass_kg is not None and abs(mass_kg / unit - record.cells_in_parallel) > _ROUNDED:
-        raise wrong_value("mass_kg", _whole_cells_text(record, raw, mass_kg, unit))
+        below = max(int(mass_kg / unit), 1)
+        numbers = [record.cells_in_parallel] if "cells_in_parallel" in raw else [below, below + 1]
+        allowed = " or ".join(f"{n * unit:.4g} kg ({series} × {n})" for n in numbers)
+        text = f"must be that of whole cells, {allowed} (got {mass_kg:g})"
+        raise wrong_value("mass_kg", text)
     mass = {"mass_kg": record.mass_kg(share)}
     values = {**data, **mass, "pack": pack, **_usable_energy_values(data, record)}
     return values, set(values) - set(data)
-
-
-def _unit_kg(pack: Mapping[str, Any], share: Any) -> float | None:
-    """Return the mass of a string of cells [kg]; None for data that the record will refuse."""
-    series, cell_kg = pack.get("cells_in_series"), pack.get("cell_mass_kg")
-    if is_positive(series) and is_positive(cell_kg) and is_positive(share):
-        return series * cell_kg / share
-    return None
-
-
-def _whole_cells_text(
-    pack: BatteryPack, raw: Mapping[str, Any], mass_kg: float, unit_kg: float
-) -> str:
-    below = max(int(mass_kg / unit_kg), 1)
-    fixed = "cells_in_parallel" in raw
-    numbers = [pack.cells_in_parallel] if fixed else [below, below + 1]
-    allowed = " or ".join(f"{n * unit_kg:.4g} kg ({pack.cells_in_series} × {n})" for n in numbers)
-    return f"must be that of whole cells, {allowed} (got {mass_kg:g})"
 
 
 def _usable_energy_values(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:

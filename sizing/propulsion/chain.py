@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from math import prod
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -170,15 +171,9 @@ class Propulsion(CatalogueRecord):
         return self.model_copy(update=links)
 
     @property
-    def efficiency(self) -> float:
+    def efficiency(self) -> Value:
         """Efficiency of the whole chain [-]."""
-        chain = (
-            self.controller_efficiency
-            * self.motor_efficiency
-            * self.gearbox_efficiency
-            * self.propeller_efficiency
-        )
-        return chain if self.wiring_efficiency is None else self.wiring_efficiency * chain
+        return prod(self.links.values())
 
 
 class OperatingPointPropulsion(Record):
