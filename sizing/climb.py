@@ -13,12 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.heights import FlightLevels, check_climb_limits, flight_levels
-from sizing.day.light import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from sizing.design import Design
-from sizing.mass_budget import design_of
+from sizing.day.heights import FlightLevels, flight_levels
+from sizing.day.light import FINE_STEP_H, solar_day
 from sizing.performance import Performance, performance
 from solar.types import FloatArray
 
@@ -134,30 +131,8 @@ def fine_step_excess_time_h(aircraft: Aircraft, perf: Performance) -> float:
     return float(along.cycle.excess_time_h[0])
 
 
-def climb_performance(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    solar_factor: float = 1.0,
-) -> ClimbPerformance:
-    """Simulate an aircraft on a mission with ``climb`` in every scenario.
-
-    ``solar_factor`` scales the solar power, for errors of the solar model.
-    """
-    if mission.climb is None:
-        raise ValueError(f"mission {mission.name} has no climb")
-    design = design_of(aircraft, mission)
-    check_climb_limits(aircraft, design)
-    day = solar_day(aircraft, mission, solar).scaled(solar_factor)
-    perf = performance(aircraft, mission, solar, day=day, design=design)
-    return compare_with_constant(aircraft, perf, design, day)
-
-
-def compare_with_constant(
-    aircraft: Aircraft, perf: Performance, design: Design, day: SolarDay
-) -> ClimbPerformance:
-    """Return the flight with climbs, and its design's flight at the lowest altitude."""
+def compare_with_constant(aircraft: Aircraft, perf: Performance) -> ClimbPerformance:
+    """Return flights with climbs, and their design's flights at the lowest altitude."""
     lowest = perf.mission.at_altitude(perf.mission.altitude_m)
-    constant = performance(aircraft, lowest, perf.solar, day=day, design=design)
+    constant = performance(aircraft, lowest, perf.solar, day=perf.day, design=perf.design)
     return ClimbPerformance(perf, constant)

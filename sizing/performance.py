@@ -19,7 +19,14 @@ from sizing.day.cycle import simulate_cycle
 from sizing.day.flight import Launches
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import Endurance, longest_flight
-from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.day.light import (
+    DEFAULT_STEP_H,
+    UNCORRECTED_CAM,
+    SolarDay,
+    SolarModel,
+    module_power_w,
+    solar_day,
+)
 from sizing.day.load import Load
 from sizing.day.march import ChargingDay
 from sizing.day.metrics import Course, Cycle
@@ -287,7 +294,7 @@ def fly(
 ) -> Performance:
     """Simulate every design of a batch in every scenario, or ``paired``: each in its own."""
     flights = design if paired else design.over_scenarios()
-    solar_w = day.module_power_w(flights, mission)
+    solar_w = module_power_w(day, flights, mission)
     store = Store.of(aircraft.battery, flights.battery_energy_wh)
     if mission.climb is not None:
         from sizing.program.schedule import best_climbs  # likewise

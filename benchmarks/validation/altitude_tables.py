@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from missions.library import load_mission
 from sizing.ceiling import highest_perpetual_altitude
-from sizing.climb import climb_performance
+from sizing.climb import compare_with_constant
 from sizing.day.light import SolarModel
 from sizing.day.module_power import convection_in_flight
 from sizing.library import load_aircraft
@@ -37,7 +37,7 @@ def climbs() -> Table:
     for date, ceiling_m in CLIMBS:
         climb = f"climb={{ceiling_m: {ceiling_m}}}"
         mission = load_mission("rafz-july", [f"dates={{on: {date}}}", "air={}", climb])
-        result = climb_performance(aircraft, mission)
+        result = compare_with_constant(aircraft, performance(aircraft, mission))
         values = (
             result.altitude_m.max(axis=-1),
             result.stored_height_wh,

@@ -149,20 +149,21 @@ class SolarDay:
             sunset_h=np.asarray(self.sunset_h)[rows],
         )
 
-    def module_power_w(self, design: Design, mission: Mission) -> FloatArray:
-        """Return the power of designs' modules, which the flow of each of them cools [W].
 
-        The last axis of designs is that of the scenarios, with which they broadcast; the time is
-        behind it.
-        """
-        power = self.specific_power_w_per_m2
-        if self.cooling is not None:
-            floor = self.cooling.mapped(lambda values: values[0])
-            flow = convection_of(
-                design, mission.air_state(), floor.transition_reynolds, floor.convection[0]
-            )
-            power = power * floor.factor(flow[..., np.newaxis])
-        return np.asarray(np.asarray(design.variables.module_area_m2)[..., np.newaxis] * power)
+def module_power_w(day: SolarDay, design: Design, mission: Mission) -> FloatArray:
+    """Return the power of designs' modules, which the flow of each of them cools [W].
+
+    The last axis of designs is that of the scenarios, with which they broadcast; the time is
+    behind it.
+    """
+    power = day.specific_power_w_per_m2
+    if day.cooling is not None:
+        floor = day.cooling.mapped(lambda values: values[0])
+        flow = convection_of(
+            design, mission.air_state(), floor.transition_reynolds, floor.convection[0]
+        )
+        power = power * floor.factor(flow[..., np.newaxis])
+    return np.asarray(np.asarray(design.variables.module_area_m2)[..., np.newaxis] * power)
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:

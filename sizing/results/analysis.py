@@ -227,7 +227,7 @@ class Analysis(DesignResult):
         flight = self.performance
         if flight.mission.climb is None:
             return None
-        return compare_with_constant(self.aircraft, flight, flight.design, flight.day)
+        return compare_with_constant(self.aircraft, flight)
 
     @cached_property
     def limited_flight(self) -> LimitedFlight | None:

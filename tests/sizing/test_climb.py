@@ -6,15 +6,14 @@ import ambiance
 import builders
 import numpy as np
 import pytest
-from builders import AS2, DESIGN, SKY_SAILOR, UNLIMITED_AS2
+from builders import AS2, DESIGN, SKY_SAILOR, UNLIMITED_AS2, climb_performance
 from plain_climb import ETA, FLOOR_M, PlainClimb
 
 from missions.air import standard_air
 from missions.dates import date_code, day_of_year
 from sizing.battery.battery import RuleChargeLimit
-from sizing.climb import climb_performance
 from sizing.day.battery import Store
-from sizing.day.heights import ClimbLimitError, climb_limits, flight_levels
+from sizing.day.heights import ClimbLimitError, check_climb_limits, climb_limits, flight_levels
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.mass_budget import design_of
@@ -231,12 +230,6 @@ def test_random_days_along_random_heights_conserve_energy():
         assert np.max(np.abs(lift_wh) / turnover) < 1e-12
 
 
-def test_mission_without_climb_is_refused():
-    plain = mission(1536.0).at_altitude(FLOOR_M)
-    with pytest.raises(ValueError, match="has no climb"):
-        climb_performance(AS2, plain)
-
-
 @pytest.mark.parametrize(
     ("aircraft", "key"),
     [
@@ -252,7 +245,7 @@ def test_mission_without_climb_is_refused():
 )
 def test_aircraft_that_cannot_climb_is_refused(aircraft, key):
     with pytest.raises(ClimbLimitError, match=key):
-        climb_performance(aircraft, mission(2000.0))
+        check_climb_limits(aircraft, design_of(aircraft, mission(2000.0)))
 
 
 def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight():

@@ -3,14 +3,13 @@
 import builders
 import numpy as np
 import pytest
-from builders import AS2, DESIGN, UNLIMITED_AS2
+from builders import AS2, DESIGN, UNLIMITED_AS2, climb_performance
 from plain_climb import DISCHARGE, FLOOR_M, FULL_WH, PlainClimb
 
 from missions.air import standard_air
 from missions.dates import day_of_year
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import RuleChargeLimit
-from sizing.climb import climb_performance
 from sizing.day.launch import Endurance
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import performance

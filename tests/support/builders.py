@@ -4,7 +4,9 @@ from functools import cache
 
 from missions.library import load_mission
 from missions.mission import Mission
+from sizing.climb import compare_with_constant
 from sizing.library import load_aircraft
+from sizing.performance import performance
 
 
 @cache
@@ -40,3 +42,8 @@ def shipped_mission(name="rafz-july", **changes):
     """Return a shipped mission with whole keys of its file replaced."""
     plain = load_mission(name).model_dump(by_alias=True, exclude_none=True)
     return Mission.model_validate(plain | changes)
+
+
+def climb_performance(flown, where, *solar):
+    """Return the flights of a mission with climbs beside those at its lowest altitude."""
+    return compare_with_constant(flown, performance(flown, where, *solar))

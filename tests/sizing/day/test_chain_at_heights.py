@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from builders import climb_performance
 
 import sizing
 from missions.air import GRAVITY_M_PER_S2
 from missions.library import load_mission
-from sizing.climb import climb_performance
 from sizing.day.heights import flight_levels
 from sizing.day.light import solar_day
 from sizing.design import FlightConditions

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import climb_performance
 from propulsors import VOLTAGE, aircraft
 from scipy.integrate import solve_ivp
 from weather_files import clear_record
@@ -12,7 +13,6 @@ import sizing
 from missions.air import air_at
 from missions.library import load_mission
 from missions.weather.site import mission_at_site
-from sizing.climb import climb_performance
 from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day
 from sizing.day.load import interpolation_error, part_load_of
