@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePath
@@ -168,8 +169,10 @@ def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any
 
     def content(path: str) -> bytes:
         figure = (resolve_name(draw) if isinstance(draw, str) else draw)(*arguments, **options)
-        data = to_bytes(figure, image_format(path) or "png")
-        if getattr(figure.get_layout_engine(), "collapsed", False):
+        with warnings.catch_warnings(record=True) as troubles:
+            warnings.filterwarnings("always", message="constrained_layout not applied")
+            data = to_bytes(figure, image_format(path) or "png")
+        if any("collapsed" in str(trouble.message) for trouble in troubles):
             what = "the figure is too small for its axes and texts"
             tell_error(f"solar-uav: {path}: {what}: give a larger --figure-size, or --no-title")
         return data

@@ -18,7 +18,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import BuiltUpPolar
 from sizing.balance.in_design import polar_with_tail
 from sizing.balance.surfaces import QUARTER, wing_of
-from studies.report.geometry import Drawing, aircraft_drawing
+from studies.report.geometry import Drawing
 
 _TAIL_THICKNESS = 0.08  # as WingPolar's default, where the file has none
 
@@ -81,7 +81,7 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
 
     ``gravity_m``: centre of gravity behind the leading edge of the wing root, None if unknown.
     """
-    drawing = aircraft_drawing(aircraft)
+    drawing = Drawing(aircraft)
     shape, shape_note = _wing_shape(aircraft, drawing)
     wing = LiftingSurface("wing", True, _wing_sections(drawing), shape, _profile_drag(aircraft))
     notes = [

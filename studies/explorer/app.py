@@ -19,17 +19,10 @@ from starlette.types import ASGIApp
 
 from missions.files.writing import to_json
 from sizing.program.objectives import Objective
-from studies.explorer.security import BodyTooLongError, BodyTooSlowError, Guard, error_body
+from studies.explorer.security import Guard, error_body
 from studies.explorer.session import Session
-from studies.explorer.settings import Refusal, RefusedError, shown
-from studies.explorer.worker import (
-    SizingTask,
-    Worker,
-    WorkerBusyError,
-    WorkerEndedError,
-    report_page,
-    sizing_record,
-)
+from studies.explorer.settings import AnsweredError, Refusal, RefusedError, shown
+from studies.explorer.worker import SizingTask, Worker, report_page, sizing_record
 
 _TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -38,7 +31,6 @@ _TYPES = {
     ".svg": "image/svg+xml",
 }
 _SEASONS = ("none", "coarse", "exact")
-_STATUS = {"refused": 422, "contradiction": 422, "impossible": 422}
 _LOOK_S = 0.2  # between two looks whether the page still waits for a sizing
 
 T = TypeVar("T")
@@ -98,21 +90,9 @@ class Explorer:
         """Answer with JSON; what is wrong with a request is said in a sentence."""
         try:
             return _json(await answer(request, await _body(request)))
-        except RefusedError as error:
+        except AnsweredError as error:
             problems = [refusal.to_dict() for refusal in error.refusals]
-            return _error(_STATUS[error.kind], error.kind, str(error), problems)
-        except _MalformedError as error:
-            return _error(error.status, "malformed", str(error))
-        except BodyTooLongError:
-            return _error(413, "size", "the request is too long")
-        except BodyTooSlowError:
-            return _error(408, "slow", "the rest of the request did not come")
-        except SupersededError:
-            return _error(409, "superseded", "a later request of this page took its place")
-        except WorkerBusyError as error:
-            return _error(409, "busy", str(error))
-        except WorkerEndedError as error:
-            return _error(503, "ended", str(error))
+            return _error(error.status, error.kind, str(error), problems)
 
     async def _view(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
         """Return day curve, numbers and map of settings."""
@@ -156,11 +136,9 @@ class Explorer:
     async def _report_page(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
         """Report on the point, as a file to be saved."""
         _only(body, "settings")
-        session = self.session
-        task = session.report_task(session.settings(body.get("settings")))
-        return {"name": session.file_names()["report"]} | await self._worked(
-            request, report_page, task
-        )
+        subject = self.session.report_subject(self.session.settings(body.get("settings")))
+        page = await self._worked(request, report_page, subject)
+        return {"name": self.session.file_names()["report"]} | page
 
     async def _worked(
         self, request: Request, work: Callable[[Any], dict[str, Any]], task: Any
@@ -177,12 +155,10 @@ class Explorer:
         return answer
 
 
-class _MalformedError(ValueError):
-    """A body that is not what it should be; ``status`` is that of the answer."""
+class _OtherContentError(AnsweredError):
+    """A body that is no JSON by its type."""
 
-    def __init__(self, status: int, message: str) -> None:
-        self.status = status
-        super().__init__(message)
+    status = 415
 
 
 def _assets() -> dict[str, bytes]:
@@ -200,20 +176,18 @@ async def _body(request: Request) -> dict[str, Any]:
     """Read the body of a request as a JSON object."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
-        raise _MalformedError(415, "the body must be application/json")
+        raise _OtherContentError("the body must be application/json")
 
     def refuse(name: str) -> None:
         raise ValueError(f"{name} is not JSON")
 
     try:
         data = json.loads(await request.body(), parse_constant=refuse)
-    except (BodyTooLongError, BodyTooSlowError):
-        raise
     except (ValueError, RecursionError) as error:
         words = "nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise _MalformedError(400, f"the body is no JSON: {words}") from None
+        raise AnsweredError(f"the body is no JSON: {words}") from None
     if not isinstance(data, dict):
-        raise _MalformedError(400, "the body must be a JSON object")
+        raise AnsweredError("the body must be a JSON object")
     return data
 
 
@@ -260,8 +234,10 @@ async def _broken(request: Request, error: Exception) -> Response:
 # ---- Of many requests of a page only the latest matters
 
 
-class SupersededError(RuntimeError):
+class SupersededError(AnsweredError):
     """A later request took the place of this one."""
+
+    status, kind = 409, "superseded"
 
 
 class Latest:
@@ -287,7 +263,7 @@ class Latest:
         try:
             async with self._turn:
                 if self._newest.get(client) is not mine:
-                    raise SupersededError
+                    raise SupersededError("a later request of this page took its place")
                 return await asyncio.get_running_loop().run_in_executor(self._executor, work)
         finally:
             if self._newest.get(client) is mine:

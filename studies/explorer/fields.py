@@ -24,8 +24,6 @@ Group = Literal["place", "design", "payload", "technology", "requirement"]
 # Field -> group and step, in the order of the page; numbers between two steps are allowed as well.
 _GROUPS: dict[Group, dict[str, float]] = {
     "place": {
-        LATITUDE: 0.1,
-        DAY: 1.0,
         "mission.clearness": 0.01,
         ALTITUDE: 10.0,
         "mission.climb.ceiling_m": 10.0,
@@ -98,6 +96,18 @@ class Field:
         unit = f" {self.unit}" if self.unit else ""
         return f"{kind} from {self.minimum:g} to {self.maximum:g}{unit}"
 
+    def mistake(self, value: object) -> str:
+        """Return what is wrong with a number; empty if nothing is."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return "must be a number"
+        if not self.minimum <= value <= self.maximum:  # which no NaN is
+            return "is out of range"
+        if self.whole and value != int(value):
+            return "must be a whole number"
+        if self.fixed and value != self.value:
+            return f"cannot be changed; {self.fixed}"
+        return ""
+
     def to_dict(self) -> dict[str, Any]:
         """Return the field for the page."""
         return {**vars(self), "whole": self.whole, "allowed": self.allowed}
@@ -129,6 +139,11 @@ class Choice:
         """Names that may be chosen."""
         return ", ".join(option.name for option in self.options if not option.reason)
 
+    def mistake(self, value: object) -> str:
+        """Return what is wrong with a name; empty if nothing is."""
+        reasons = (option.reason for option in self.options if option.name == value)
+        return next(reasons, "is not one of the names")
+
 
 _CORRECTION_LABELS = {
     "none": "none",
@@ -151,42 +166,37 @@ def fields_of(
 
 
 def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:
+    ends, days = (-90.0, 90.0), (1.0, 365.0)
+    latitude, day = at[0], float(at[1])
+    yield Field(
+        LATITUDE, "place", "latitude", "°", latitude, *ends, ends, 0.1, about=_ABOUT_LATITUDE
+    )
+    yield Field(DAY, "place", "day of year", "", day, *days, days, 1.0, about=_ABOUT_DAY)
     payload_ends = _payload_ends(aircraft, mission)
     for group, keys in _GROUPS.items():
         for key, step in keys.items():
-            if key == LATITUDE:
-                ends = (-90.0, 90.0)
-                yield Field(
-                    key, group, "latitude", "°", at[0], *ends, ends, step, about=_ABOUT_LATITUDE
-                )
-            elif key == DAY:
-                day = float(at[1])
-                yield Field(
-                    key, group, "day of year", "", day, 1.0, 365.0, (1, 365), step, about=_ABOUT_DAY
-                )
-            else:
-                value = parameter_value(aircraft, mission, key)
-                if value is not None:
-                    field = _number_field(aircraft, key, group, value, step, payload_ends)
-                    if key == ALTITUDE and mission.climb is not None:
-                        field = replace(field, label="altitude by night")
-                    if key == WIND and mission.wind_statistics is not None:
-                        percent = mission.wind_statistics.percentile
-                        field = replace(field, fixed=_OF_PERCENTILE.format(percent))
-                    yield field
+            value = parameter_value(aircraft, mission, key)
+            if value is None:
+                continue
+            field = _number_field(aircraft, key, group, value, step, payload_ends)
+            if key == ALTITUDE and mission.climb is not None:
+                field = replace(field, label="altitude by night")
+            if key == WIND and mission.wind_statistics is not None:
+                fixed = _OF_PERCENTILE.format(mission.wind_statistics.percentile)
+                field = replace(field, fixed=fixed)
+            yield field
 
 
 def _number_field(
     aircraft: Aircraft, key: str, group: Group, value: float, step: float, ends: dict[str, float]
 ) -> Field:
-    known = parameter(key)
+    known, measured = parameter(key), isinstance(aircraft.airframe, MeasuredAirframe)
     minimum, maximum = min(known.minimum, value), max(known.maximum, value)
     slider = (minimum, maximum)
-    name = variable_keys()[key] if group == "design" else None
-    space = getattr(aircraft.design_space, name) if name else None
-    if isinstance(space, Range) and not isinstance(aircraft.airframe, MeasuredAirframe):
-        minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)
-    if name is not None:
+    if group == "design":
+        space = getattr(aircraft.design_space, variable_keys()[key])
+        if isinstance(space, Range) and not measured:
+            minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)
         low, high = _round(_SLIDER_FROM * value, math.floor), _round(_SLIDER_TO * value, math.ceil)
         slider = (max(low, minimum), min(high, maximum))
     elif key in ends:
@@ -194,20 +204,9 @@ def _number_field(
         maximum = max(maximum, _PAYLOAD_BEYOND * high)  # of a large aircraft
         slider = (minimum, min(max(high, value), maximum))
     unit = unit_text(known.unit).replace("deg", "°")
-    fixed = isinstance(aircraft.airframe, MeasuredAirframe) and key.startswith("airframe.")
-    return Field(
-        key,
-        group,
-        known.label,
-        unit,
-        value,
-        minimum,
-        maximum,
-        slider,
-        step,
-        fixed=_MEASURED if fixed else "",
-        about=known.about,
-    )
+    fixed = _MEASURED if measured and key.startswith("airframe.") else ""
+    label, about = known.label, known.about
+    return Field(key, group, label, unit, value, minimum, maximum, slider, step, fixed, about)
 
 
 def _payload_ends(aircraft: Aircraft, mission: Mission) -> dict[str, float]:

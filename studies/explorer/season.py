@@ -12,7 +12,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -39,15 +39,6 @@ _KEPT = 6  # lights, of 16 MB at most each
 _SHORT_TURN_S, _TURN_S = 0.02, 0.12
 
 
-class _Key(NamedTuple):
-    """All that the light of a map depends on."""
-
-    modules: Hashable
-    air: Hashable
-    solar: SolarModel
-    step_h: float
-
-
 @dataclass
 class _Light:
     """Light of the rows of a map that are known, in their order; ``None`` before the first."""
@@ -65,7 +56,7 @@ class SeasonMaps:
     """Maps of one aircraft and its variations; the light of the last few is kept."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[_Key, _Light] = OrderedDict()
+        self._kept: OrderedDict[Hashable, _Light] = OrderedDict()
 
     def excess_time(
         self,
@@ -125,7 +116,7 @@ class SeasonMaps:
         """Return the light that is kept for settings, or an empty one to be filled."""
         modules = aircraft.modules.model_copy(update={"area_m2": 1.0})
         names = _KEYS_OF_LIGHT + (_KEYS_OF_PATH if solar.needs_path else ())
-        key = _Key(modules, tuple(getattr(mission, name) for name in names), solar, step_h)
+        key = (modules, *(getattr(mission, name) for name in names), solar, step_h)
         light = self._kept.setdefault(key, _Light([]))
         self._kept.move_to_end(key)
         while len(self._kept) > _KEPT:

@@ -12,13 +12,14 @@ from __future__ import annotations
 import asyncio
 import html
 import secrets
-from collections.abc import Callable
 from typing import Any
 from urllib.parse import parse_qs
 
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from missions.files.writing import to_json
+from studies.explorer.settings import AnsweredError
 
 MAXIMUM_BODY_BYTES = 16_384
 BODY_S = 10.0  # within which a body must come
@@ -84,8 +85,11 @@ class Guard:
             await send(message)
 
         if refused is not None:
-            reads_html = b"text/html" in b",".join(headers.get(b"accept", []))
-            await _answer(guarded_send, *refused, as_page=reads_html)
+            status, kind, words = refused
+            body, media = error_body(kind, words), "application/json"
+            if b"text/html" in b",".join(headers.get(b"accept", [])):
+                body, media = _PAGE.format(words=html.escape(words)).encode(), "text/html"
+            await Response(body, status, media_type=media)(scope, receive, guarded_send)
             return
         await self._app(scope, _limited(receive), guarded_send)
 
@@ -170,34 +174,26 @@ def _limited(receive: Receive) -> Receive:
             async with asyncio.timeout_at(end_s):
                 message = await receive()
         except TimeoutError:
-            raise BodyTooSlowError from None
+            raise BodyTooSlowError("the rest of the request did not come") from None
         taken += len(message.get("body", b""))
         whole = not message.get("more_body", False)
         if taken > MAXIMUM_BODY_BYTES:
-            raise BodyTooLongError
+            raise BodyTooLongError("the request is too long")
         return message
 
     return limited
 
 
-class BodyTooSlowError(ValueError):
+class BodyTooSlowError(AnsweredError):
     """A body does not come."""
 
+    status, kind = 408, "slow"
 
-class BodyTooLongError(ValueError):
+
+class BodyTooLongError(AnsweredError):
     """A body is longer than its header said, or than is allowed."""
 
-
-async def _answer(
-    send: Callable[[Message], Any], status: int, kind: str, words: str, *, as_page: bool
-) -> None:
-    """Refuse in words: as JSON, or to somebody who opened an address as a page."""
-    body, media = error_body(kind, words), b"application/json"
-    if as_page:
-        body, media = _PAGE.format(words=html.escape(words)).encode(), b"text/html; charset=utf-8"
-    headers = [(b"content-type", media), (b"content-length", b"%d" % len(body))]
-    await send({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": body})
+    status, kind = 413, "size"
 
 
 _PAGE = """\

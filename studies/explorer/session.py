@@ -10,8 +10,8 @@ import re
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,9 +34,11 @@ from solar._version import __version__
 from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
-from studies.explorer.worker import ReportTask
 from studies.output.run_folder import InputFile, RunInputs
 from studies.output.season_scale import page_scale
+
+if TYPE_CHECKING:
+    from studies.report.subject import Subject
 
 _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
 _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
@@ -128,9 +130,7 @@ class Session:
                 entry.to_dict() for entry in self.fields.values() if isinstance(entry, Field)
             ],
             "choices": [
-                {**vars(choice), "options": [vars(option) for option in choice.options]}
-                for choice in self.fields.values()
-                if isinstance(choice, Choice)
+                asdict(choice) for choice in self.fields.values() if isinstance(choice, Choice)
             ],
             "objectives": objectives,
             "season_scale": page_scale(),
@@ -253,15 +253,17 @@ class Session:
             "report": f"{stem}.html",
         }
 
-    def report_task(self, settings: Settings) -> ReportTask:
-        """Return the task of a report on the point, which takes seconds."""
+    def report_subject(self, settings: Settings) -> Subject:
+        """Return what a report on the point is about."""
+        from studies.report.subject import Subject  # which the page needs late, if at all
+
         made = self.inputs(settings)
         files = {
             kind: InputFile(f"{document.source}, as explored", None)
             for kind, document in made.files.items()
         }
         inputs = RunInputs(made.aircraft_file.data, made.mission_file.data, made.solar, files)
-        return ReportTask(made.aircraft, made.mission, inputs)
+        return Subject(made.aircraft, made.mission, made.solar, inputs)
 
     def saved(self, settings: Settings) -> dict[str, Any]:
         """Return the files, names for them, and the command that analyses them."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -31,12 +30,20 @@ class Refusal:
         return dict(vars(self))
 
 
-class RefusedError(ValueError):
+class AnsweredError(Exception):
+    """An error that is answered in words: HTTP status, sort of mistake, and fields in question."""
+
+    status, kind = 400, "malformed"
+    refusals: tuple[Refusal, ...] = ()
+
+
+class RefusedError(AnsweredError, ValueError):
     """Settings that cannot be computed; ``refusals`` says why, ``kind`` what sort of mistake."""
 
+    status = 422
+
     def __init__(self, refusals: Iterable[Refusal], kind: str = "refused") -> None:
-        self.refusals = tuple(refusals)
-        self.kind = kind
+        self.refusals, self.kind = tuple(refusals), kind
         super().__init__("; ".join(f"{r.field}: {r.message}" for r in self.refusals))
 
 
@@ -72,15 +79,11 @@ def read_settings(data: object, fields: Mapping[str, Field | Choice]) -> Setting
     accepted: dict[str, Any] = {key: field.value for key, field in fields.items()}
     for key, value in data.items():
         field = fields.get(key)
-        if field is None:
-            message, allowed = "is not a field of the explorer", ", ".join(fields)
-        elif isinstance(field, Field):
-            message, allowed = _number_mistake(field, value), field.allowed
-        else:
-            message, allowed = _choice_mistake(field, value), field.allowed
+        message, allowed = "is not a field of the explorer", ", ".join(fields)
+        if field is not None:
+            message, allowed = field.mistake(value), field.allowed
         if message:
-            name = shown(key)
-            refusals.append(Refusal(str(name), shown(value), message, allowed))
+            refusals.append(Refusal(str(shown(key)), shown(value), message, allowed))
         else:
             accepted[key] = value
     if refusals:
@@ -91,35 +94,11 @@ def read_settings(data: object, fields: Mapping[str, Field | Choice]) -> Setting
     return Settings(values, SolarModel(accepted["model"], accepted["correction"]))
 
 
-def _number_mistake(field: Field, value: object) -> str:
-    """Return what is wrong with a number; empty if nothing is."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return "must be a number"
-    # An integer may be too large for a float.
-    if not field.minimum <= value <= field.maximum or not math.isfinite(value):
-        return "is out of range"
-    if field.whole and value != int(value):
-        return "must be a whole number"
-    if field.fixed and value != field.value:
-        return f"cannot be changed; {field.fixed}"
-    return ""
-
-
-def _choice_mistake(choice: Choice, value: object) -> str:
-    """Return what is wrong with a name; empty if nothing is."""
-    for option in choice.options:
-        if option.name == value:
-            return option.reason
-    return "is not one of the names"
-
-
 def shown(value: object) -> Any:
     """Return a value as a message may repeat it: a short text, or a number of JSON."""
-    if value is None or isinstance(value, bool):
-        return value
-    if isinstance(value, float) and math.isfinite(value):
-        return value
-    if isinstance(value, int) and abs(value) < 2**53:
+    # An integer may be too large for a float.
+    numbers = isinstance(value, int | float) and abs(value) < 2**53
+    if value is None or numbers:
         return value
     if isinstance(value, int):
         return "a number of more than 15 digits"

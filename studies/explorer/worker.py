@@ -20,15 +20,16 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.design import variable_keys
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.parameters import MISSION_PREFIX, label, with_parameter
+from sizing.parameters import MISSION_PREFIX, with_parameter
 from sizing.performance import performance
 from sizing.program.objectives import Objective
+from studies.explorer.settings import AnsweredError
 from studies.output.figures.options import ignore_settings_of_folder
-from studies.output.run_folder import RunInputs
-from studies.render.words import constraint_words
+from studies.render.words import constraint_words, parameter_words
 
 if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy
+    from studies.report.subject import Subject
 
 LONGEST_S = 180.0
 _PAYLOAD_KEYS = ("mass_kg", "power_w")
@@ -43,20 +44,16 @@ class SizingTask(NamedTuple):
     solar: SolarModel
 
 
-class ReportTask(NamedTuple):
-    """What is to be reported on."""
-
-    aircraft: Aircraft
-    mission: Mission
-    inputs: RunInputs
-
-
-class WorkerBusyError(RuntimeError):
+class WorkerBusyError(AnsweredError):
     """Another task is running."""
 
+    status, kind = 409, "busy"
 
-class WorkerEndedError(RuntimeError):
+
+class WorkerEndedError(AnsweredError):
     """The task was ended, took too long, or its process died."""
+
+    status, kind = 503, "ended"
 
 
 class Worker:
@@ -124,15 +121,11 @@ def _serve(pipe: Connection) -> None:
             pipe.send(answer)
 
 
-def report_page(task: ReportTask) -> dict[str, Any]:
-    """Report in this process.
+def report_page(subject: Subject) -> dict[str, Any]:
+    """Report in this process: ``text`` is the page, HTML that needs no other file."""
+    from studies.report import document
 
-    Returns ``text``: the page, HTML that needs no other file.
-    """
-    from studies.report import document, subject
-
-    shown = subject.Subject(task.aircraft, task.mission, task.inputs.solar, task.inputs)
-    return {"text": document.render(shown)}
+    return {"text": document.render(subject)}
 
 
 def sizing_record(task: SizingTask) -> dict[str, Any]:
@@ -159,11 +152,11 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         correction=task.solar.correction,
         with_margin=True,
     )
-    record = study.to_dict()
+    record, guarded = study.to_dict(), study.with_margin
+    error = f"one RMS error of {study.solar.model} ({100 * study.solar.rms_relative:.0f} %)"
     return {
         "feasible": study.feasible,
         "status": study.status.label,
-        "headline": study.headline(),
         "text": str(study),
         "record": record,
         "limits": [
@@ -172,23 +165,20 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         ],
         "missed": [entry.text for entry in study.result.violations],
         "relaxations": [
-            entry | {"label": _parameter_label(entry["parameter"])}
+            entry | {"label": parameter_words(entry["parameter"])}
             for entry in record.get("relaxations", [])
         ],
-        "values": _short_values(study),
-        "worst_scenario": record["worst_scenario"],
-        "with_margin": None if study.with_margin is None else _margin_record(study.with_margin),
+        **_optimum(study),
+        "with_margin": None if guarded is None else _optimum(guarded) | {"error": error},
     }
 
 
-def _margin_record(guarded: SizingStudy) -> dict[str, Any]:
-    """Return the optimum that bears one RMS error less solar power, JSON-ready."""
-    percent = f"{100 * guarded.solar.rms_relative:.0f} %"
+def _optimum(study: SizingStudy) -> dict[str, Any]:
+    """Return an optimum in words, by the keys of the page, and where it is hardest."""
     return {
-        "error": f"one RMS error of {guarded.solar.model} ({percent})",
-        "headline": guarded.headline(),
-        "values": _short_values(guarded),
-        "worst_scenario": guarded.to_dict()["worst_scenario"],
+        "headline": study.headline(),
+        "values": _short_values(study),
+        "worst_scenario": study.to_dict()["worst_scenario"],
     }
 
 
@@ -208,11 +198,3 @@ def _short_values(study: SizingStudy) -> dict[str, float] | None:
     enough = float(perf.cycle.excess_time_h.min()) >= study.result.required_excess_time_h
     fits = perf.design.variables.module_area_m2 <= perf.design.wing_area_m2
     return short if enough and fits else exact
-
-
-def _parameter_label(key: str) -> str:
-    """Return a parameter in words; its key where the catalogue has none."""
-    try:
-        return label(key)
-    except KeyError:
-        return key

@@ -100,7 +100,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     low, high = panels[1].get_xlim()
     if low < 0.0 < high:
         panels[1].axvline(0.0, color=ink(), linewidth=0.8)
-    panels[2].set_xticks(MONTH_STARTS[::2], MONTH_NAMES[::2], ha="left")
+    panels[2].set_xticks(MONTH_STARTS[::3], MONTH_NAMES[::3], ha="left")
     panels[2].set_xlim(1, 366)
     if comparison.has_designs:
         panels[-1].margins(x=0.15)

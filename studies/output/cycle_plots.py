@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from studies.output.figures.drawing import (
     Canvas,
     add_legend,
     ink,
+    is_narrow,
     new_figure,
     shade,
     styled,
@@ -32,24 +33,91 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.climb import ClimbPerformance
     from sizing.day.replay import CalendarRun
     from sizing.performance import Performance
     from sizing.results.analysis import Analysis
     from solar.types import FloatArray
 
 
-_WITH_ERROR = "with that error in solar power"
+_EXCESS_PERCENT, _MARGIN_PERCENT = -10.0, 110.0  # of charge, where these intervals are drawn
+_NIGHTS = range(-2, 367)  # of the longest flight
 
 
-def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
-    """Write a text a few points beside a place, on the side where there is more room."""
-    right = place[0] <= sum(axes.get_xlim()) / 2.0
-    sides: dict[str, Any] = {"ha": "left" if right else "right"} | options
-    axes.annotate(text, place, (4 if right else -4, 0), textcoords="offset points", **sides)
+class _Course(NamedTuple):
+    """What is drawn of a flight over the clock.
+
+    ``solar_w``, ``charge``: as modelled, then with the model's error less and more, where bands of
+    these are drawn. ``altitude_m``: with the clock of its own; None in level flight. ``end``: end
+    of the title. ``day_label``: of midnight, by its number counted from 0.
+    """
+
+    clock_h: FloatArray
+    solar_w: Sequence[FloatArray]
+    load_w: FloatArray
+    charge: Sequence[FloatArray]
+    altitude_m: tuple[FloatArray, FloatArray] | None
+    ends_h: tuple[float, float]
+    nights_h: Sequence[tuple[float, float]]
+    end: str
+    day_label: Callable[[int], str]
 
 
-# ---- The cycle of a day
+def _draw(analysis: Analysis, course: _Course, canvas: Canvas) -> tuple[Figure, list[Axes]]:
+    """Draw solar power, load, state of charge and, with climbs, altitude over the clock."""
+    perf = analysis.performance
+    count = 2 if course.altitude_m is None else 3
+    drawn, panels = new_figure(
+        count,
+        canvas=canvas,
+        title=f"{analysis.aircraft.name} on {analysis.mission.name}{course.end}",
+        notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
+        size_in=(8.0, 2.8 * count),
+        sharex=True,
+    )
+    after = "of the model" if perf.solar.correction == "none" else "after correction"
+    where = model_error_note(perf.mission.altitude_m)
+    error = f"RMS error {after}{where}, {100 * perf.solar.rms_relative:.0f} %"
+    percent = [100.0 * charge for charge in course.charge]
+    for axes, curves, colour, line, label, band in (
+        (panels[0], course.solar_w, SUN, SUN_LINE, "solar power", error),
+        (panels[1], percent, CHARGE, CHARGE_LINE, "state of charge", "with that error"),
+    ):
+        axes.plot(course.clock_h, curves[0], line, color=colour, label=label)
+        if len(curves) > 1:
+            style: dict[str, Any] = {"color": colour, "alpha": 0.2, "linewidth": 0, "label": band}
+            axes.fill_between(course.clock_h, curves[1], curves[2], **style)
+    panels[0].plot(course.clock_h, course.load_w, LOAD_LINE, color=LOAD, label="load")
+    panels[0].set(ylabel="power [W]", ylim=(0, None))
+    panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
+    if course.altitude_m is not None:
+        panels[2].plot(*course.altitude_m, color=LOAD)
+        panels[2].margins(y=0.1)
+        panels[2].set(ylabel="altitude [m]")
+    first, last = course.ends_h
+    nights = [(max(dusk, first), min(dawn, last)) for dusk, dawn in course.nights_h]
+    for axes in panels:
+        shade(axes, [(dusk, dawn) for dusk, dawn in nights if dusk < dawn])
+    most = 4 if is_narrow(drawn, (0.0, 0.0)) else 8  # labels along the clock
+    step = 3 * 2 ** max(math.ceil(math.log2((last - first) / (3 * most))), 0)
+    ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
+    days = [course.day_label(tick // 24) if tick % 24 == 0 else "" for tick in ticks]
+    labels = [f"{tick % 24:02d}:00\n{day}".strip() for tick, day in zip(ticks, days, strict=True)]
+    panels[-1].set_xticks(ticks, labels)
+    panels[-1].set(xlim=course.ends_h, xlabel="solar time")
+    return drawn, panels
+
+
+def _add_legend(figure: Figure, panels: Sequence[Axes]) -> Figure:
+    """Write the legend below the axes, a column for each curve and its band."""
+    power, charge = (axes.get_legend_handles_labels()[0] for axes in panels[:2])
+    add_legend(figure, [*power[:2], *charge, *power[2:]], 3)
+    return figure
+
+
+def _nights(perf: Performance, index: int) -> list[tuple[float, float]]:
+    """Return dusk and dawn of many nights in a scenario, on the clock of its first day."""
+    sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
+    return [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in _NIGHTS]
 
 
 @styled
@@ -78,99 +146,34 @@ def plot_cycle(
     index = analysis.worst if scenario is None else scenario
     whole = perf.cycle.perpetual[index] or analysis.mission.flight is not None
     if not whole and np.isfinite(perf.endurance_h[index]):
-        return _plot_own_flight(analysis, index, figure)
-    drawn, panels = _panels(analysis, index, figure)
+        return _plot_limited(analysis, index, figure)
     each = (perf, analysis.low, analysis.high)
-    full_wh = float(perf.design.battery_energy_wh)
-    _draw_curves(
-        panels,
-        perf.day.time_h,
-        [p.solar_power_w[index] for p in each],
-        perf.load_w[index],
-        [p.cycle.energy_wh[index] / full_wh for p in each],
-        _error_label(perf),
+    window_h = analysis.mission.flight_window_h(perf.day.scenarios)
+    climb = analysis.climb
+    course = _Course(
+        clock_h=perf.day.time_h,
+        solar_w=[p.solar_power_w[index] for p in each],
+        load_w=perf.load_w[index],
+        charge=[p.cycle.energy_wh[index] / float(perf.design.battery_energy_wh) for p in each],
+        altitude_m=None
+        if climb is None
+        else (climb.performance.day.time_h, climb.altitude_m[index]),
+        ends_h=(0.0, 24.0) if window_h is None else (window_h[0][index], window_h[1][index]),
+        nights_h=_nights(perf, index),
+        end=f", {perf.day.scenarios.label(index)}",
+        day_label=lambda day: "" if window_h is None else f"day {day + 1}",
     )
+    drawn, panels = _draw(analysis, course, figure)
     _mark_equal_power(panels[0], perf, index)
     _mark_charge(panels[1], perf, index)
-    _add_legend_of(drawn, panels)
-    if analysis.climb is not None:
-        _draw_altitude(panels[2], analysis.climb, index)
-    sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
-    days = round(perf.day.time_h[-1] / 24.0)
-    window_h = analysis.mission.flight_window_h(perf.day.scenarios)
-    ends_h = (0, 24) if window_h is None else (window_h[0][index], window_h[1][index])
-    nights = [
-        (24.0 * k + a, 24.0 * k + b)
-        for k in range(days)
-        for a, b in ((0.0, sunrise), (sunset, 24.0))
-    ]
-    for axes in panels:
-        shade(axes, [(a, b) for a, b in nights if b > a])
-    panels[-1].set(xticks=range(0, 24 * days + 1, 2 * days), xlim=ends_h, xlabel="solar time [h]")
-    return drawn
-
-
-def _panels(
-    analysis: Analysis, index: int, canvas: Canvas, end: str = ""
-) -> tuple[Figure, list[Axes]]:
-    """Return a figure with panels for power, charge and, with climbs, altitude of a scenario."""
-    count = 2 if analysis.climb is None else 3
-    where = f"{analysis.mission.name}, {analysis.performance.day.scenarios.label(index)}"
-    return new_figure(
-        count,
-        canvas=canvas,
-        title=f"{analysis.aircraft.name} on {where}{end}",
-        notes=(analysis.performance.solar.label, extrapolation_caption(analysis.extrapolations)),
-        size_in=(8.0, 2.8 * count),
-        sharex=True,
-    )
-
-
-def _error_label(perf: Performance) -> str:
-    """Return what the band of the solar power is."""
-    after = "of the model" if perf.solar.correction == "none" else "after correction"
-    where = model_error_note(perf.mission.altitude_m)
-    return f"RMS error {after}{where}, {100 * perf.solar.rms_relative:.0f} %"
-
-
-def _draw_curves(
-    panels: Sequence[Axes],
-    time_h: FloatArray,
-    solar_w: Sequence[FloatArray],
-    load_w: FloatArray,
-    charge: Sequence[FloatArray],
-    error: str = "",
-) -> None:
-    """Draw solar power, load and state of charge over time.
-
-    ``solar_w``, ``charge``: as modelled, then with the model's error less and more, where bands of
-    these are drawn.
-    """
-    curves = (
-        (panels[0], solar_w, SUN, SUN_LINE, "solar power", error),
-        (
-            panels[1],
-            [100.0 * v for v in charge],
-            CHARGE,
-            CHARGE_LINE,
-            "state of charge",
-            _WITH_ERROR,
-        ),
-    )
-    for axes, (nominal, *ends), colour, line, label, band in curves:
-        axes.plot(time_h, nominal, line, color=colour, label=label)
-        if ends:
-            low, high = ends
-            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=band)
-    panels[0].plot(time_h, load_w, LOAD_LINE, color=LOAD, label="load")
-    panels[0].set(ylabel="power [W]", ylim=(0, None))
-    panels[1].set(ylabel="state of charge [%]", ylim=(0, 105))
-
-
-def _add_legend_of(figure: Figure, panels: Sequence[Axes]) -> None:
-    """Write the legend below the axes, a column for each curve and its band."""
-    power, charge = (axes.get_legend_handles_labels()[0] for axes in panels[:2])
-    add_legend(figure, [*power[:2], *charge, *power[2:]], 3)
+    if climb is not None:
+        # Zero added: what rounds to -0 is no loss.
+        gain = f"{round(float(climb.gain_in_excess_time_h[index]), 1) + 0.0:+.1f}".replace(
+            "-", "\N{MINUS SIGN}"
+        )
+        highest = f"highest {climb.altitude_m[index].max():.0f} m"
+        panels[2].set_title(f"{highest}, excess time {gain} h by climbing", fontsize="small")
+    return _add_legend(drawn, panels)
 
 
 def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
@@ -187,120 +190,67 @@ def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
 
 
 def _mark_charge(axes: Axes, perf: Performance, index: int) -> None:
-    """Mark the first full charge, the charge margin and the excess time."""
-    full = perf.cycle.full_charge_h[index]
+    """Mark the charge margin above the curve, and the excess time from equal power on below it."""
+    axes.set(ylim=(-50, 150))
+    cycle = perf.cycle
+    full, margin = float(cycle.full_charge_h[index]), float(cycle.charge_margin_h[index])
     if np.isfinite(full):
-        axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
-        _beside(axes, "full", (full, 30))
-        _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
-    _draw_excess(axes, perf, index)
-    axes.set(ylim=(-36, 105), yticks=range(0, 101, 20))
-
-
-def _draw_excess(axes: Axes, perf: Performance, index: int) -> None:
-    """Draw the interval of the excess time, from equal power in the morning on."""
-    excess = float(perf.cycle.excess_time_h[index])
+        text = f"charge margin {margin:.1f} h"
+        _draw_interval(axes, full, full + margin, _MARGIN_PERCENT, text, "bottom")
+    dawn, excess = (float(v[index]) for v in (cycle.equal_power_morning_h, cycle.excess_time_h))
     if not np.isfinite(excess):
         return
-    dawn = float(perf.cycle.equal_power_morning_h[index])
-    text = f"excess time {excess:.1f} h".replace("-", "−")
-    if not np.isfinite(dawn):
-        _beside(axes, text, (12.0, -18), ha="center")
-        return
+    text = f"excess time {excess:.1f} h".replace("-", "\N{MINUS SIGN}")
+    dawn = dawn if np.isfinite(dawn) else 12.0
     end = min(max(dawn + excess, 0.0), 24.0)
     if excess > 0.0:
-        lowest = 100.0 * float(perf.cycle.minimum_state_of_charge[index])
+        lowest = 100.0 * float(cycle.minimum_state_of_charge[index])
         at_end = lowest * (1.0 - (end - dawn) / excess)
         axes.plot([dawn, end], [lowest, at_end], ":", color=CHARGE, linewidth=1.0)
-    _draw_interval(axes, dawn, end, -5.0, text, below=True)
-
-
-def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
-    altitude_m = climbs.altitude_m[index]
-    axes.plot(climbs.performance.day.time_h, altitude_m, color=LOAD)
-    # Zero added: what rounds to -0 is no loss.
-    gain = f"{round(float(climbs.gain_in_excess_time_h[index]), 1) + 0.0:+.1f}".replace("-", "−")
-    axes.annotate(
-        f"highest {altitude_m.max():.0f} m\nexcess time\n{gain} h by climbing",
-        (0.0, 1.0),
-        (4, -4),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        va="top",
-    )
-    _set_altitudes(axes, altitude_m)
-
-
-def _set_altitudes(axes: Axes, altitude_m: FloatArray) -> None:
-    lowest, top = float(altitude_m.min()), float(altitude_m.max())
-    margin = max(0.1 * (top - lowest), 50.0)
-    axes.set(ylabel="altitude [m]", ylim=(lowest - margin, top + margin))
-
-
-def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:
-    """Draw the interval of the charge margin; a short one gets a text alone."""
-    text = f"charge margin {margin_h:.1f} h"
-    if margin_h < 2.0:
-        _beside(axes, text, (full_h, 62))
-        return
-    _draw_interval(axes, full_h, full_h + margin_h, 60.0, text)
+    _draw_interval(axes, dawn, end, _EXCESS_PERCENT, text, "top")
 
 
 def _draw_interval(
-    axes: Axes, start_h: float, end_h: float, level: float, text: str, *, below: bool = False
+    axes: Axes, start_h: float, end_h: float, level: float, text: str, side: str
 ) -> None:
-    """Draw an arrow over an interval of time, and what it is."""
+    """Draw an arrow over an interval of time, and what it is, on the side with more room."""
     arrow = {"arrowstyle": "<->", "color": ink(), "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (end_h, level), (start_h, level), arrowprops=arrow)
-    middle = (start_h + end_h) / 2.0
-    shift, side = (-3, "top") if below else (3, "bottom")
+    to_right = start_h <= sum(axes.get_xlim()) / 2.0
     axes.annotate(
-        text, (middle, level), (0, shift), textcoords="offset points", ha="center", va=side
+        text,
+        (start_h if to_right else end_h, level),
+        (0, 2 if side == "bottom" else -2),
+        textcoords="offset points",
+        fontsize="small",
+        ha="left" if to_right else "right",
+        va=side,
     )
 
 
-# ---- A flight that ends
-
-_MOST_DAYS = 12  # labels along the axis of a long flight
-
-
-def _plot_own_flight(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
+def _plot_limited(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
     """Draw the longest flight from its launch to the empty battery."""
     perf = analysis.performance
     longest = perf.endurances
     hours, launch = float(longest.endurance_h[index]), float(longest.launch_h[index])
-    end = launch + hours
-    drawn, panels = _panels(analysis, index, canvas, f": limited, {hours:.1f} h")
     each = [p.course(index, launch, hours) for p in (perf, analysis.low, analysis.high)]
     clock_h, altitude_m = each[0].clock_h, each[0].altitude_m
-    _draw_curves(
-        panels,
-        clock_h,
-        [np.interp(clock_h, course.clock_h, course.solar_power_w) for course in each],
-        each[0].load_w,
-        [np.interp(clock_h, course.clock_h, course.state_of_charge) for course in each],
-        _error_label(perf),
+    course = _Course(
+        clock_h=clock_h,
+        solar_w=[np.interp(clock_h, course.clock_h, course.solar_power_w) for course in each],
+        load_w=each[0].load_w,
+        charge=[np.interp(clock_h, course.clock_h, course.state_of_charge) for course in each],
+        altitude_m=None if analysis.climb is None else (clock_h, altitude_m),
+        ends_h=(launch, launch + hours),
+        nights_h=_nights(perf, index),
+        end=f", {perf.day.scenarios.label(index)}: limited, {hours:.1f} h",
+        day_label=lambda day: f"day {day + 1}",
     )
-    sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
-    if sunset > sunrise:
-        nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]
-    else:
-        nights = [(launch, end)]
-    shown = [(max(a, launch), min(b, end)) for a, b in nights if a < end and b > launch]
-    for axes in panels:
-        shade(axes, shown)
-    for axes in panels[2:]:
-        axes.plot(clock_h, altitude_m, color=LOAD)
-        _set_altitudes(axes, altitude_m)
-    panels[1].plot([end], [0.0], "o", color=ink(), markersize=4, clip_on=False, label="empty")
-    panels[1].set(xlim=(launch, end))
-    _label_clock(panels[-1], (launch, end), lambda day: f"day {day + 1}")
+    drawn, panels = _draw(analysis, course, canvas)
+    empty = panels[1].plot([launch + hours], [0.0], "o", color=ink(), markersize=4, label="empty")
+    empty[0].set_clip_on(False)
     panels[-1].set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
-    _add_legend_of(drawn, panels)
-    return drawn
-
-
-# ---- A flight on the calendar
+    return _add_legend(drawn, panels)
 
 
 @styled
@@ -320,42 +270,22 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     -------
     Figure
     """
-    drawn, panels = new_figure(
-        2,
-        canvas=figure,
-        title=f"{analysis.aircraft.name} on {analysis.mission.name}",
-        notes=(analysis.performance.solar.label, extrapolation_caption(analysis.extrapolations)),
-        size_in=(9.0, 5.6),
-        sharex=True,
-    )
-    _draw_curves(
-        panels, flight.clock_h, [flight.solar_power_w], flight.load_w, [flight.state_of_charge]
-    )
-    add_legend(drawn, panels[0].get_legend_handles_labels()[0], 2)
-    charge_axes = panels[1]
-    for hour in flight.full_charge_clock_h:
-        charge_axes.axvline(hour, color=ink(), linestyle=":", linewidth=1)
-        _beside(charge_axes, "full", (hour, 50))
     dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
-    nights = flight.clock_h[dark.reshape(-1, 2) - (0, 1)]
-    for axes in panels:
-        shade(axes, nights)
     first_day = day_of_year(flight.launch.date)
-    ends = float(flight.clock_h[0]), float(flight.clock_h[-1])
-    _label_clock(charge_axes, ends, lambda day: date_label((first_day + day - 1) % 365 + 1))
-    charge_axes.set_xlabel(f"local time, launched on {date_label(first_day)}")
-    charge_axes.set(xlim=ends)
-    return drawn
-
-
-def _label_clock(axes: Axes, ends: tuple[float, float], day_label: Callable[[int], str]) -> None:
-    """Write the clock along the axis, and the day at midnight, counted from 0."""
-    first, last = ends
-    step = next((s for s in (3, 6, 12) if last - first <= 12 * s), 24)
-    ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
-    if len(ticks) > _MOST_DAYS:
-        ticks = ticks[:: math.ceil(len(ticks) / _MOST_DAYS)]
-    labels = [
-        f"{tick % 24:02d}:00" if tick % 24 else f"00:00\n{day_label(tick // 24)}" for tick in ticks
-    ]
-    axes.set_xticks(ticks, labels)
+    course = _Course(
+        clock_h=flight.clock_h,
+        solar_w=[flight.solar_power_w],
+        load_w=flight.load_w,
+        charge=[flight.state_of_charge],
+        altitude_m=None,
+        ends_h=(float(flight.clock_h[0]), float(flight.clock_h[-1])),
+        nights_h=flight.clock_h[dark.reshape(-1, 2) - (0, 1)].tolist(),
+        end="",
+        day_label=lambda day: date_label((first_day + day - 1) % 365 + 1),
+    )
+    drawn, panels = _draw(analysis, course, figure)
+    for number, hour in enumerate(flight.full_charge_clock_h):
+        label = None if number else "full"
+        panels[1].axvline(hour, color=ink(), linestyle=":", linewidth=1, label=label)
+    panels[1].set_xlabel(f"local time, launched on {date_label(first_day)}")
+    return _add_legend(drawn, panels)

@@ -26,16 +26,16 @@ from studies.output.figures.drawing import (
     new_figure,
     styled,
 )
-from studies.output.figures.options import DEFAULT, library
+from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
 from studies.render.sentences import cells_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
 
     from sizing.program.sensitivity import Sensitivity
 
+_MOST_BARS = 15
 _WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
 
 
@@ -46,7 +46,6 @@ def plot_sensitivities(
     name: str,
     solar: SolarModel,
     *,
-    bars: int = 15,
     extrapolations: Sequence[Extrapolation] = (),
     figure: Canvas = DEFAULT,
 ) -> Figure:
@@ -55,15 +54,13 @@ def plot_sensitivities(
     Parameters
     ----------
     sensitivities : list of Sensitivity
-        Most important first, as they are drawn from the top.
+        Most important first, as they are drawn from the top; at most 15.
     objective : Objective
         Quantity that changes, and its unit.
     name : str
         Aircraft, for the title.
     solar : SolarModel
         Model and correction, for the title.
-    bars : int
-        Parameters that are shown at most.
     extrapolations : sequence of Extrapolation
         What lies outside the range of a model.
     figure : FigureOptions or Figure
@@ -73,7 +70,7 @@ def plot_sensitivities(
     -------
     Figure
     """
-    shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
+    shown = [s for s in sensitivities if s.value != 0.0][:_MOST_BARS][::-1]
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{name}: what one per cent more changes",
@@ -83,19 +80,12 @@ def plot_sensitivities(
         grid="x",
     )
     labels = [f"{label(s.parameter)} = {s.value:.4g} {unit_text(s.unit)}".rstrip() for s in shown]
-    sign = 1.0 if objective.maximised else -1.0
-    for verdict, good, colour, hatch in (("better", True, CHARGE, ""), ("worse", False, SUN, "//")):
-        change = [s.per_percent if (sign * s.per_percent > 0.0) is good else 0.0 for s in shown]
-        axes.barh(
-            range(len(shown)),
-            change,
-            label=verdict,
-            facecolor=colour,
-            edgecolor="white",
-            hatch=hatch,
-            lw=0.0,
-        )
-    axes.set_yticks(range(len(shown)), labels)
+    changes = np.array([s.per_percent for s in shown])
+    better = changes > 0.0 if objective.maximised else changes < 0.0
+    looks: dict[str, Any] = {"edgecolor": "white", "linewidth": 0.0}
+    axes.barh(labels, np.where(better, changes, 0.0), color=CHARGE, label="better", **looks)
+    worse = np.where(better, 0.0, changes)
+    axes.barh(labels, worse, color=SUN, label="worse", hatch="//", **looks)
     axes.axvline(0.0, color=ink(), linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
     add_legend(drawn, axes.get_legend_handles_labels()[0], 2, side="right")
@@ -170,17 +160,16 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
     axes.fill_between(airspeed, down, up, color=CHARGE, alpha=0.15, linewidth=0)
     outline = np.concatenate([up, down[::-1]])
     axes.plot(np.concatenate([airspeed, airspeed[::-1]]), outline, color=CHARGE, label="manoeuvres")
-    for number, sign in enumerate((1.0, -1.0)):
-        ends = [(0.0, 1.0), *((v, 1.0 + sign * dn) for v, dn in envelope.gusts)]
-        for speed, factor in ends[1:]:
-            axes.plot((0.0, speed), (1.0, factor), ":", color=SUN, linewidth=1.0)
-        label = "gusts at cruise and dive speed" if not number else ""
-        axes.plot(*np.transpose(ends[1:]), "o--", color=SUN, markersize=4, label=label)
-    for number, limit in enumerate(
-        (envelope.limit_load_factor, -envelope.negative_limit_load_factor)
-    ):
-        label = "limit loads of the structure" if not number else ""
-        axes.axhline(limit, color=LOAD, linestyle="-.", linewidth=1.2, label=label)
+    speeds, gusts = np.transpose(envelope.gusts)
+    for sign, name in ((1.0, "gusts at cruise and dive speed"), (-1.0, "")):
+        factors = 1.0 + sign * gusts
+        axes.plot(
+            [0.0 * speeds, speeds], [0.0 * speeds + 1.0, factors], ":", color=SUN, linewidth=1.0
+        )
+        axes.plot(speeds, factors, "o--", color=SUN, markersize=4, label=name)
+    limits = (envelope.limit_load_factor, -envelope.negative_limit_load_factor)
+    for limit, name in zip(limits, ("limit loads of the structure", ""), strict=True):
+        axes.axhline(limit, color=LOAD, linestyle="-.", linewidth=1.2, label=name)
     axes.axhline(0.0, color=ink(), linewidth=0.8)
     axes.axhline(1.0, color=ink(), linewidth=0.5, linestyle=":")
     for name, speed in (
@@ -209,48 +198,54 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
 @styled
 def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     """Draw the wing, and a tail with cells, from above with all cells and keep-outs."""
-    mpl = library()
-
-    def drawn_as(shapes: Sequence[Patch], **style: Any) -> None:
-        axes.add_collection(mpl.collections.PatchCollection(shapes, **style))
+    from matplotlib.patches import Polygon
+    from matplotlib.ticker import MaxNLocator
 
     layout, wing, tail = aircraft.modules.layout, aircraft.wing, aircraft.modules.tail
     if layout is None:
         raise ValueError(f"{aircraft.name} has no modules.layout")
-    notes = cells_lines(cells_record(aircraft))[:1]
-    aft_m = wing.chord_m
-    if layout.tail_cells and tail is not None:
-        aft_m = tail.horizontal_aft_m + tail.horizontal_chord_m
-    height_in = _AROUND_IN + _WIDTH_IN * aft_m / wing.wingspan_m
+    edges = layout.outline(wing)
+    wing_shape = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in edges[::-1]]
+    shapes, aft_m = [wing_shape], wing.chord_m
+    if tail is not None and layout.tail_cells:
+        half, aft_m = tail.horizontal_span_m / 2.0, tail.horizontal_aft_m + tail.horizontal_chord_m
+        shapes.append(_corners(-half, half, tail.horizontal_aft_m, aft_m))
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{aircraft.name}: solar cells",
-        notes=notes,
-        size_in=(_WIDTH_IN, height_in),
+        notes=cells_lines(cells_record(aircraft))[:1],
+        size_in=(_WIDTH_IN, _AROUND_IN + _WIDTH_IN * aft_m / wing.wingspan_m),
         grid="",
     )
-    edges = layout.outline(wing)
-    around = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in reversed(edges)]
-    outlines: list[Patch] = [mpl.patches.Polygon(around)]
-    if tail is not None and layout.tail_cells:
-        half, chord_m = tail.horizontal_span_m / 2.0, tail.horizontal_chord_m
-        outlines.append(mpl.patches.Rectangle((-half, tail.horizontal_aft_m), 2.0 * half, chord_m))
-    drawn_as(outlines, facecolor=GREY, edgecolor=ink(), linewidth=0.8, alpha=0.5)
-    taken = [
-        mpl.patches.Polygon([(side * y, x) for y, x in corners])
+    kept_out = [
+        [(side * y, x) for y, x in corners]
         for corners in layout.kept_out_corners(wing)
         for side in (-1.0, 1.0)
     ]
-    drawn_as(taken, facecolor="none", edgecolor=DARK_GREY, hatch="////", linewidth=0.6)
-    cells = [
-        mpl.patches.Rectangle((c.left_m, c.front_m), c.right_m - c.left_m, c.rear_m - c.front_m)
-        for c in aircraft.placed_cells()
-    ]
-    drawn_as(cells, facecolor=LOAD, edgecolor="white", linewidth=0.3)
-    axes.set_aspect("equal")
+    cells = [_corners(c.left_m, c.right_m, c.front_m, c.rear_m) for c in aircraft.placed_cells()]
+    surface: dict[str, Any] = {
+        "facecolor": GREY,
+        "edgecolor": ink(),
+        "linewidth": 0.8,
+        "alpha": 0.5,
+    }
+    hatched: dict[str, Any] = {
+        "facecolor": "none",
+        "edgecolor": DARK_GREY,
+        "hatch": "////",
+        "linewidth": 0.6,
+    }
+    cell: dict[str, Any] = {"facecolor": LOAD, "edgecolor": "white", "linewidth": 0.3}
+    for outlines, style in ((shapes, surface), (kept_out, hatched), (cells, cell)):
+        for corners in outlines:
+            axes.add_patch(Polygon(corners, **style))
     axes.margins(0.01)
     axes.autoscale_view()
+    axes.set(aspect="equal", xlabel="right of the middle [m]", ylabel="aft [m]")
     axes.invert_yaxis()
-    axes.yaxis.set_major_locator(mpl.ticker.MaxNLocator(3))
-    axes.set(xlabel="right of the middle [m]", ylabel="aft [m]")
+    axes.yaxis.set_major_locator(MaxNLocator(3))
     return drawn
+
+
+def _corners(left: float, right: float, front: float, rear: float) -> list[tuple[float, float]]:
+    return [(left, front), (right, front), (right, rear), (left, rear)]

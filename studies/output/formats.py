@@ -21,16 +21,18 @@ _MOST_ROWS = 1_048_575
 _LONGEST_SHEET, _NOT_IN_SHEETS = 31, "[]:*?/\\"
 
 
+def _ending(path: str) -> str:
+    return PurePath(path).suffix.lstrip(".").lower()
+
+
 def image_format(path: str) -> str | None:
     """Return the image format of a file name; None if it cannot be drawn."""
-    suffix = PurePath(path).suffix.lstrip(".").lower()
-    return suffix if suffix in IMAGE_FORMATS else None
+    return _ending(path) if _ending(path) in IMAGE_FORMATS else None
 
 
 def grid_format(path: str) -> str | None:
     """Return the format of a file on a grid; None if it cannot be written."""
-    suffix = PurePath(path).suffix.lstrip(".").lower()
-    return suffix if suffix in GRID_FORMATS else None
+    return _ending(path) if _ending(path) in GRID_FORMATS else None
 
 
 def table_format(path: str) -> str | None:
@@ -38,8 +40,8 @@ def table_format(path: str) -> str | None:
 
     A name without an ending, such as ``/dev/stdout``, means CSV.
     """
-    suffix = PurePath(path).suffix.lstrip(".").lower()
-    return "csv" if not suffix else suffix if suffix in TABLE_FORMATS else None
+    suffix = _ending(path) or "csv"
+    return suffix if suffix in TABLE_FORMATS else None
 
 
 def missing_writer(file_format: str | None) -> str | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 from collections.abc import Callable, Mapping
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from missions.dates import date_code
@@ -34,25 +34,19 @@ _NOT_OF_A_RECORD = ("launch", "clearness", "required_excess_time_h")
 def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
     """Return the sized aircraft, and the mission that it was sized for, as files.
 
-    Returns analysed, they give the excess time of the sizing: the mission has the payload that the
-    optimum carries, and the range of days or latitudes that it covers.
+    Analysed, they give the excess time of the sizing: the mission has the payload that the optimum
+    carries, the range of days or latitudes that it covers, and the site of a weather record.
     """
-    mission = _at_the_site(_on_range(inputs.mission, study.coverage), study)
-    sized = study.sized_mission()
-    carried = sized.payload
+    mission = _on_range(inputs.mission, study.coverage)
+    if study.survival is not None:
+        site = study.survival.weather.site
+        mission = {key: mission[key] for key in mission if key not in _NOT_OF_A_RECORD}
+        mission |= {"latitude_deg": site.latitude_deg, "longitude_deg": site.longitude_deg}
+    carried = study.sized_mission().payload
     if carried != study.mission.payload:
         mission["payload"] = carried.model_dump()
     aircraft = study.sized_aircraft().model_dump(mode="json", exclude_unset=True)
     return dataclasses.replace(inputs, aircraft=aircraft, mission=mission)
-
-
-def _at_the_site(mission: dict[str, Any], study: SizingStudy) -> dict[str, Any]:
-    """Return a mission's data at the site of a weather record, if it was sized for one."""
-    if study.survival is None:
-        return mission
-    site = study.survival.weather.site
-    place = {"latitude_deg": site.latitude_deg, "longitude_deg": site.longitude_deg}
-    return {key: mission[key] for key in mission if key not in _NOT_OF_A_RECORD} | place
 
 
 def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[str, Any]:
@@ -75,17 +69,13 @@ def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[
 
 
 def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
-    """Return the tables of an optimum by the names of their files.
-
-    Returns contents of the files.
-    """
+    """Return the tables of an optimum by the names of their files."""
     contents = {
         "scenarios.csv": csv_bytes(study.scenarios()),
         "masses.csv": csv_bytes(study.masses()),
     }
     if study.sensitivities:
-        records = serialise(study.sensitivities)
-        contents["sensitivities.csv"] = csv_bytes(data_frame(records))
+        contents["sensitivities.csv"] = csv_bytes(data_frame(serialise(study.sensitivities)))
     return contents
 
 
@@ -98,38 +88,27 @@ def sizing_figures(
     """
     result, sensitivities, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None
-    parts, sized = result.design.masses._asdict(), study.sized_aircraft()
-    mission = study.sized_mission()
+    masses, sized = result.design.masses._asdict(), study.sized_aircraft()
+    mission, outside = study.sized_mission(), study.extrapolations
 
     @cache
     def analysis() -> Analysis:
         return analyse(sized, mission, model=solar.model, correction=solar.correction, replay=False)
 
-    notes = (extrapolation_caption(study.extrapolations),)
+    title, notes = f"{sized.name}: mass budget", (extrapolation_caption(outside),)
     drawings: dict[str, Callable[[], Figure]] = {
         "cycle.png": lambda: plot_cycle(analysis(), figure=figure),
-        "masses.png": partial(
-            design_plots.plot_masses,
-            parts,
-            f"{sized.name}: mass budget",
-            notes=notes,
-            figure=figure,
-        ),
+        "masses.png": lambda: design_plots.plot_masses(masses, title, notes=notes, figure=figure),
     }
     if isinstance(getattr(sized.airframe, "structure", None), RibWingStructure):
         drawings["flight-envelope.png"] = lambda: design_plots.plot_flight_envelope(
             analysis(), figure=figure
         )
     if sized.modules.layout is not None:
-        drawings["cells.png"] = partial(design_plots.plot_cells, sized, figure=figure)
+        drawings["cells.png"] = lambda: design_plots.plot_cells(sized, figure=figure)
     if sensitivities:
-        drawings["sensitivities.png"] = partial(
-            design_plots.plot_sensitivities,
-            sensitivities,
-            result.objective,
-            sized.name,
-            solar,
-            extrapolations=study.extrapolations,
+        drawings["sensitivities.png"] = lambda: design_plots.plot_sensitivities(
+            sensitivities, result.objective, sized.name, solar, extrapolations=outside,
             figure=figure,
-        )
+        )  # fmt: skip
     return drawings

@@ -8,22 +8,24 @@ factor.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from functools import cache
+from math import isnan
+from typing import NamedTuple
 
 import numpy as np
 
 from missions.files.writing import to_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.light import SolarDay
 from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import performance
 from sizing.results.numbers import relative_change
+from sizing.roots import bracketed_root
 from solar.names import MODELS
-from solar.types import BoolArray
+from solar.types import FloatArray
 from studies.quantities import TABLE
 from studies.render.sentences import battery_line, uncertainty_line
 from studies.render.tables import Column, Table, facts
@@ -63,7 +65,7 @@ def belief_section(subject: Subject) -> Section:
         if condition is not None:
             blocks.append(sentence(battery_line(subject.aircraft, condition)))
     blocks.append(Tables((_published_errors(),)))
-    blocks.append(Items(_left_out(subject)))
+    blocks.append(Items(tuple(_left_out(subject))))
     return Section("belief", "Confidence", blocks)
 
 
@@ -85,38 +87,32 @@ def _published_errors() -> Table:
     return Table("published errors of the solar power models", columns, tuple(rows), (note,))
 
 
-def _left_out(subject: Subject) -> tuple[str, ...]:
-    mission = subject.mission
-    sky = (
-        "The sky is clear"
-        if mission.pessimistic_clearness == 1.0
-        else f"The light is {100.0 * mission.pessimistic_clearness:.0f} % of a clear sky's"
-    )
-    sentences = [f"{sky} all day; a weather record (--weather) adds clouds."]
+def _left_out(subject: Subject) -> Iterator[str]:
+    """Yield what the numbers of the report leave out."""
+    mission, clearness = subject.mission, subject.mission.pessimistic_clearness
+    sky = f"The light is {100.0 * clearness:.0f} % of a clear sky's"
+    sky = "The sky is clear" if clearness == 1.0 else sky
+    yield f"{sky} all day; a weather record (--weather) adds clouds."
     if subject.verification is None:
-        sentences.append(
+        yield (
             "The day repeats itself: the date does not advance, and the battery's state at dawn is "
             "that of the settled cycle."
         )
-    if subject.verification is None and subject.aircraft.battery.ageing is None:
-        sentences.append("The battery is new: the aircraft file has no ageing.")
-    still = mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0
-    if subject.verification is None and mission.holds_station:
-        sentences.append("The wind is steady: faster flight against it takes as much all day.")
-    elif subject.verification is None and still:
-        sentences.append("The air is calm: level flight takes no more power than in still air.")
-    left_out = subject.with_uncertainty is None and subject.has_uncertain_inputs
-    if subject.verification is None and left_out and not subject.uncertainty_is_quick:
-        sentences.append(
-            f"Uncertain inputs: left out, {len(mission.scenarios())} scenarios take long "
-            "(--uncertainty)."
-        )
+        if subject.aircraft.battery.ageing is None:
+            yield "The battery is new: the aircraft file has no ageing."
+        if mission.holds_station:
+            yield "The wind is steady: faster flight against it takes as much all day."
+        elif mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0:
+            yield "The air is calm: level flight takes no more power than in still air."
+        asked = subject.with_uncertainty is not None or not subject.has_uncertain_inputs
+        if not asked and not subject.uncertainty_is_quick:
+            count = len(mission.scenarios())
+            yield f"Uncertain inputs: left out, {count} scenarios take long (--uncertainty)."
     if mission.uncertainty_margins.is_set:
-        sentences.append("The mission's uncertainty margins are taken off every number here.")
-    return tuple(sentences)
+        yield "The mission's uncertainty margins are taken off every number here."
 
 
-def glossary_section() -> Section:
+def glossary_section(_: Subject) -> Section:
     """Return the words of the report: quantities, and solar power models."""
     models = "; ".join(f"{name}: {model.label}" for name, model in MODELS.items())
     rows = [
@@ -158,16 +154,16 @@ def inputs_section(subject: Subject) -> Section:
     return Section("inputs", "Inputs", blocks)
 
 
-def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
+def provenance_section(subject: Subject) -> Section:
     """Return the command line, software and files of the report."""
-    solar = subject.solar
+    run = subject.run
     made = [
         ("date (UTC)", run["date_utc"].replace("T", " ").removesuffix("+00:00")),
         ("solar-uav", run["version"]),
         ("Python", run["python"]),
     ]
     if subject.verification is None:
-        made.insert(0, ("solar power model", solar.label))
+        made.insert(0, ("solar power model", subject.solar.label))
     columns = (Column("what"), Column("source", "file"), Column("sha256", "SHA-256"))
     files = [
         (kind, file["source"], file["sha256"] or "not read again (a pipe)")
@@ -187,7 +183,8 @@ def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
 # The weakest scenarios, of which one remains the weakest.
 _SCENARIOS = 6
 _NO_MARGIN = 1e-3  # of a value, or in its unit: what a design on the edge has
-_STEPS = 16  # of a bisection: a hundred-thousandth of its range
+_TOLERANCE = 1e-4  # of a limit
+_NOT_FLYING_H = -24.0  # what lacks where no design closes
 
 
 class _Quantity(NamedTuple):
@@ -214,10 +211,35 @@ def margin_table(subject: Subject) -> Table | None:
     weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
     day = nominal.day.at(weakest)
     required = max(subject.mission.required_excess_time_h, 0.0)
-    holds = bool(np.all(_hold(nominal.cycle, required)))
+    now_h = _spare_h(nominal.cycle, required)
+    holds = now_h >= 0.0
+    quantities = _quantities(subject.aircraft, subject.mission)
+
+    @cache
+    def spare_h(number: int, value: float) -> float:
+        """Return the excess time beyond what is required with one quantity at a value."""
+        if value == quantities[number].value:
+            return now_h
+        aircraft, mission, factor = quantities[number].changed(value)
+        try:
+            if mission.ceiling_m > mission.altitude_m:
+                design_of(aircraft, mission.at_altitude(mission.ceiling_m))
+            light = day.scaled(factor)
+            cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
+        except ImpossibleDesignError:
+            return _NOT_FLYING_H
+        return _spare_h(cycle, required)
+
+    def of_all(values: FloatArray) -> FloatArray:
+        each = enumerate(values.tolist())
+        return np.array([np.nan if isnan(value) else spare_h(i, value) for i, value in each])
+
+    ends = [quantity.worse if holds else quantity.better for quantity in quantities]
+    now = np.array([quantity.value for quantity in quantities])
+    limits = bracketed_root(of_all, now, np.array(ends), _TOLERANCE)
     rows = []
-    for quantity in _quantities(subject.aircraft, subject.mission):
-        limit = _limit(quantity, day, required, holds=holds)
+    for quantity, found in zip(quantities, limits.tolist(), strict=True):
+        limit = None if isnan(found) else found
         change = None if limit is None else limit - quantity.value
         scale = max(abs(quantity.value), 100.0 if quantity.unit == "%" else 1.0)
         if change is not None and abs(change) <= _NO_MARGIN * scale:
@@ -263,33 +285,8 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
     ]  # fmt: skip
 
 
-def _limit(quantity: _Quantity, day: SolarDay, required: float, *, holds: bool) -> float | None:
-    """Return the value at which the weakest scenario just meets the requirement, or None."""
-    good, bad = (quantity.value, quantity.worse) if holds else (quantity.better, quantity.value)
-    if _suffices(quantity, bad if holds else good, day, required) is holds:
-        return None
-    for _ in range(_STEPS):
-        middle = 0.5 * (good + bad)
-        if _suffices(quantity, middle, day, required):
-            good = middle
-        else:
-            bad = middle
-    return good
-
-
-def _suffices(quantity: _Quantity, value: float, day: SolarDay, required: float) -> bool:
-    """Return whether a quantity at a value leaves every scenario what is required."""
-    aircraft, mission, factor = quantity.changed(value)
-    try:
-        if mission.ceiling_m > mission.altitude_m:
-            design_of(aircraft, mission.at_altitude(mission.ceiling_m))
-        light = day.scaled(factor)
-        cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
-    except ImpossibleDesignError:
-        return False
-    return bool(np.all(_hold(cycle, required)))
-
-
-def _hold(cycle: Cycle, required: float) -> BoolArray:
-    """Return whether each flight is perpetual, or lands, with the required excess time."""
-    return np.asarray(cycle.sufficient & (cycle.excess_time_h >= required))
+def _spare_h(cycle: Cycle, required: float) -> float:
+    """Return the least excess time beyond what is required [h]; negative where one falls short."""
+    spare_h = np.clip(cycle.excess_time_h - required, _NOT_FLYING_H, -_NOT_FLYING_H)
+    # At the end of perpetual flight it may be just zero.
+    return float(np.min(np.where(cycle.sufficient, spare_h, np.minimum(spare_h, -_NO_MARGIN))))

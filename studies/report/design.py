@@ -36,8 +36,8 @@ from studies.render.tables import Table, facts
 from studies.render.words import constraint_words
 from studies.report.blocks import Bars, Block, Section, Tables, Text, sentence
 from studies.report.figures import page_figure, page_options
-from studies.report.geometry import aircraft_drawing
-from studies.report.losses import loss_chain
+from studies.report.geometry import Drawing
+from studies.report.losses import SUMS, loss_chain
 from studies.report.subject import Subject
 from studies.report.three_view import description, plot_three_view
 
@@ -47,14 +47,14 @@ _WIDTH_IN = 7.4
 def aircraft_section(subject: Subject) -> Section:
     """Return three views to scale, and the quantities of the design."""
     aircraft, balance = subject.aircraft, subject.analysis.balance
-    drawing, points = aircraft_drawing(aircraft), {}
+    drawing, points = Drawing(aircraft), {}
     if balance is not None:
         points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.neutral_point.x_m)}
     views = page_figure(
         plot_three_view(drawing, **points, figure=page_options(_WIDTH_IN)),
         f"Three views to scale. {' '.join(drawing.notes)}",
         title=f"Three views of {aircraft.name}",
-        description=description(drawing, **points),
+        description=description(drawing),
         key="views",
     )
     blocks: list[Block] = [Text(aircraft.description)] if aircraft.description else []
@@ -87,19 +87,13 @@ def budget_section(subject: Subject) -> Section:
     analysis = subject.analysis
     load, balance, shares = analysis.power_budget, analysis.balance, analysis.drag_coefficients
     assert load is not None  # an analysis has a design
-    steps = loss_chain(analysis)
     where = analysis.performance.day.scenarios.label(analysis.worst)
     blocks: list[Block] = [
         Bars("mass budget", "kg", ".3f", _mass_rows(subject), "total mass"),
         Bars("load in level flight", "W", ".2f", power_rows(load), "load", note=power_note(load)),
-        Bars(
-            f"from the sun to the load: energy of the day, {where}",
-            "Wh",
-            ".0f",
-            tuple((step.label, step.energy_wh) for step in steps),
-            sums=frozenset(step.label for step in steps if step.is_sum),
-        ),
-    ]
+        Bars(f"from the sun to the load: energy of the day, {where}", "Wh", ".0f",
+             loss_chain(analysis), sums=SUMS),
+    ]  # fmt: skip
     parts = [] if shares is None else [drag_table(shares)]
     parts += [] if balance is None else [balance_table(balance)]
     blocks += [Tables(tuple(parts))] if parts else []
@@ -119,8 +113,11 @@ def _mass_rows(subject: Subject) -> tuple[tuple[str, float], ...]:
 # ---- Sizing
 
 
-def sizing_section(sizing: Mapping[str, Any]) -> Section:
+def sizing_section(subject: Subject) -> Section | None:
     """Return what was optimised, what limits it, how sensitive it is, and its cross-check."""
+    sizing = subject.sizing
+    if sizing is None:
+        return None
     objective = Objective(sizing["objective"]["name"])
     blocks: list[Block] = [Text(text) for text in _objective_lines(sizing, objective)]
     cells, structure = sizing.get("whole_cells"), sizing.get("structure")

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
-import shlex
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -19,8 +16,8 @@ from sizing.day.light import SolarModel
 from sizing.results.design_result import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from solar.names import CorrectionName, ModelName
-from studies.output.run_folder import InputFile, RunInputs, run_record
-from studies.report.blocks import Bars, Block, Figure, Section, Tables
+from studies.output.run_folder import InputFile, RunInputs
+from studies.report.blocks import Section
 from studies.report.confidence import (
     belief_section,
     glossary_section,
@@ -44,17 +41,23 @@ if TYPE_CHECKING:
     from missions.weather.record import Weather
     from studies.flight_logs.verification import Verification
 
-_OF_A_FLIGHT: tuple[Callable[[Subject], Section | None], ...] = (
+_Make: TypeAlias = Callable[[Subject], Section | None]
+# In the order in which a design review reads them.
+_OF_A_DESIGN: tuple[_Make, ...] = (
+    aircraft_section,
     budget_section,
     day_section,
     season_section,
-)
-_BEYOND: tuple[Callable[[Subject], Section | None], ...] = (
+    sizing_section,
     margins_section,
     uncertainty_section,
     weather_section,
+    belief_section,
+    models_section,
 )
-SECTIONS = 3 + len(_OF_A_FLIGHT) + len(_BEYOND)  # with aircraft, confidence and models
+_OF_A_LOG: tuple[_Make, ...] = (aircraft_section, verification_section, belief_section)
+_AT_THE_END: tuple[_Make, ...] = (glossary_section, provenance_section, inputs_section)
+SECTIONS = len(_OF_A_DESIGN) + len(_AT_THE_END)
 
 
 def make_report(
@@ -111,18 +114,18 @@ def make_report(
     """
     check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
-    files = {"aircraft": InputFile("given in Python", None)} | {
-        "mission": InputFile("given in Python", None)
-    }
-    inputs = RunInputs(_as_file(aircraft), _as_file(mission), solar, files)
-    record = sizing.to_dict() if isinstance(sizing, SizingStudy) else sizing
+    here = InputFile("given in Python", None)
+    as_files = [
+        described.model_dump(mode="json", by_alias=True, exclude_unset=True)
+        for described in (aircraft, mission)
+    ]
     return render(
         Subject(
             aircraft,
             mission,
             solar,
-            inputs,
-            sizing=record,
+            RunInputs(as_files[0], as_files[1], solar, {"aircraft": here, "mission": here}),
+            sizing=sizing.to_dict() if isinstance(sizing, SizingStudy) else sizing,
             verification=verification,
             weather_record=weather,
             with_uncertainty=uncertainty,
@@ -132,90 +135,29 @@ def make_report(
     )
 
 
-def _as_file(described: Aircraft | Mission) -> dict[str, Any]:
-    """Return an aircraft or mission as the content of its file."""
-    return described.model_dump(mode="json", by_alias=True, exclude_unset=True)
-
-
 def render(subject: Subject, progress: Callable[[int, int], None] | None = None) -> str:
     """Return the page; ``progress`` takes the numbers of finished and of all sections."""
-    run = run_record(subject.solar, subject.inputs.files)
-    if sys.argv[:1] and not sys.argv[0].endswith("solar-uav"):
-        run["command"] = shlex.join(["python", *sys.argv]) if sys.argv[0] else "python"
-    made: list[Section] = []
-    for section in _sections(subject):
-        made.append(section)
+    of_subject = _OF_A_DESIGN if subject.verification is None else _OF_A_LOG
+    makers, sections = (*of_subject, *_AT_THE_END), []
+    for number, make in enumerate(makers, 1):
+        sections.append(make(subject))
         if progress is not None:
-            progress(len(made), max(SECTIONS, len(made)))
-    made += [glossary_section(), provenance_section(subject, run), inputs_section(subject)]
-    sections = list(_numbered(made))
-    results = to_json(subject.results(), sort_keys=True)
+            progress(number, len(makers))
     page: str = _template().render(
         subject=subject,
         verdict=verdict(subject),
         facts=tuple(key_facts(subject)),
-        head=[(name, text) for name, text in _head(subject, run) if text],
-        sections=sections,
-        run=run,
+        sections=[section for section in sections if section is not None],
+        run=subject.run,
         # No text within may end the element that holds it.
-        results=results.replace("<", "\\u003c"),
+        results=to_json(subject.results(), sort_keys=True).replace("<", "\\u003c"),
     )
     return page
 
 
-def _head(subject: Subject, run: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield what stands on the head of the page: project, author, date."""
-    yield "Project", subject.project
-    yield "Author", subject.author
-    yield "Date", run["date_utc"][:10]
-
-
-def _sections(subject: Subject) -> Iterator[Section]:
-    """Yield the sections in the order in which a design review reads them."""
-    yield aircraft_section(subject)
-    log = verification_section(subject)
-    if log is not None:
-        yield log
-    else:
-        for make in _OF_A_FLIGHT:
-            if (section := make(subject)) is not None:
-                yield section
-        if subject.sizing is not None:
-            yield sizing_section(subject.sizing)
-        for make in _BEYOND:
-            if (section := make(subject)) is not None:
-                yield section
-    yield belief_section(subject)
-    if log is None:
-        yield models_section(subject)
-
-
-def _numbered(sections: Sequence[Section]) -> Iterator[Section]:
-    """Yield the sections with figures and tables numbered through."""
-    figures = tables = 0
-    for section in sections:
-        blocks: list[Block] = []
-        for block in section.blocks:
-            if isinstance(block, Figure):
-                figures += 1
-                block = dataclasses.replace(block, caption=f"Figure {figures}. {block.caption}")
-            elif isinstance(block, Bars):
-                tables += 1
-                block = dataclasses.replace(block, title=_titled(tables, block.title))
-            elif isinstance(block, Tables):
-                named = []
-                for table in block.tables:
-                    tables += 1
-                    title = _titled(tables, table.title)
-                    named.append(dataclasses.replace(table, title=title))
-                block = Tables(tuple(named))
-            blocks.append(block)
-        yield dataclasses.replace(section, blocks=tuple(blocks))
-
-
-def _titled(number: int, title: str) -> str:
-    """Return the title of a table with its number."""
-    return f"Table {number}. {title[:1].upper()}{title[1:]}".rstrip(". ") + "."
+def _titled(title: str) -> str:
+    """Return the title of a table as a sentence."""
+    return f"{title[:1].upper()}{title[1:]}".rstrip(". ") + "."
 
 
 def _with_minus(text: str) -> str:
@@ -234,4 +176,5 @@ def _template() -> Any:
     )
     environment.filters["drawn"] = Markup
     environment.filters["minus"] = _with_minus
+    environment.filters["titled"] = _titled
     return environment.get_template("report.html")

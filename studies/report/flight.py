@@ -39,29 +39,24 @@ _MOST_RINGS = 30
 _ON_CELLS = "#111111"
 
 
-def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block]:
-    """Return the blocks of a result's summary.
-
-    ``skip``: blocks at its beginning that the page has already.
-    """
-    looks = {"strong": "plain", "faint": "faint", "warning": "warning", "plain": "plain"}
+def summary_blocks(summary: Summary, *, title: str) -> list[Block]:
+    """Return the blocks of a result's summary; ``title``: of tables that have none."""
     blocks: list[Block] = []
-    for block in summary.blocks[skip:]:
-        if isinstance(block, Table | tuple):
-            tables = (block,) if isinstance(block, Table) else block
-            blocks.append(
-                Tables(tuple(dataclasses.replace(t, title=t.title or title) for t in tables))
-            )
-        elif isinstance(block, Line):
-            blocks.append(Text(block.text, looks[block.emphasis]))
-        elif block.startswith("- "):
-            last = blocks[-1] if blocks else None
-            if isinstance(last, Items):
-                blocks[-1] = Items((*last.items, block.removeprefix("- ")))
-            else:
-                blocks.append(Items((block.removeprefix("- "),)))
+    for block in summary.blocks:
+        line = Line(block) if isinstance(block, str) else block
+        if not isinstance(line, Line):
+            tables = (line,) if isinstance(line, Table) else line
+            named = (dataclasses.replace(table, title=table.title or title) for table in tables)
+            blocks.append(Tables(tuple(named)))
+        elif not line.text.startswith("- "):
+            looks = "plain" if line.emphasis == "strong" else line.emphasis
+            blocks.append(Text(line.text, looks))
         else:
-            blocks.append(Text(block))
+            item, last = line.text.removeprefix("- "), blocks[-1] if blocks else None
+            if isinstance(last, Items):
+                blocks[-1] = Items((*last.items, item))
+            else:
+                blocks.append(Items((item,)))
     return blocks
 
 
@@ -71,33 +66,22 @@ def day_section(subject: Subject) -> Section:
     where = analysis.performance.day.scenarios.label(analysis.worst)
     several = len(analysis.performance.cycle.status) > 1
     height = 5.2 if analysis.climb is None else 7.2
-    _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
-    described = (
-        f"Solar power and load over the hours of the day, and below the state of charge, which is "
-        f"least, {least}, in the morning."
-    )
     caption = (
         f"Solar power, load and state of charge over solar time at {where}"
         f"{', the weakest scenario' if several else ''}; bands: the solar model's RMS error. Grey: "
         "night."
     )
     plot = plot_cycle(analysis, figure=page_options(_WIDTH_IN, height))
+    _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
+    words = f"{caption} The charge is least, {least}, in the morning."
     title = f"Day cycle at {where}"
-    blocks: list[Block] = [
-        page_figure(plot, caption, title=title, description=described, key="cycle")
-    ]
+    blocks: list[Block] = [page_figure(plot, caption, title=title, description=words, key="cycle")]
     if several:
         blocks.append(Tables((_scenarios(analysis),)))
     if analysis.flight is not None:
-        blocks.append(
-            page_figure(
-                plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8)),
-                "The mission's launch, flown on the calendar. Grey: night.",
-                title="Flight on the calendar",
-                description="Solar power, load and state of charge over local time.",
-                key="calendar",
-            )
-        )
+        plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
+        caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
+        blocks.append(page_figure(plot, caption, title="Flight on the calendar", key="calendar"))
         blocks.append(Tables((flight_table(analysis.flight),)))
     return Section("day", "The day", blocks)
 
@@ -138,13 +122,8 @@ def season_section(subject: Subject) -> Section:
         caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
     if subject.mission.climb is not None:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
-    drawing = page_figure(
-        plot,
-        caption,
-        title="Season map",
-        description=f"Excess time over the days of the year and all latitudes. {season}",
-        key="season",
-    )
+    words = f"{caption} {season}"
+    drawing = page_figure(plot, caption, title="Season map", description=words, key="season")
     return Section("season", "The season", [*texts, drawing, Tables((_months(subject),))])
 
 
@@ -172,11 +151,9 @@ def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
     for contour in axes.collections:
         if isinstance(contour, ContourSet) and not contour.filled:
             contour.set_edgecolor(_ON_CELLS)
-    for colour, size, width in (("white", 9.0, 3.2), (_ON_CELLS, 9.0, 1.4)):
-        axes.plot(
-            day, latitude_deg, "o", markersize=size, fillstyle="none", color=colour,
-            markeredgewidth=width, clip_on=False, zorder=5,
-        )  # fmt: skip
+    for colour, width in (("white", 3.2), (_ON_CELLS, 1.4)):
+        looks: dict[str, Any] = {"color": colour, "markeredgewidth": width, "fillstyle": "none"}
+        axes.plot(day, latitude_deg, "o", markersize=9.0, clip_on=False, zorder=5, **looks)
 
 
 def _season_text(subject: Subject) -> str:
@@ -223,17 +200,10 @@ def models_section(subject: Subject) -> Section:
         f"What each model predicts{where}: solar energy and excess time with bars of the model's "
         "RMS error, and the perpetual season."
     )
+    words = f"{caption} The same numbers are in the table below."
     blocks: list[Block] = [
         Text(f"{comparison.headline()} {comparison.perpetual_line()}"),
-        page_figure(
-            plot,
-            caption,
-            title="Solar power models side by side",
-            description="For each model and correction the solar energy of a day with the model's "
-            "RMS error, the excess time with that error, and the season of perpetual flight; the "
-            "same numbers are in the table below.",
-            key="models",
-        ),
+        page_figure(plot, caption, title=title, description=words, key="models"),
         *(Tables((table,)) for table in comparison.scenario_tables()),
     ]
     if comparison.notes:
@@ -249,15 +219,14 @@ def uncertainty_section(subject: Subject) -> Section | None:
     uncertainty = subject.uncertainty
     if uncertainty is None:
         return None
-    drawing = page_figure(
-        plot_uncertainty(uncertainty, figure=page_options(9.6)),
+    caption = (
         f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
-        "inputs, and what it depends on.",
-        title="Excess time under uncertain inputs",
-        description=f"Histogram of the excess time. {uncertainty.headline()}. Beside it the "
-        "inputs by what they explain of its variance, as in the table below.",
-        key="scatter",
+        "inputs, and what it depends on."
     )
+    words = f"{caption} {uncertainty.headline()}. The shares are in the table below."
+    plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
+    title = "Excess time under uncertain inputs"
+    drawing = page_figure(plot, caption, title=title, description=words, key="scatter")
     first, *others = summary_blocks(uncertainty.at_level(ALL), title="probability and spread")
     return Section("uncertainty", "Uncertain inputs", [first, drawing, *others])
 
@@ -267,14 +236,10 @@ def weather_section(subject: Subject) -> Section | None:
     weather = subject.weather
     if weather is None:
         return None
-    drawing = page_figure(
-        plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4)),
-        "State of charge at every dawn, survival of launches, and the season in this weather.",
-        title="Flight through the weather record",
-        description=f"{weather.headline()}. Calendar of the state of charge at every dawn, share "
-        "of launches still airborne, and days that close in every month.",
-        key="weather",
-    )
+    caption = "State of charge at every dawn, survival of launches, and the season in this weather."
+    plot = plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4))
+    title, words = "Flight through the weather record", f"{weather.headline()}. {caption}"
+    drawing = page_figure(plot, caption, title=title, description=words, key="weather")
     first, *others = summary_blocks(weather.at_level(ALL), title="flight through the record")
     return Section("weather", "Weather", [first, drawing, *others])
 
@@ -287,16 +252,8 @@ def verification_section(subject: Subject) -> Section | None:
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
     blocks = summary_blocks(verification.at_level(ALL), title="errors")
-    drawings_of_log = figures(verification, figure=page_options(_WIDTH_IN + 0.4))
-    drawings = (
-        page_figure(
-            draw(),
-            f"Measured and modelled power: {name}.",
-            title=f"Log and models, {name}",
-            description="Measured and modelled solar power over universal time, and the model's "
-            "errors over time, elevation and azimuth of the sun.",
-            key=f"log{number}",
-        )
-        for number, (name, draw) in enumerate(drawings_of_log)
-    )
+    drawings = []
+    for name, draw in figures(verification, figure=page_options(_WIDTH_IN + 0.4)):
+        key, caption = f"log-{name}", f"Measured and modelled power: {name}."
+        drawings.append(page_figure(draw(), caption, title=f"Log and models, {name}", key=key))
     return Section("verification", "Models against the flight log", [*blocks, *drawings])

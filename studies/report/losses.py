@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,52 +10,42 @@ from missions.mission import Scenarios
 from sizing.day.light import SolarModel, solar_day
 from sizing.results.analysis import Analysis
 
-LIGHT = "light on a horizontal area as large as the modules"
+LIGHT, ELECTRIC, LOAD = (
+    "light on a horizontal area as large as the modules",
+    "electric energy of the modules",
+    "load",
+)
+SUMS = frozenset((LIGHT, ELECTRIC, LOAD))  # steps that say where the chain has arrived
 _SHOWN_WH = 0.5  # smaller losses are left out
 
 
-@dataclass(frozen=True)
-class Step:
-    """Step of a loss chain [Wh]: a loss, negative, or the sum at which the chain has arrived."""
+def loss_chain(analysis: Analysis) -> tuple[tuple[str, float], ...]:
+    """Return the steps from the light on the modules to the load, in the worst scenario [Wh].
 
-    label: str
-    energy_wh: float
-    is_sum: bool = False
-
-
-def loss_chain(analysis: Analysis) -> tuple[Step, ...]:
-    """Return the steps from the light on the modules to the load, in the worst scenario.
-
-    The losses of the modules are found by the solar power model itself, with one loss after the
-    other taken away. Of a flight that draws from a full battery, what it draws is a step as well.
+    A step is a loss, negative, or one of :data:`SUMS`. The losses of the modules are found by the
+    solar power model itself, with one loss after the other taken away. Of a flight that draws from
+    a full battery, what it draws is a step as well.
     """
-    budget, worst = analysis.performance.cycle.energy_budget, analysis.worst
-    solar_wh, load_wh, charging_wh, discharging_wh, unused_wh, stored_wh, unserved_wh = (
-        float(np.broadcast_to(values, analysis.performance.cycle.status.shape)[worst])
-        for values in (
-            budget.solar_wh,
-            budget.load_wh,
-            budget.charge_loss_wh,
-            budget.discharge_loss_wh,
-            budget.curtailed_wh,
-            budget.stored_wh,
-            budget.unserved_wh,
-        )
-    )
+    cycle, worst = analysis.performance.cycle, analysis.worst
+    budget = {
+        key.removesuffix("_wh"): float(np.broadcast_to(values, cycle.status.shape)[worst])
+        for key, values in vars(cycle.energy_budget).items()
+    }
+    solar_wh, stored_wh = budget["solar"], budget["stored"]
     steps = [
         *(_of_modules(analysis, solar_wh) if solar_wh > 0.0 else ()),
-        Step("electric energy of the modules", solar_wh, is_sum=True),
-        Step("not collected, the battery being full", -unused_wh),
-        Step("lost in charging", -charging_wh),
-        Step("lost in discharging", -discharging_wh),
-        Step("left in the battery" if stored_wh > 0.0 else "drawn from the battery", -stored_wh),
-        Step("load", load_wh, is_sum=True),
-        Step("of which not met: the battery is empty", -unserved_wh),
+        (ELECTRIC, solar_wh),
+        ("not collected, the battery being full", -budget["curtailed"]),
+        ("lost in charging", -budget["charge_loss"]),
+        ("lost in discharging", -budget["discharge_loss"]),
+        ("left in the battery" if stored_wh > 0.0 else "drawn from the battery", -stored_wh),
+        (LOAD, budget["load"]),
+        ("of which not met: the battery is empty", -budget["unserved"]),
     ]
-    return tuple(step for step in steps if step.is_sum or abs(step.energy_wh) >= _SHOWN_WH)
+    return tuple((label, wh) for label, wh in steps if label in SUMS or abs(wh) >= _SHOWN_WH)
 
 
-def _of_modules(analysis: Analysis, solar_wh: float) -> tuple[Step, ...]:
+def _of_modules(analysis: Analysis, solar_wh: float) -> list[tuple[str, float]]:
     """Return the steps from the light to the electric energy of the modules."""
     solar, modules = analysis.performance.solar, analysis.aircraft.modules
     uncorrected = replace(solar, correction="none")
@@ -72,8 +62,6 @@ def _of_modules(analysis: Analysis, solar_wh: float) -> tuple[Step, ...]:
     )
     each = np.array([_energy(analysis, model, changes) for model, changes in cases])
     light, *by_model = solar_wh / each[-1] * each
-    converted = light * modules.efficiency_stc
-    levels = (light, converted, *by_model)
     labels = (
         f"not converted: module efficiency {100.0 * modules.efficiency_stc:.1f} %",
         f"angle of incidence, diffuse light, attitude{', MPPT' if solar.model == 'FM' else ''}",
@@ -82,11 +70,8 @@ def _of_modules(analysis: Analysis, solar_wh: float) -> tuple[Step, ...]:
         "MPPT",
         "correction of the model's systematic error",
     )
-    losses = zip(labels, np.diff(levels), strict=True)
-    return (
-        Step(LIGHT, float(light), is_sum=True),
-        *(Step(label, float(change)) for label, change in losses),
-    )
+    losses = np.diff([light, light * modules.efficiency_stc, *by_model]).tolist()
+    return [(LIGHT, float(light)), *zip(labels, losses, strict=True)]
 
 
 def _energy(analysis: Analysis, model: SolarModel, changes: dict[str, float]) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +19,7 @@ from sizing.results.uncertainty import analyse_uncertainty
 from sizing.results.weather import analyse_weather
 from studies.models.comparison import compare
 from studies.models.solar_models import attitude_is_known
-from studies.output.run_folder import RunInputs
+from studies.output.run_folder import RunInputs, run_record
 
 if TYPE_CHECKING:
     from missions.weather.record import Weather
@@ -138,15 +140,19 @@ class Subject:
             mission_chosen=not self.mission_is_default,
         )
 
+    @cached_property
+    def run(self) -> dict[str, Any]:
+        """Command line, software, date and files of the report."""
+        run = run_record(self.solar, self.inputs.files)
+        if sys.argv[:1] and not sys.argv[0].endswith("solar-uav"):
+            run["command"] = shlex.join(["python", *sys.argv]) if sys.argv[0] else "python"
+        return run
+
     def results(self) -> dict[str, Any]:
         """Return every record that the report shows, JSON-ready."""
         if self.verification is not None:
             return {"verification": self.verification.to_dict()}
-        records: dict[str, Any] = {"analysis": self.record}
-        if self.sizing is not None:
-            records["sizing"] = dict(self.sizing)
-        for name in ("comparison", "uncertainty", "weather"):
-            result = getattr(self, name)
-            if result is not None:
-                records[name] = result.to_dict()
-        return records
+        sizing = {} if self.sizing is None else {"sizing": dict(self.sizing)}
+        others = {name: getattr(self, name) for name in ("comparison", "uncertainty", "weather")}
+        known = {name: each.to_dict() for name, each in others.items() if each is not None}
+        return {"analysis": self.record, **sizing, **known}

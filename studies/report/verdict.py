@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,7 @@ if TYPE_CHECKING:
 _WORDS = {"good": "Requirement met", "edge": "On the edge", "bad": "Requirement not met"}
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(NamedTuple):
     """A sentence, and whether what it says is ``good``, on the ``edge`` or ``bad``.
 
     ``word`` says the latter to those who see no colour.
@@ -33,14 +31,16 @@ class Verdict:
     word: str
 
 
-def _verdict_item(state: str, sentence: str) -> Verdict:
-    return Verdict(state, sentence, _WORDS[state])
-
-
 def verdict(subject: Subject) -> Verdict:
     """Return whether and by how much the flight is perpetual, and how sure that is."""
     if subject.verification is not None:
         return _of_verification(subject.verification)
+    state, sentence = _judged(subject)
+    return Verdict(state, sentence, _WORDS[state])
+
+
+def _judged(subject: Subject) -> tuple[str, str]:
+    """Return the state and the sentence of a flight."""
     analysis, mission = subject.analysis, subject.mission
     lows, highs = (float(np.min(p.cycle.excess_time_h)) for p in (analysis.low, analysis.high))
     required, excess = mission.required_excess_time_h, analysis.excess_time_h
@@ -60,36 +60,34 @@ def verdict(subject: Subject) -> Verdict:
         without = hours(max(-float(excess), 0.0))
         text = f"{fails} it flies for {longest}, {without} of every day are without power"
         if highs > 0.0:
-            return _verdict_item("edge", f"{text}; with {error} more sun it would fly perpetually.")
-        return _verdict_item("bad", f"{text}; {error} more sun would not change that.")
+            return "edge", f"{text}; with {error} more sun it would fly perpetually."
+        return "bad", f"{text}; {error} more sun would not change that."
     remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
     text = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
     if excess < required:
-        return _verdict_item("bad", f"{text}, less than the required {required:g} h.")
+        return "bad", f"{text}, less than the required {required:g} h."
     if required > 0.0 and np.isfinite(excess):
         text += f", {hours(excess - required)} more than required"
     if lows <= 0.0:
-        return _verdict_item("edge", f"{text}, but {error} less sun ends perpetual flight.")
+        return "edge", f"{text}, but {error} less sun ends perpetual flight."
     if lows < required:
-        return _verdict_item(
-            "edge", f"{text}, but {error} less sun leaves {hours(lows)}, too little."
-        )
+        return "edge", f"{text}, but {error} less sun leaves {hours(lows)}, too little."
     if np.isinf(lows):
-        return _verdict_item("good", f"{text}, also with {error} less sun.")
-    return _verdict_item("good", f"{text}, and {hours(lows)} with {error} less sun.")
+        return "good", f"{text}, also with {error} less sun."
+    return "good", f"{text}, and {hours(lows)} with {error} less sun."
 
 
-def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> Verdict:
+def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> tuple[str, str]:
     """Return whether the flight lands with its reserve."""
     text = f"{where} {landing(subject.analysis).rstrip('.')}".replace("It flies", "it flies")
     excess, required = subject.analysis.excess_time_h, subject.mission.required_excess_time_h
     if excess <= 0.0:
-        return _verdict_item("bad", f"{text}.")
+        return "bad", f"{text}."
     if excess < required:
-        return _verdict_item("bad", f"{text}, less than the required {required:g} h.")
+        return "bad", f"{text}, less than the required {required:g} h."
     if low_h <= 0.0 or low_h < required:
-        return _verdict_item("edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little.")
-    return _verdict_item("good", f"{text}, {hours(low_h)} with {error} less sun.")
+        return "edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little."
+    return "good", f"{text}, {hours(low_h)} with {error} less sun."
 
 
 def _of_verification(verification: Verification) -> Verdict:

@@ -1,4 +1,5 @@
 import pytest
+from figure_checks import heading
 
 import sizing
 import studies
@@ -28,5 +29,4 @@ def test_a_single_input_is_named_and_has_no_bars():
     figure = studies.plot_uncertainty(analysis)
     (spread,) = figure.axes
     assert spread.get_ylabel() == "draws [%]"
-    notes = figure.notes.replace("\u00a0", " ")  # type: ignore[attr-defined]
-    assert "one input scatters: error of the solar model" in notes
+    assert "one input scatters: error of the solar model" in heading(figure)

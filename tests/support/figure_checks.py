@@ -325,5 +325,5 @@ def alike_lines(figure):
 
 def heading(figure):
     """Title of a figure, and the notes below it in a line of their own."""
-    notes = str(getattr(figure, "notes", ""))
-    return f"{figure.get_suptitle()}\n{notes}".replace("\u00a0", " ")
+    below = figure.subfigs[0].get_suptitle() if figure.subfigs else ""
+    return f"{figure.get_suptitle()}\n{below}"

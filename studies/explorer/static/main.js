@@ -236,7 +236,6 @@ async function begin() {
   addEventListener("hashchange", () => state.restore());
   $("reset").addEventListener("click", () => state.reset());
   $("save").addEventListener("click", () => save(state));
-  $("report").hidden = !api.report; // a page without a server makes none
   $("report").addEventListener("click", () => report(state));
   $("copy").addEventListener("click", async () => {
     await navigator.clipboard.writeText($("command").textContent);

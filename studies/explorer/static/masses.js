@@ -12,8 +12,6 @@ export class Masses {
 
   /** Show the masses of a view beside those of the start. */
   show(view, first) {
-    this.list.parentElement.hidden = !view.masses_kg;
-    if (!view.masses_kg) return;
     const all = { ...first.masses_kg, ...view.masses_kg };
     // A measured airframe is not divided; the payload's row stays, so that nothing jumps.
     const present = Object.keys(all).filter((n) => !this.measured || n === "payload" || all[n] > 0);

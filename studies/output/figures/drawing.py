@@ -48,7 +48,6 @@ MODEL_COLOURS = dict(zip(MODEL_NAMES, cycle((ORANGE, SKY, GREEN, VERMILLION)), s
 MODEL_LINES = dict(zip(MODEL_NAMES, cycle((":", "-.", "--", "-")), strict=False))
 _DARK_NIGHT = "#404040"
 _USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
-_SHORT_NOTE = 40  # characters
 _NARROW_IN = 6.5  # in the usual type
 
 
@@ -79,15 +78,13 @@ def _in_place_of(axes: Axes) -> Any:
     The figure is laid out by constraints where its owner has chosen no layout: heading and legend
     of the part then stay within it.
     """
-    from studies.output.figures.layout import HeadedLayout  # half a second, for those who draw
-
     place = axes.get_subplotspec()
     figure = axes.figure
     if place is None or figure is None:
         raise ValueError("ax must be axes of a grid, as plt.subplots makes them")
     whole: Any = figure.figure
     if whole.get_layout_engine() is None:
-        whole.set_layout_engine(HeadedLayout())
+        whole.set_layout_engine("constrained")
     part = figure.add_subfigure(place)
     axes.remove()
     return part
@@ -116,13 +113,21 @@ def new_figure(
     figure = (
         _blank_figure(canvas, size_in, lines=lines) if isinstance(canvas, FigureOptions) else canvas
     )
-    panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
+    below: Any = figure
+    line = " \N{MIDDLE DOT} ".join(filter(None, notes))
+    # An escaped dollar begins no formula.
+    title, line = title.replace("$", r"\$"), line.replace("$", r"\$")
+    if not isinstance(canvas, FigureOptions):
+        figure.suptitle(f"{title}\n{line}".strip(), wrap=True)
+    elif title and canvas.title:
+        figure.suptitle(title, wrap=True)
+        below = figure.subfigures()
+        below.suptitle(line, wrap=True, fontsize="small")
+    panels = list(below.subplots(rows, columns, squeeze=False, **options).ravel())
     for axes in panels:
         axes.xaxis.label.set_wrap(True)
         if grid:
             axes.grid(alpha=0.3, axis=grid)
-    if title and (not isinstance(canvas, FigureOptions) or canvas.title):
-        _write_heading(figure, title, [note for note in notes if note])
     return figure, panels
 
 
@@ -143,20 +148,6 @@ def _blank_figure(options: FigureOptions, size_in: tuple[float, float], *, lines
     return StyledFigure(options, (width, height))
 
 
-def _write_heading(figure: Figure, title: str, notes: Sequence[str]) -> None:
-    """Write the title, and below it the notes, which break between each other."""
-    # An escaped dollar begins no formula.
-    title = title.replace("$", r"\$")
-    lines = [note.replace("$", r"\$") for note in notes]
-    lines = [n.replace(" ", "\u00a0") if len(n) <= _SHORT_NOTE else n for n in lines]
-    line = " · ".join(lines)
-    write = getattr(figure, "set_heading", None)
-    if write is not None:
-        write(title, line)
-    else:
-        figure.suptitle("\n".join(filter(None, (title, line))), wrap=True)
-
-
 def add_legend(
     figure: Figure, handles: Sequence[Any], columns: int, *, side: str = "center", **looks: Any
 ) -> None:
@@ -164,13 +155,12 @@ def add_legend(
 
     ``side``: ``center`` or ``right``. ``**looks``: as matplotlib's legend takes them.
     """
-    from studies.output.figures.layout import BelowAxes, HeadedLayout
-
-    legend, layout = BelowAxes(figure, handles, columns, side, looks), figure.get_layout_engine()
-    if isinstance(layout, HeadedLayout):
-        layout.add_legend(legend)
-    else:
-        legend.write()
+    looks |= {"handles": handles, "loc": f"outside lower {side}"}
+    for count in range(columns, 0, -1):
+        legend = figure.legend(ncols=count, **looks)
+        if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def to_bytes(figure: Figure, image_format: str) -> bytes:
@@ -222,10 +212,10 @@ def objective_caption(objective: str | Objective) -> str:
 
 def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
     """Return whether there is so little width that panels stand below each other."""
-    if isinstance(canvas, FigureOptions):
-        width = size_in[0] if canvas.size_in is None else canvas.size_in[0]
+    if not isinstance(canvas, FigureOptions):
+        width = canvas.bbox.width / canvas.dpi
     else:
-        width = canvas.get_figwidth()
+        width = size_in[0] if canvas.size_in is None else canvas.size_in[0]
     return bool(width * _USUAL_TYPE / _setting("font.size") < _NARROW_IN)
 
 
@@ -249,16 +239,10 @@ def night() -> str:
     return GREY if sum(library().colors.to_rgb(paper())) > 1.5 else _DARK_NIGHT
 
 
-def shade(
-    axes: Axes, spans: Iterable[tuple[float, float]], label: str | None = None, **style: Any
-) -> None:
-    """Shade spans of the horizontal axis over the whole height, by default in grey.
-
-    ``spans``: start and end of each span, in units of the axis.
-    """
-    looks: dict[str, Any] = {"color": night(), "zorder": 0, "linewidth": 0} | style
-    for number, (start, end) in enumerate(spans):
-        axes.axvspan(start, end, label=label if number == 0 else None, **looks)
+def shade(axes: Axes, spans: Iterable[tuple[float, float]]) -> None:
+    """Shade spans of the horizontal axis over the whole height, in grey."""
+    for start, end in spans:
+        axes.axvspan(start, end, color=night(), zorder=0, linewidth=0)
 
 
 def read_style(text: str) -> str:

@@ -32,6 +32,8 @@ _LEAST_MM, _MOST_MM = 40.0, 2500.0
 _LEAST_DPI, _MOST_DPI = 20.0, 2400.0
 _MOST_DOTS = 2**16  # on either side: what matplotlib's renderer takes
 _MOST_DOTS_IN_ALL = 150_000_000  # A0 at 300 dots per inch; some 650 MB while it is drawn
+_SMALLEST_TYPE = 5.0  # [pt], which journals still print
+_TYPE_PER_INCH = 2.6  # [pt] of the shorter side, at most: small figures have smaller type
 _MOST_STYLE_BYTES = 100_000
 _LEAST_TYPE, _MOST_TYPE, _MOST_LENGTH = 1.0, 100.0, 1000.0  # points
 # Settings of matplotlib that have nothing to do with looks, and that it leaves out of a style.
@@ -98,6 +100,9 @@ class FigureOptions:
         settings_of_style = _settings_of_file(_shipped("default"), "default")
         if self.style != "default":
             settings_of_style |= style_settings(self.style)
+        if self.size_in is not None:
+            size = max(_TYPE_PER_INCH * min(filter(None, self.size_in)), _SMALLEST_TYPE)
+            settings_of_style["font.size"] = min(settings_of_style.get("font.size", 10.0), size)
         return settings_of_style
 
 

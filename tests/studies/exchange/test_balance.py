@@ -8,7 +8,7 @@ import sizing
 from studies.exchange.files import design_bytes
 from studies.exchange.geometry import lifting_surfaces
 from studies.render.design_sheet import design_sheet
-from studies.report.geometry import aircraft_drawing
+from studies.report.geometry import Drawing
 from studies.report.three_view import plot_three_view
 
 TWIN = aircraft("twin-boom-design")
@@ -52,13 +52,13 @@ def test_files_carry_the_centre_of_gravity():
 
 
 def test_views_show_both_booms_and_the_taper():
-    drawing = aircraft_drawing(TWIN)
+    drawing = Drawing(TWIN)
     assert len(drawing.booms_m) == 2
     assert drawing.chord_at(2.5) == pytest.approx(0.6 * drawing.chord_at(0.0))
     assert drawing.front_at(0.0) == 0.0 < drawing.front_at(2.5)
     areas = [(m.right_m - m.left_m) * (m.rear_m - m.front_m) for m in drawing.modules]
     assert sum(areas) == pytest.approx(TWIN.modules.area_m2)
-    for shown, fins in ((drawing, 2), (aircraft_drawing(DESIGN), 1)):
+    for shown, fins in ((drawing, 2), (Drawing(DESIGN), 1)):
         above = plot_three_view(shown).axes[0]
         assert sum(line.get_gid() == "fin" for line in above.lines) == fins
 

@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from sizing.library import load_aircraft
 from sizing.structures.rib_wing import RibWingStructure
-from studies.report.geometry import aircraft_drawing
+from studies.report.geometry import Drawing
 from studies.report.three_view import description, plot_three_view
 
 
@@ -17,7 +17,7 @@ def shapes(figure, part, view=0):
 
 
 def test_wing_modules_and_tail_have_one_scale():
-    drawing = aircraft_drawing(AS2)
+    drawing = Drawing(AS2)
     figure = plot_three_view(drawing)
     FigureCanvasAgg(figure).draw()
     assert len({round(axes.bbox.width / np.ptp(axes.get_xlim()), 3) for axes in figure.axes}) == 1
@@ -51,9 +51,9 @@ def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it():
     }
     changes = {"airframe.propulsion": parts, "battery.voltage": voltage}
     craft = load_aircraft("atlantiksolar-design", changes)
-    assert "2 propellers of 0.66 m diameter" in aircraft_drawing(craft).notes[-1]
-    assert "Propeller: not drawn" in aircraft_drawing(DESIGN).notes[-1]
-    assert "Propeller: not drawn" in aircraft_drawing(AS2).notes[-1]
+    assert "2 propellers of 0.66 m diameter" in Drawing(craft).notes[-1]
+    assert "Propeller: not drawn" in Drawing(DESIGN).notes[-1]
+    assert "Propeller: not drawn" in Drawing(AS2).notes[-1]
 
 
 def test_everything_lies_within_the_drawing():
@@ -64,7 +64,7 @@ def test_everything_lies_within_the_drawing():
     )  # fmt: skip
     hanging = aircraft("atlantiksolar-as2", "modules.tail.vertical_height_m=-0.4")
     for craft in (AS2, SKY_SAILOR, DESIGN, slender, stout, tiny, hanging):
-        figure = plot_three_view(aircraft_drawing(craft))
+        figure = plot_three_view(Drawing(craft))
         FigureCanvasAgg(figure).draw()
         for axes in figure.axes:
             low, high = np.transpose((axes.get_xlim(), axes.get_ylim()))
@@ -77,15 +77,15 @@ def test_everything_lies_within_the_drawing():
 
 
 def test_what_no_model_has_a_number_for_is_schematic():
-    assert aircraft_drawing(AS2).schematic == {"pod", "section", "spar"}
-    assert aircraft_drawing(SKY_SAILOR).schematic >= {"pod", "tail", "modules"}
-    assert aircraft_drawing(DESIGN).schematic == {"pod"}
+    assert Drawing(AS2).schematic == {"pod", "section", "spar"}
+    assert Drawing(SKY_SAILOR).schematic >= {"pod", "tail", "modules"}
+    assert Drawing(DESIGN).schematic == {"pod"}
 
 
 def test_tail_of_another_wing_follows_the_rule_of_the_structure_model():
     # 4 m instead of 5.65 m: areas fall with the square of the span, the arm with the chord.
     craft = aircraft("atlantiksolar-design", "airframe.wingspan_m=4.0", "modules.area_m2=0.6")
-    drawing, rule = aircraft_drawing(craft), RibWingStructure(model="rib_wing")
+    drawing, rule = Drawing(craft), RibWingStructure(model="rib_wing")
     tail, chord_m = drawing.tail, 4.0 / 18.5
     area_m2 = tail.horizontal_span_m * tail.horizontal_chord_m
     share = rule.horizontal_tail_ratio / rule.fuselage_chords
@@ -97,7 +97,7 @@ def test_tail_of_another_wing_follows_the_rule_of_the_structure_model():
 
 
 def test_dihedral_raises_the_tips():
-    drawing = aircraft_drawing(AS2)
+    drawing = Drawing(AS2)
     assert drawing.height_m(0.0) == 0.0
     # 6 degrees from 1.27 m to 2.825 m.
     assert drawing.height_m(2.825) == pytest.approx(0.1634, abs=2e-4)
@@ -114,7 +114,7 @@ def test_whole_cells_are_drawn_on_wing_and_tail():
     plane = load_aircraft(
         "atlantiksolar-design", {"modules.layout": layout, "modules.area_m2": 54 * 0.125**2}
     )
-    drawing = aircraft_drawing(plane)
+    drawing = Drawing(plane)
     assert len(drawing.modules) == 54
     assert "modules" not in drawing.schematic
     tail = drawing.tail

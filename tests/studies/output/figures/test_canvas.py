@@ -56,7 +56,7 @@ def test_small_figures_have_smaller_type_and_their_title_above_the_axes():
 
 
 def test_a_drawing_in_the_place_of_axes_stays_there():
-    figure = Figure(figsize=(7.0, 2.8))
+    figure = Figure(figsize=(9.0, 5.0))
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
     plot_cycle(analyse(AS2, shipped_mission()), ax=right)
