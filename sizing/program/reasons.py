@@ -57,11 +57,11 @@ def limits_of(solution: Solution) -> list[Limit]:
     label, program = solution.task.day.scenarios.label, solution.program
     strengths: defaultdict[tuple[str, str], float] = defaultdict(float)
 
-    for name in program.requirements:
-        if not solution.is_equation(name):
-            strengths[name, "1 % of the limit"] += solution.multiplier(name, None)
+    for row in program.constraints:
+        if row.block is None and not row.equation:
+            strengths[row.name, "1 % of the limit"] += solution.multiplier(row.name, None)
     by_hour = solution.by_hour()
-    for block, scenario in enumerate(solution.scenarios):
+    for block, scenario in enumerate(solution.linearisation.known):
         where = f" ({label(scenario)})"
         full = solution.full(block)
         capacity = solution.multiplier("battery_capacity", block)
@@ -72,9 +72,10 @@ def limits_of(solution: Solution) -> list[Limit]:
         strengths["battery_capacity" + where, of_battery] += full * capacity
         strengths["energy_balance" + where, of_battery] += full * max(returned, 0.0)
         strengths["excess_time" + where, "1 h"] += by_hour[block] * RESERVE_SCALE_H
-        for row, named in (("continuous", "always_lit"), (POWER_AGAINST_WIND,) * 2):
-            strengths[named + where, "1 % of the limit"] += solution.multiplier(row, block)
-    for v, multiplier in zip(solution.task.variables, solution.design_bounds, strict=True):
+        for name, named in (("continuous", "always_lit"), (POWER_AGAINST_WIND,) * 2):
+            strengths[named + where, "1 % of the limit"] += solution.multiplier(name, block)
+    bounds = solution.bound_multipliers[program.parts["design"]]  # positive at an upper one
+    for v, multiplier in zip(solution.task.variables, bounds, strict=True):
         free = v.role is Role.design or v.name in solution.task.free_names
         if free and v.minimum < v.maximum:
             end = "maximum" if multiplier > 0.0 else "minimum"

@@ -49,11 +49,6 @@ from solar.types import BoolArray, FloatArray
 FORM = Form(1, climbs=True)
 _HEIGHTS = slice(-FORM.heights, None)
 _FIRST_CHARGE = 1 + FORM.intervals
-_DATA = {"efficiencies": 2, "reference_w": 1, "ceiling_m": 1}
-_DESIGN = dict.fromkeys(DesignSymbols._fields, 1) | {
-    "log_power_w": LEVELS,
-    "airspeed_m_per_s": LEVELS,
-}
 _ROUNDS = 6  # of program and simulator, at most
 _AGREED_H = 0.02  # excess time within which they agree
 _WIDER = 3.0  # factor on the margin of a day's return where that is too little
@@ -321,8 +316,11 @@ def _program(limit: ChargeLimit, repeated: bool) -> tuple[ca.Function, FloatArra
 
     For a day that repeats itself or a window; built once.
     """
-    data = {name: ca.SX.sym(name, size) for name, size in _DATA.items()}
-    design = DesignSymbols(*(ca.SX.sym(name, size) for name, size in _DESIGN.items()))
+    sizes = {"efficiencies": 2, "reference_w": 1, "ceiling_m": 1}
+    data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
+    sizes = dict.fromkeys(DesignSymbols._fields, 1)
+    sizes |= {"log_power_w": LEVELS, "airspeed_m_per_s": LEVELS}
+    design = DesignSymbols(*(ca.SX.sym(name, size) for name, size in sizes.items()))
     block, none = block_symbols(0, FORM), ca.SX(0, 1)
     excess_h, lack = ca.SX.sym("excess"), ca.SX.sym("lack", FORM.intervals)
     charge, height = (ca.SX.sym(name, FORM.heights) for name in ("charge", "height"))

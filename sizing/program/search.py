@@ -319,8 +319,7 @@ class Search:
         if task.continuous and simulated_h > 0.0:
             return
         if simulated_h > 0.0 and math.isfinite(simulated_h):
-            planned_h = solution.reserve_h(block) - solution.lacking_h(block)
-            scenario.shift_h += planned_h - simulated_h + _CUSHION_H
+            scenario.shift_h += solution.planned_h(block) - simulated_h + _CUSHION_H
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
         elif solution.violation <= LACKING and not far:
             scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)

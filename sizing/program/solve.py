@@ -87,7 +87,7 @@ class Solution:
     """Solution of the program of a task.
 
     ``values``: of its variables, in their units. ``centre``: the design before, in the program's
-    variables. ``scenarios``: in the program's blocks. ``x``, ``parameters``, ``row_multipliers``,
+    variables. ``x``, ``parameters``, ``row_multipliers``,
     ``bound_multipliers``: of the program, with CasADi's signs: the gradient of the cost plus that
     of rows and bounds, each times its multiplier, is zero.
     """
@@ -104,11 +104,6 @@ class Solution:
     converged: bool
     iterations: int
     message: str
-
-    @property
-    def scenarios(self) -> tuple[int, ...]:
-        """Scenarios in the blocks of the program."""
-        return tuple(self.linearisation.known)
 
     @property
     def excess_time_h(self) -> float:
@@ -158,18 +153,14 @@ class Solution:
         power_w = self.values["payload_power_w"] - self.linearisation.values["payload_power_w"]
         return max(abs(power_w) / self.linearisation.load_w, *self._changes(sizes))
 
-    def reserve_h(self, block: int) -> float:
-        """Excess time that a block has in the program, the required one or more [h]."""
+    def planned_h(self, block: int) -> float:
+        """Excess time of a block in the program, less what its night lacks [h]."""
         kept = self._of("excess_time", block)
         kept[kept] = self.linearisation.blocks[block].reserve > 0.0
         beyond_h = self._rows[kept] / -self._rows_by_hour[kept]
-        return self.excess_time_h + float(beyond_h.min())
-
-    def lacking_h(self, block: int) -> float:
-        """Excess time that the power which a block lacks stands for: what its night lacks [h]."""
-        charge = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
-        night_h = self.linearisation.blocks[block].hours[np.diff(charge) < 0.0].sum()
-        return float(self.lack[block] * (night_h + self.reserve_h(block)))
+        reserve_h = self.excess_time_h + float(beyond_h.min())
+        night_h = self.linearisation.blocks[block].hours[np.diff(self._charge(block)) < 0.0].sum()
+        return float(reserve_h - self.lack[block] * (night_h + reserve_h))
 
     def shift_h(self, block: int) -> float:
         """Excess time of the program beyond that of the simulator, as the program has it [h]."""
@@ -187,18 +178,9 @@ class Solution:
         held = np.abs(self.row_multipliers[self._of("excess_time", block)])
         return float((1.0 - reserve if on_way else reserve) @ held)
 
-    @property
-    def design_bounds(self) -> FloatArray:
-        """Multipliers of the bounds of the task's variables; positive at an upper one."""
-        return self.bound_multipliers[self.program.parts["design"]]
-
     def multiplier(self, name: str, block: int | None) -> float:
         """Sum of the multipliers of the rows of a name."""
         return float(np.abs(self.row_multipliers[self._of(name, block)]).sum())
-
-    def is_equation(self, name: str) -> bool:
-        """Whether the rows of a name are equations."""
-        return any(c.equation for c in self.program.constraints if c.name == name)
 
     def _of(self, name: str, block: int | None) -> BoolArray:
         """Which rows are those of a name and a block."""
@@ -217,9 +199,11 @@ class Solution:
 
     def full(self, block: int) -> float:
         """Energy of the full battery, in the unit of charges."""
-        spare = self._rows[self._of("battery_capacity", block)][0]
-        charges = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)
-        return float(spare + charges[block, 0])
+        return float(self._rows[self._of("battery_capacity", block)][0] + self._charge(block)[0])
+
+    def _charge(self, block: int) -> FloatArray:
+        """Energy at the nodes."""
+        return self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
 
     def by_hour(self) -> list[float]:
         """What an hour of excess time costs in every block."""
@@ -231,17 +215,11 @@ class Solution:
         """What an hour of required excess time costs, relative to the objective."""
         blocks = range(self.program.blocks)
         by_row = sum(self.excess_multiplier(block, on_way=on_way) for block in blocks)
-        payload = self.task.objective.payload_key is not None
-        whole = abs(self.cost) if payload else 1.0
-        return by_row / RESERVE_SCALE_H / max(whole, 1e-3)
-
-    @property
-    def cost(self) -> float:
-        """Cost without that of what is missed."""
-        count = len(self.task.variables)
-        weights = self.parameters[: count + 1]
-        unknowns = np.append(self.x[self.program.parts["design"]], self.excess_time_h)
-        return float(weights @ unknowns)
+        if self.task.objective.payload_key is None:
+            return by_row / RESERVE_SCALE_H
+        unknowns = self.x[: self.program.parts["excess"].stop]
+        payload = abs(float(self.parameters[: len(unknowns)] @ unknowns))
+        return by_row / RESERVE_SCALE_H / max(payload, 1e-3)
 
 
 def solve(

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design_space import DesignSpace, LimitEnd, Range
+from sizing.design_space import LimitEnd, Range
 from sizing.parameters import build_scales, catalogue, parameter_value, unit
 from solar.types import FloatArray
 
@@ -103,8 +103,9 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
     always += [
         Variable(name, unit(name), 0.0, math.inf, Role.payload, linear=True, least=least)
         for name, least in (
-            ("payload_mass_kg", _payload_scale_kg(space)),
-            ("payload_power_w", _payload_scale_w(space)),
+            # 1 kg for batteries of up to 25 kg, 10 W for modules of up to 8 m2; else in proportion
+            ("payload_mass_kg", max(1.0, space.battery_mass_kg.maximum / 25.0)),
+            ("payload_power_w", max(10.0, 10.0 * space.module_area_m2.maximum / 8.0)),
         )
     ]
     user_objective = getattr(space, "own_objective", None)
@@ -135,13 +136,3 @@ def eased_row(value: Any, end: LimitEnd, relative: Any) -> Any:
     if end == "minimum":
         return (value + 1.0) / relative - 1.0
     return 1.0 - (1.0 - value) / relative
-
-
-def _payload_scale_kg(space: DesignSpace) -> float:
-    """Payload mass that counts as one: 1 kg for batteries of up to 25 kg, else in proportion."""
-    return max(1.0, space.battery_mass_kg.maximum / 25.0)
-
-
-def _payload_scale_w(space: DesignSpace) -> float:
-    """Payload power that counts as one: 10 W for modules of up to 8 m2, else in proportion."""
-    return max(10.0, 10.0 * space.module_area_m2.maximum / 8.0)

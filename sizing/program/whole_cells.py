@@ -256,7 +256,8 @@ class _Search:
             held = self._with_chord(self._with_mppts(mppts or 0, cells), wing)
             result = self.sizing(held, bounds=bounds, start=self.start)
             if result.design is None:
-                reason = _why(result)
+                texts = (violation.text for violation in result.violations)
+                reason = "; ".join(texts) or "no design found"
             elif best is None or result.merit > best.merit:
                 best = result
         design = None if best is None else best.design
@@ -379,17 +380,6 @@ class _Search:
         put_parts_in(data, self.aircraft, result.design)
         with texts_as_read(self.aircraft.texts_read):
             return Aircraft.model_validate(data)
-
-
-def _why(result: SizingResult) -> str:
-    """Return why a sizing has no design, in words."""
-    if result.violations:
-        return "; ".join(violation.text for violation in result.violations)
-    nearest = result.nearest
-    if nearest is None:
-        return "no design found"
-    least_h = float(nearest.cycle.excess_time_h.min())
-    return f"the required excess time is out of reach (nearest design {least_h:.2f} h)"
 
 
 def _least_m(holds: Callable[[float], bool]) -> float:
