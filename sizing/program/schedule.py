@@ -112,7 +112,9 @@ def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climb
         able &= goal_h > _AGREED_H
     if not best_m.any():
         return level
-    return flown_along(time_h, levels, store, best_m)._replace(program_h=program_h)
+    if not np.array_equal(climbs.height_m, best_m):
+        climbs = flown_along(time_h, levels, store, best_m)
+    return climbs._replace(program_h=program_h)
 
 
 def flown_along(

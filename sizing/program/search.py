@@ -16,8 +16,8 @@ from functools import partial
 
 import numpy as np
 
-from sizing.design import NO_FLIGHT_W, variables_of
-from sizing.performance import Performance, performance_of_designs
+from sizing.design import NO_FLIGHT_W, picked, variables_of
+from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import (
     Linearisation,
@@ -227,9 +227,9 @@ class Search:
         promising = bool(self.profiles) if solution is None else solution.violation <= LACKING
         if promising and task.mission.climb is not None and not task.is_enough(excess_h):
             # Heights of the program are no more than a proposal: the best for the design count.
-            it, design = task.eased(values), task.design_variables(values)
-            climbs = performance_of_designs(
-                it.simulated_aircraft, it.mission, design, it.solar, day=it.day
+            it = task.eased(values)
+            climbs = fly(
+                it.simulated_aircraft, it.mission, it.solar, picked(perf.design, 0), it.day
             )
             excess_h = np.maximum(excess_h, climbs.cycle.excess_time_h)
         judged = JudgedDesign(
