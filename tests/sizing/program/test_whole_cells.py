@@ -1,12 +1,9 @@
 """Designs of whole cells against a scan of wingspans through the simulator."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from builders import AS2
-from builders import mission as plain_mission
 
 import sizing
 from missions.library import load_mission
@@ -14,10 +11,8 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.layout.cells import Wing
 from sizing.limits import meets_requirements
-from sizing.performance import performance, performance_of_designs
-from sizing.program.objectives import Objective
-from sizing.program.result import SizingResult, SizingStatus, SolverReport
-from sizing.program.whole_cells import _why, without_whole_cells
+from sizing.performance import performance_of_designs
+from sizing.program.whole_cells import without_whole_cells
 
 MISSION = load_mission("central-europe-summer")
 REQUIRED_H = 3.0
@@ -232,13 +227,3 @@ def test_unlimited_excess_time_is_no_loss_and_no_failure():
     assert "whole cells: excess time unlimited" in str(study.summary())
     chosen = study.to_dict()["whole_cells"]["chosen"]
     assert (chosen["value"], chosen["reason"]) == (None, "")
-
-
-def test_a_search_without_verdict_says_how_near_it_came():
-    status, goal = SizingStatus.not_converged, Objective.min_mass
-    report = SolverReport()
-    none = SizingResult(status=status, objective=goal, required_excess_time_h=9.0, solver=report)
-    assert _why(none) == "no design found"
-    flight = performance(AS2, plain_mission())
-    least_h = float(flight.cycle.excess_time_h.min())
-    assert f"(nearest design {least_h:.2f} h)" in _why(replace(none, nearest=flight))
