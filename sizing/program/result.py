@@ -95,7 +95,21 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """Return the same without a design; ``violations``: what the nearest one misses."""
+        """Return the same without a design.
+
+        Parameters
+        ----------
+        status : SizingStatus
+            Why there is none.
+        nearest : Performance or None
+            Flight of the design that comes nearest.
+        *violations : Violation
+            What that design misses.
+
+        Returns
+        -------
+        SizingResult
+        """
         return replace(
             self,
             status=status,
