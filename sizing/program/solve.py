@@ -203,7 +203,8 @@ class Solution:
 
     def _charge(self, block: int) -> FloatArray:
         """Energy at the nodes."""
-        return self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
+        charges = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)
+        return np.asarray(charges[block])
 
     def by_hour(self) -> list[float]:
         """What an hour of excess time costs in every block."""
