@@ -72,7 +72,17 @@ class ColumnMap(Record):
         ignore: Sequence[str] = (),
         exclude: Sequence[Span] = (),
     ) -> ColumnMap:
-        """Return the map with options of the command line, which precede or extend the file's."""
+        """Return the map with options of the command line, which precede the file.
+
+        Parameters
+        ----------
+        columns, timezone, start, ignore, exclude
+            As the keys of a map: the first three replace its values, the others add to them.
+
+        Returns
+        -------
+        ColumnMap
+        """
         changes: dict[str, Any] = {"columns": {**self.columns, **columns}}
         changes |= {n: v for n, v in (("timezone", timezone), ("start", start)) if v is not None}
         changes |= {"ignore": (*self.ignore, *ignore), "exclude": (*self.exclude, *exclude)}

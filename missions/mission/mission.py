@@ -246,9 +246,20 @@ class Mission(FileRecord):
     def pessimistic_power_factor(self, model: ModelName, correct: CorrectionName = "none") -> float:
         """Return the factor on the power of a solar model in this mission's light [-].
 
-        The factor of the correction, of ``loiter`` that part which is the same everywhere, less the
-        margin of the model's RMS error. With :attr:`pessimistic_clearness` this is all that
-        corrections and uncertainty margins do to modelled power, in every study.
+        With :attr:`pessimistic_clearness` this is all that corrections and uncertainty margins do
+        to modelled power, in every study.
+
+        Parameters
+        ----------
+        model : {"CDM", "CAM", "VM", "FM"}
+            Solar power model.
+        correct : {"none", "report", "loiter"}
+            Correction of its systematic error; of ``loiter`` the part that is the same everywhere.
+
+        Returns
+        -------
+        float
+            Factor of the correction, less the margin of the model's RMS error.
         """
         known = correction(model, correct)
         less = self.uncertainty_margins.solar_model_sigmas * known.rms_relative

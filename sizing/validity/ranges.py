@@ -24,14 +24,8 @@ EXPERIENCE = "experience"
 class Range:
     """Range of a quantity in which a model holds; a row of the catalogue of ranges.
 
-    Attributes
-    ----------
-    quantity, label, unit : str
-        Key, name and unit (``1`` for none) of the quantity.
-    minimum, maximum : float or None
-        Ends of the range; None for an open end, in the catalogue also for one that differs.
-    model, holder, source : str
-        Model of the range, as in files and in words, and the source of the range.
+    ``unit``: ``1`` for none. ``minimum``, ``maximum``: None for an open end, in the catalogue also
+    for one that differs. ``model``, ``holder``: model of the range, as in files and in words.
     """
 
     quantity: str

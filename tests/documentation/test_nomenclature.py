@@ -88,4 +88,4 @@ def test_units_that_keys_end_in_are_listed():
     # What is longer is a word.
     short = {key for key in keys() if re.search(r"_[a-z]{1,2}\d?$", key)}
     assert short
-    assert {key for key in short if key.rpartition("_")[2] not in units} <= {"held_by"}
+    assert {key for key in short if key.rpartition("_")[2] not in units} <= {"found_by", "held_by"}

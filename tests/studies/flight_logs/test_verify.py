@@ -207,7 +207,8 @@ def test_without_a_charge_the_fall_of_power_to_the_load_is_left_out():
     assert reasons(result) == ["battery_full"]
     inside = (result.samples.time_s > START_UTC_S + 24.1 * 3600.0) & result.excluded
     assert inside.sum() > 0.95 * 3.2 * 360
-    assert covers(result, "clock_offset", 0.0)
+    # What is left of the fall moves the sun by less than a sixteenth of a degree.
+    assert estimate(result, "clock_offset").value == pytest.approx(0.0, abs=0.25)
 
 
 def test_no_power_is_left_out_and_dusk_is_not():
