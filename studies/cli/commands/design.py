@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
@@ -274,6 +273,8 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
     def _next_step(self, study: SizingStudy) -> str:
         """Return what to do after a sizing."""
         if study.feasible and self.out_dir is not None:
+            import shlex
+
             folder = shlex.quote(self.out_dir)
             return f"solar-uav report {folder} --out report.html; solar-uav analyse {folder}"
         if study.feasible:

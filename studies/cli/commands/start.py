@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import sys
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -121,6 +119,8 @@ class Init(CommandOptions):
 
     def run(self) -> None:
         """Write starter files, and say what to do next; existing ones are never overwritten."""
+        from importlib import resources
+
         from missions.files.errors import InputError, file_error
         from missions.files.writing import names_a_device, write_files_atomically
 
@@ -163,6 +163,8 @@ class Validate(CommandOptions):
 
     def run(self) -> None:
         """Tell of each file whether it is valid, or what is wrong with it."""
+        import shlex
+
         from missions.files.errors import InputError, printable
         from missions.files.validation import validate
         from missions.files.yaml import read_yaml
