@@ -155,7 +155,17 @@ def add_legend(
 
     ``side``: ``center`` or ``right``. ``**looks``: as matplotlib's legend takes them.
     """
-    looks |= {"handles": handles, "loc": f"outside lower {side}"}
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    # Matplotlib before 3.10 refuses bands of a sub-figure in the legend of the whole one.
+    entries = [
+        Patch(facecolor=it.get_facecolor()[0], linewidth=0, label=str(it.get_label()))
+        if isinstance(it, PolyCollection)
+        else it
+        for it in handles
+    ]
+    looks |= {"handles": entries, "loc": f"outside lower {side}"}
     for count in range(columns, 0, -1):
         legend = figure.legend(ncols=count, **looks)
         if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
