@@ -156,15 +156,15 @@ def add_legend(
     ``side``: ``center`` or ``right``. ``**looks``: as matplotlib's legend takes them.
     """
     from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgba_array
     from matplotlib.patches import Patch
 
     # Matplotlib before 3.10 refuses bands of a sub-figure in the legend of the whole one.
-    entries = [
-        Patch(facecolor=it.get_facecolor()[0], linewidth=0, label=str(it.get_label()))
-        if isinstance(it, PolyCollection)
-        else it
-        for it in handles
-    ]
+    entries = list(handles)
+    for i, band in enumerate(handles):
+        if isinstance(band, PolyCollection):
+            (colour,) = to_rgba_array(band.get_facecolor())
+            entries[i] = Patch(facecolor=tuple(colour), linewidth=0, label=str(band.get_label()))
     looks |= {"handles": entries, "loc": f"outside lower {side}"}
     for count in range(columns, 0, -1):
         legend = figure.legend(ncols=count, **looks)
