@@ -14,7 +14,7 @@ altitude_m: 536
 climb:
   ceiling_m: 3536
 """
-CLIMBS = "climbs from 536 to 3536 m once the battery is full"
+CLIMBS = "climbs from 536 to 3536 m"
 
 
 @pytest.fixture
@@ -128,7 +128,8 @@ def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
     assert f"in level flight at 536 m: wingspan {level['wingspan_m']:.3f} m" in said
     assert record["wingspan_m"] < 0.98 * level["wingspan_m"]
     assert up["maximum_altitude_m"] == pytest.approx(3536.0)
-    assert up["dawn_altitude_m"] == pytest.approx(536.0)
+    # Dawn lies between two nodes of the heights: within 1 % of the way up.
+    assert up["dawn_altitude_m"] == pytest.approx(536.0, abs=30.0)
     assert 0.0 < up["gliding_h"] < 12.0
     # What is written flies as the sizing says.
     flown = run("analyse", "sized", "--json").json()
