@@ -101,7 +101,7 @@ def test_analyse_uses_the_climb(run, climb, tmp_path):
     [
         (["map", "--latitudes", "40:50:10", "--days", "172:173:1"], CLIMBS),
         (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs"),
-        (["compare", "--corrections", "none"], CLIMBS),
+        (["compare", "--corrections", "none", "-v"], CLIMBS),
         (["ceiling", "--step", "2000"], "with climbs to 3536 m from night floors up to 3536 m"),
         (["uncertainty", "--samples", "64"], CLIMBS),
     ],
