@@ -64,7 +64,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     start_s, of_line = grid.index.to_numpy(), grid.pop(_LINE).to_numpy()
     columns = {str(name): column.to_numpy(copy=True) for name, column in grid.items()}
     sun = _Sun.over(raw.site, start_s, interval_s)
-    missing, repairs = len(of_line) - len(lines), []
+    missing, repairs = int(np.count_nonzero(of_line < 0)), []
     if stride > 1:
         apart, each = (f"{one_s / SECONDS_PER_HOUR:g} h" for one_s in (apart_s, interval_s))
         text = f"rows {apart} apart have the light of {each} each: shares of the clear sky between"
@@ -175,7 +175,7 @@ def _place_on_grid(
     lines: IntArray,
     source: str,
 ) -> pd.DataFrame:
-    """Place rows on an even time axis; rows between its points are errors.
+    """Place rows on an even time axis, the last of one place; rows between places are errors.
 
     Returns the values by the start of each interval, with the line of each row; NaN and line -1
     where there is no row.
@@ -189,7 +189,8 @@ def _place_on_grid(
     count = int(nearest[-1]) + 1
     if count * interval_s > MAXIMUM_DAYS * SECONDS_PER_DAY:
         raise file_error(source, f"spans more than {MAXIMUM_DAYS // 366} years")
-    rows = pd.DataFrame(values | {_LINE: lines}, index=nearest).reindex(range(count))
+    rows = pd.DataFrame(values | {_LINE: lines}, index=nearest)
+    rows = rows[~rows.index.duplicated(keep="last")].reindex(range(count))
     rows.index = pd.Index(start_s[0] + interval_s * np.arange(count))
     return rows.fillna({_LINE: -1}).astype({_LINE: int})
 

@@ -57,6 +57,21 @@ def test_short_gaps_follow_the_clear_sky(tmp_path):
     assert weather.dhi == pytest.approx(record.dhi, rel=1e-3, abs=0.01)
 
 
+def test_of_rows_in_one_place_the_last_counts(tmp_path):
+    record = clear_record(3, share=0.6)
+
+    def doubled(rows):
+        again = with_fields(
+            rows[34], time=rows[34].replace(":00Z", ":30Z").partition(",")[0], ghi=7
+        )
+        return [*rows[:35], again, *rows[35:40], *rows[42:]]
+
+    weather = load(tmp_path, record, rows=doubled)
+    assert weather.ghi[34] == 7.0
+    assert weather.ghi[33] == pytest.approx(record.ghi[33], abs=1e-3)
+    assert "2 of 72 rows are missing" in weather.repairs
+
+
 def test_long_gaps_take_the_nearest_day(tmp_path):
     record = clear_record(70, share=0.6)
     weather = load(tmp_path, record, rows=lambda rows: [*rows[:100], *rows[116:]])
