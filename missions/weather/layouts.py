@@ -43,7 +43,7 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
             else:
                 head = text[:HEAD_LENGTH]
                 layout, read = next((n, read) for n, key, read in _LAYOUTS if re.match(key, head))
-                raw = read(text, source)._replace(layout=layout)
+                raw = read(text, source)
         for name, value, lowest, highest in (
             ("latitude", raw.site.latitude_deg, -90.0, 90.0),
             ("longitude", raw.site.longitude_deg, -180.0, 360.0),
@@ -52,7 +52,8 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
             if not lowest <= value <= highest:
                 allowed = f"allowed: {lowest:g} to {highest:g}"
                 raise file_error(source, f"has its site at the {name} {value:g}; {allowed}")
-        return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
+        site = replace(raw.site, name=shortened(printable(raw.site.name)))
+        return raw._replace(layout=layout, site=site)
     except (InputError, RecursionError, MemoryError):
         raise
     except Exception as error:  # of a reader that was given a damaged file
@@ -118,7 +119,7 @@ _FULL_HOURS = "light taken at the full hours: the file does not say by how much 
 
 
 def _pvgis_tmy(text: str, source: str) -> RawTable:
-    kind = "json" if text.startswith("{") else "csv"
+    kind = _pvgis_format(text)
     content = io.StringIO(text) if kind == "json" else io.BytesIO(text.encode())
     table, meta = _iotools(source).read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
@@ -128,13 +129,12 @@ def _pvgis_tmy(text: str, source: str) -> RawTable:
     notes = () if offset_h is not None else (_FULL_HOURS,)
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
-    site = _site(source, "", inputs.get("location", inputs), altitude="elevation")
-    offset_s = 3600.0 * float(offset_h or 0.0)
+    site, offset_s = _pvgis_site(inputs, source), 3600.0 * float(offset_h or 0.0)
     return RawTable(site, table, MIDDLE, offset_s=offset_s, notes=notes)
 
 
 def _pvgis_hourly(text: str, source: str) -> RawTable:
-    kind = "json" if text.startswith("{") else "csv"
+    kind = _pvgis_format(text)
     table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
@@ -150,8 +150,17 @@ def _pvgis_hourly(text: str, source: str) -> RawTable:
         table["dni"] = np.where(sine > 0.0175, beam / np.maximum(sine, 0.0175), 0.0)
     else:
         table = table.rename(columns={"poa_global": "ghi"})
-    site = _site(source, "", inputs.get("location", inputs), altitude="elevation")
-    return RawTable(site, table, MIDDLE)
+    return RawTable(_pvgis_site(inputs, source), table, MIDDLE)
+
+
+def _pvgis_format(text: str) -> str:
+    """Return the format of a text of PVGIS as pvlib calls it."""
+    return "json" if text.startswith("{") else "csv"
+
+
+def _pvgis_site(inputs: dict[str, Any], source: str) -> Site:
+    """Return the site, which JSON has in a record of its own."""
+    return _site(source, "", inputs.get("location", inputs), altitude="elevation")
 
 
 def _slope_deg(inputs: dict[str, Any]) -> float | None:
@@ -245,10 +254,11 @@ def _site(
     return Site(name, *values)
 
 
-# Layouts by the first lines of a file, the first that fits.
+# SAM's first line: its names of all numbers of a head, in any order.
 _SAM = "(?i)" + "".join(
     rf"(?=(?:.*,)?[ \t]*(?:{'|'.join(names)})[ \t]*[,\n])" for names in _SAM_HEAD.values()
 )
+# Layouts by the first lines of a file, the first that fits.
 _Reader = Callable[[str, str], RawTable]
 _LAYOUTS: tuple[tuple[str, str, _Reader], ...] = (
     ("EPW", "LOCATION,", _epw),

@@ -35,19 +35,20 @@ _PACKED = {b"PK\x03\x04": "zip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xa
 class RawTable(NamedTuple):
     """Table of a file, as pvlib returns it.
 
-    ``site``: place of measurement. ``table``: columns ``ghi``,
-    ``dni``, ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them;
-    its index is the time, with its zone. ``passed``: share of the interval before a row's time: 0
-    start, 0.5 middle, 1 end. ``offset_s``: seconds to add to every row's time. ``interval_s``:
-    length of a row's interval if shorter than the spacing of rows. ``first_line``: line of the
-    first row in the file, counted from 1; 0 if rows are not lines. ``air_altitude_m``: altitude of
-    temperature and wind, if not near the ground. ``notes``: assumptions.
+    ``site``: place of measurement. ``table``: columns ``ghi``, ``dni``, ``dhi`` [W/m2],
+    ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them; its index is the time, with
+    its zone. ``passed``: share of the interval before a row's time: 0 start, 0.5 middle, 1 end.
+    ``layout``: name of the file's layout, which ``read_layout`` sets. ``offset_s``: seconds to add
+    to every row's time. ``interval_s``: length of a row's interval if shorter than the
+    spacing of rows. ``first_line``: line of the first row in the file, counted from 1; 0 if rows
+    are not lines. ``air_altitude_m``: altitude of temperature and wind, if not near the ground.
+    ``notes``: assumptions.
     """
 
     site: Site
     table: pd.DataFrame
     passed: float
-    layout: str = "NetCDF"
+    layout: str = ""
     offset_s: float = 0.0
     interval_s: float | None = None
     first_line: int = 0
