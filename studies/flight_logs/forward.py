@@ -259,7 +259,7 @@ def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:
         run=numbered_runs(index, log.segment()[index]),
         elevation_deg=np.degrees(sun.elevation_rad[index]),
         bearing_deg=bearing,
-        measured_w=log.solar_power_w[index],
+        measured_w=daylight.measured_w,
         modelled_w=modelled,
         detail=columns,
     )
