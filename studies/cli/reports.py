@@ -70,7 +70,7 @@ def write_report(case: Case, subject: Subject, path: str, *, with_pdf: bool = Fa
     contents: dict[str | os.PathLike[str], bytes] = {}
     is_page = PurePath(path).suffix.lower() == PAGE
     with progress_of("sections", lines=False) as progress:
-        progress(0, document.SECTIONS)
+        progress(0, len(document.makers(subject)))
         if subject.verification is None:
             with uncertain_inputs_of(case):
                 _ = subject.uncertainty  # a mistake is told before any other work

@@ -57,7 +57,6 @@ _OF_A_DESIGN: tuple[_Make, ...] = (
 )
 _OF_A_LOG: tuple[_Make, ...] = (aircraft_section, verification_section, belief_section)
 _AT_THE_END: tuple[_Make, ...] = (glossary_section, provenance_section, inputs_section)
-SECTIONS = len(_OF_A_DESIGN) + len(_AT_THE_END)
 
 
 def make_report(
@@ -135,14 +134,19 @@ def make_report(
     )
 
 
+def makers(subject: Subject) -> tuple[_Make, ...]:
+    """Return what makes the sections of a report; some make none of this subject."""
+    of_subject = _OF_A_DESIGN if subject.verification is None else _OF_A_LOG
+    return (*of_subject, *_AT_THE_END)
+
+
 def render(subject: Subject, progress: Callable[[int, int], None] | None = None) -> str:
     """Return the page; ``progress`` takes the numbers of finished and of all sections."""
-    of_subject = _OF_A_DESIGN if subject.verification is None else _OF_A_LOG
-    makers, sections = (*of_subject, *_AT_THE_END), []
-    for number, make in enumerate(makers, 1):
+    sections = []
+    for number, make in enumerate(every := makers(subject), 1):
         sections.append(make(subject))
         if progress is not None:
-            progress(number, len(makers))
+            progress(number, len(every))
     page: str = _template().render(
         subject=subject,
         verdict=verdict(subject),
