@@ -171,6 +171,9 @@ def opened(
     ``overrides``: texts ``key=value`` of both kinds, which replace or add keys of the file.
     ``of_run``: whether a run wrote it, with its overrides in it.
     """
+    if not gc.isenabled():  # as the command was started: what is imported stays
+        gc.freeze()
+        gc.enable()
     is_aircraft = kind == "aircraft"
     record, other = (Aircraft, Mission) if is_aircraft else (Mission, Aircraft)
     mine = [
@@ -210,9 +213,6 @@ def load(options: CaseOptions) -> Case:
     options that are not given. Place, day, required excess time and total mass replace the files'
     own, for commands with such options.
     """
-    if not gc.isenabled():  # as the command was started: what is imported stays
-        gc.freeze()
-        gc.enable()
     aircraft, mission = options.aircraft, options.mission
     solar = SolarModel()
     if isinstance(options, ModelOptions):
