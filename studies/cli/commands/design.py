@@ -385,11 +385,12 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
             plot = figure_of(
                 f"studies.sweeps.plots:{draw}", data, *columns or (), figure=self.figure
             )
+            result = SweepResult(data, self.sort, self.top, self.pareto)
             try:
                 deliver(
                     case,
                     self,
-                    SweepResult(data, self.sort, self.top, self.pareto),
+                    result,
                     files={self.out_file: grid_of(data, "points")},
                     plot=plot,
                     next_step=f"{call('explore')} (the same with sliders)",
