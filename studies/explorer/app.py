@@ -136,8 +136,8 @@ class Explorer:
     async def _report_page(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
         """Report on the point, as a file to be saved."""
         _only(body, "settings")
-        subject = self.session.report_subject(self.session.settings(body.get("settings")))
-        page = await self._worked(request, report_page, subject)
+        task = self.session.report_task(self.session.settings(body.get("settings")))
+        page = await self._worked(request, report_page, task)
         return {"name": self.session.file_names()["report"]} | page
 
     async def _worked(

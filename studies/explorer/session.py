@@ -11,7 +11,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -34,11 +34,9 @@ from solar._version import __version__
 from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
+from studies.explorer.worker import ReportTask
 from studies.output.run_folder import InputFile, RunInputs
 from studies.output.season_scale import page_scale
-
-if TYPE_CHECKING:
-    from studies.report.subject import Subject
 
 _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
 _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
@@ -253,17 +251,15 @@ class Session:
             "report": f"{stem}.html",
         }
 
-    def report_subject(self, settings: Settings) -> Subject:
-        """Return what a report on the point is about."""
-        from studies.report.subject import Subject  # which the page needs late, if at all
-
+    def report_task(self, settings: Settings) -> ReportTask:
+        """Return the task of a report on the point, which takes seconds."""
         made = self.inputs(settings)
         files = {
             kind: InputFile(f"{document.source}, as explored", None)
             for kind, document in made.files.items()
         }
         inputs = RunInputs(made.aircraft_file.data, made.mission_file.data, made.solar, files)
-        return Subject(made.aircraft, made.mission, made.solar, inputs)
+        return ReportTask(made.aircraft, made.mission, inputs)
 
     def saved(self, settings: Settings) -> dict[str, Any]:
         """Return the files, names for them, and the command that analyses them."""

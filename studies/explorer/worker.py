@@ -25,11 +25,11 @@ from sizing.performance import performance
 from sizing.program.objectives import Objective
 from studies.explorer.settings import AnsweredError
 from studies.output.figures.options import ignore_settings_of_folder
+from studies.output.run_folder import RunInputs
 from studies.render.words import constraint_words, parameter_words
 
 if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy
-    from studies.report.subject import Subject
 
 LONGEST_S = 180.0
 _PAYLOAD_KEYS = ("mass_kg", "power_w")
@@ -42,6 +42,14 @@ class SizingTask(NamedTuple):
     mission: Mission
     objective: Objective
     solar: SolarModel
+
+
+class ReportTask(NamedTuple):
+    """What is to be reported on."""
+
+    aircraft: Aircraft
+    mission: Mission
+    inputs: RunInputs
 
 
 class WorkerBusyError(AnsweredError):
@@ -121,11 +129,12 @@ def _serve(pipe: Connection) -> None:
             pipe.send(answer)
 
 
-def report_page(subject: Subject) -> dict[str, Any]:
+def report_page(task: ReportTask) -> dict[str, Any]:
     """Report in this process: ``text`` is the page, HTML that needs no other file."""
-    from studies.report import document
+    from studies.report import document, subject
 
-    return {"text": document.render(subject)}
+    shown = subject.Subject(task.aircraft, task.mission, task.inputs.solar, task.inputs)
+    return {"text": document.render(shown)}
 
 
 def sizing_record(task: SizingTask) -> dict[str, Any]:
