@@ -27,8 +27,8 @@ RECORDS = {
     # ---- What is analysed
     "Analysis": """
         *worst_scenario
-        climb.program_excess_time_h?=climb_check_h.0
-        climb.one_minute_excess_time_h?=climb_check_h.1
+        climb.program_excess_time_h?=climb_check_h.program_excess_time_h
+        climb.one_minute_excess_time_h?=climb_check_h.one_minute_excess_time_h
         aircraft=aircraft.name mission=mission.name total_mass_kg=design.total_mass_kg
         masses_kg structure battery_energy_wh=design.battery_energy_wh
         propulsion_power_w=design.propulsion_power_w
@@ -282,10 +282,7 @@ def _reach(value: Any, path: str) -> Any:
     for name in path.split("."):
         if value is None:
             return None
-        if name.isdigit():
-            value = value[int(name)]
-        else:
-            value = value[name] if isinstance(value, Mapping) else getattr(value, name)
+        value = value[name] if isinstance(value, Mapping) else getattr(value, name)
         value = value() if callable(value) else value
     return value
 

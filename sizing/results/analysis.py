@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -61,6 +61,13 @@ _OF_FRAME = (
     "solar_energy_wh",
     "load_energy_wh",
 )
+
+
+class ClimbCheck(NamedTuple):
+    """Excess time of heights by the program that chose them, and in steps of a minute [h]."""
+
+    program_excess_time_h: float
+    one_minute_excess_time_h: float
 
 
 @dataclass(frozen=True)
@@ -256,16 +263,13 @@ class Analysis(DesignResult):
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
     @cached_property
-    def climb_check_h(self) -> tuple[float, float] | None:
-        """Excess time of the worst scenario's heights by the program, and in steps of a minute [h].
-
-        None where it does not climb.
-        """
+    def climb_check_h(self) -> ClimbCheck | None:
+        """Both excess times of the worst scenario; None where it does not climb."""
         program_h = self.performance.program_excess_h
         if program_h is None or np.isnan(program_h[self.worst]):
             return None
         by_minute_h = fine_step_excess_time_h(self.aircraft, self.performance)
-        return float(program_h[self.worst]), by_minute_h
+        return ClimbCheck(float(program_h[self.worst]), by_minute_h)
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
