@@ -45,6 +45,8 @@ _REFERRED = re.compile(r'(\bid="|url\(#|href="#)')  # what is left of ids, and w
 _STYLE = re.compile(r' style="[^"]*"')
 _COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
 _FAMILY = re.compile(r"font-family:[^;\"]*;?\s*")
+# Matplotlib 3.9 writes size, style and family of a type in one.
+_FONT = re.compile(r"font:\s*(?P<looks>[^;\"]*?)(?P<size>[\d.]+px)\s+[^;\"]*")
 # White that lies on cells of a map stays white; where it fills, it is the page.
 _DRAWN_WHITE = re.compile(r"(stroke:\s*)#ffffff", re.IGNORECASE)
 
@@ -94,5 +96,11 @@ def _themed(style: str) -> str:
         name = COLOURS.get(match[0].lower())
         return match[0] if name is None else f"var(--{name})"
 
+    def font(match: re.Match[str]) -> str:
+        slanted = "italic" in match["looks"] or "oblique" in match["looks"]
+        looks = "font-style: italic; " if slanted else ""
+        weight = "font-weight: 600; " if "bold" in match["looks"] else ""
+        return f"{looks}{weight}font-size: {match['size']}"
+
     style = _COLOUR.sub(variable, _DRAWN_WHITE.sub(r"\1white", style))
-    return _FAMILY.sub("", style)
+    return _FAMILY.sub("", _FONT.sub(font, style))
