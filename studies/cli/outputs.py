@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from studies.output.gridded import OnGrid
 
 PAGE, PRINTED = ".html", ".pdf"
+_COLLAPSED = "constrained_layout not applied because axes sizes collapsed"  # as matplotlib says
 
 # Makes what a file holds, by its name.
 Content: TypeAlias = Callable[[str], bytes]
@@ -169,10 +170,13 @@ def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any
 
     def content(path: str) -> bytes:
         figure = (resolve_name(draw) if isinstance(draw, str) else draw)(*arguments, **options)
-        with warnings.catch_warnings(record=True) as troubles:
-            warnings.filterwarnings("always", message="constrained_layout not applied")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.filterwarnings("always", message=_COLLAPSED)
             data = to_bytes(figure, image_format(path) or "png")
-        if any("collapsed" in str(trouble.message) for trouble in troubles):
+        others = [one for one in caught if not str(one.message).startswith(_COLLAPSED)]
+        for one in others:
+            warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+        if len(others) < len(caught):
             what = "the figure is too small for its axes and texts"
             tell_error(f"solar-uav: {path}: {what}: give a larger --figure-size, or --no-title")
         return data
