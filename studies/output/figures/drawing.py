@@ -9,7 +9,8 @@ import functools
 import io
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from itertools import cycle
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 
@@ -19,12 +20,14 @@ from solar.names import MODEL_NAMES
 from studies.output.figures.options import (
     DEFAULT,
     DOTS_PER_INCH,
+    SETTINGS,
     SHIPPED_STYLES,
     FigureOptions,
     check_dots,
     in_style,
     library,
     style_settings,
+    type_within,
 )
 from studies.output.formats import IMAGE_FORMATS, image_format
 
@@ -55,14 +58,16 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
     """Make a function draw in the style of its keyword ``figure``.
 
     A figure that is given in its place is drawn on as it is, in the settings of its owner; so is
-    the place of axes that are given as ``ax``.
+    the place of axes that are given as ``ax``, in smaller type where it is small.
     """
 
     @functools.wraps(draw)
     def drawn(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Figure:
         axes: Any = kwargs.pop("ax", None)
         if axes is not None:
-            kwargs["figure"] = _in_place_of(axes)
+            kwargs["figure"] = part = _in_place_of(axes)
+            with _in_type_of(part):
+                return draw(*args, **kwargs)
         canvas = kwargs.get("figure", DEFAULT)
         if not isinstance(canvas, FigureOptions):
             return draw(*args, **kwargs)
@@ -72,11 +77,24 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
     return drawn
 
 
+@contextmanager
+def _in_type_of(part: Any) -> Iterator[None]:
+    """Draw in type that fits a part of a figure; its ticks are made later, and are told theirs."""
+    from matplotlib.font_manager import FontProperties
+
+    size = type_within(_setting("font.size"), *(part.bbox.size / part.dpi))
+    with SETTINGS, library().rc_context({"font.size": size}):
+        yield
+        for axis in (axis for axes in part.axes for axis in (axes.xaxis, axes.yaxis)):
+            size = FontProperties(size=_setting(f"{axis.axis_name}tick.labelsize")).get_size()
+            axis.set_tick_params(labelsize=size)
+
+
 def _in_place_of(axes: Axes) -> Any:
     """Return the part of a figure where axes were: a drawing may have panels and a heading.
 
     The figure is laid out by constraints where its owner has chosen no layout: heading and legend
-    of the part then stay within it.
+    of the part then stay within it. Its heading is the title of the axes until it has another.
     """
     place = axes.get_subplotspec()
     figure = axes.figure
@@ -86,6 +104,8 @@ def _in_place_of(axes: Axes) -> Any:
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
     part = figure.add_subfigure(place)
+    if axes.get_title():
+        part.suptitle(axes.get_title())
     axes.remove()
     return part
 
@@ -118,7 +138,8 @@ def new_figure(
     # An escaped dollar begins no formula.
     title, line = title.replace("$", r"\$"), line.replace("$", r"\$")
     if not isinstance(canvas, FigureOptions):
-        figure.suptitle(f"{title}\n{line}".strip(), wrap=True)
+        if title:  # else its owner's stays
+            figure.suptitle(f"{title}\n{line}".strip(), wrap=True)
     elif title and canvas.title:
         figure.suptitle(title, wrap=True)
         below = figure.subfigures()

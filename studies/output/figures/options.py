@@ -101,12 +101,17 @@ class FigureOptions:
         if self.style != "default":
             settings_of_style |= style_settings(self.style)
         if self.size_in is not None:
-            size = max(_TYPE_PER_INCH * min(filter(None, self.size_in)), _SMALLEST_TYPE)
-            settings_of_style["font.size"] = min(settings_of_style.get("font.size", 10.0), size)
+            usual = settings_of_style.get("font.size", 10.0)
+            settings_of_style["font.size"] = type_within(usual, *filter(None, self.size_in))
         return settings_of_style
 
 
 DEFAULT = FigureOptions()
+
+
+def type_within(usual_pt: float, *size_in: float) -> float:
+    """Return the size of the type [pt] of a drawing of some width and height, if it is known."""
+    return min(usual_pt, max(_TYPE_PER_INCH * min(size_in), _SMALLEST_TYPE))
 
 
 def ignore_settings_of_folder() -> None:

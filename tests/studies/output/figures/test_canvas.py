@@ -11,6 +11,7 @@ from matplotlib.text import Text
 
 from sizing import analyse
 from studies.output.cycle_plots import plot_cycle
+from studies.output.figures.drawing import new_figure, styled
 from studies.output.figures.layout import StyledFigure
 from studies.output.figures.options import FigureOptions, read_size
 
@@ -56,7 +57,7 @@ def test_small_figures_have_smaller_type_and_their_title_above_the_axes():
 
 
 def test_a_drawing_in_the_place_of_axes_stays_there():
-    figure = Figure(figsize=(9.0, 5.0))
+    figure = Figure(figsize=(7.0, 2.8))
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
     plot_cycle(analyse(AS2, shipped_mission()), ax=right)
@@ -66,3 +67,29 @@ def test_a_drawing_in_the_place_of_axes_stays_there():
     assert legend.get_window_extent().x0 >= left.get_window_extent().x1
     lowest = min(axes.get_tightbbox().y0 for axes in part.axes)
     assert legend.get_window_extent().y1 <= lowest + 1.0
+
+
+def test_type_of_a_drawing_in_the_place_of_axes_fits_it():
+    """Ticks are labelled when they are drawn, after the drawing's settings have gone."""
+    figure = Figure(figsize=(8.0, 2.5))
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    plot_cycle(analyse(AS2, shipped_mission()), ax=right)
+    figure.savefig(io.BytesIO(), format="png")
+    (part,) = figure.subfigs
+    labels = [text for axes in part.axes for text in (axes.yaxis.label, *axes.get_yticklabels())]
+    (size,) = {text.get_fontsize() for text in labels}
+    assert size == pytest.approx(2.6 * 2.5)
+    assert size < left.get_yticklabels()[0].get_fontsize() == 10.0
+
+
+def test_titles_of_the_user_stay_where_a_drawing_has_none():
+    figure = Figure()
+    figure.suptitle("mine")
+    new_figure(canvas=figure, notes=("note",))
+    assert figure.get_suptitle() == "mine"
+    whole = Figure()
+    axes = whole.subplots()
+    axes.set_title("also mine")
+    styled(lambda figure: new_figure(canvas=figure)[0])(ax=axes)
+    assert whole.subfigs[0].get_suptitle() == "also mine"

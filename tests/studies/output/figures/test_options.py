@@ -145,8 +145,15 @@ def test_the_command_draws_in_the_size_that_is_asked_for(run):
 
 
 @pytest.mark.long
-def test_a_figure_too_small_for_its_axes_is_told_and_written(run, tmp_path):
-    call = "uncertainty atlantiksolar-design --samples 64 --figure-size 41x40mm"
+@pytest.mark.parametrize(
+    "call",
+    [
+        "uncertainty atlantiksolar-design --samples 64 --figure-size 60x42mm",
+        # Its heading fills it.
+        "analyse atlantiksolar-as2 --figure-size 41x40mm --style slides",
+    ],
+)
+def test_a_figure_too_small_for_its_axes_is_told_and_written(run, tmp_path, call):
     outcome = run(*call.split(), "--plot", "out.pdf")
     assert outcome.code == 0
     assert "the figure is too small for its axes and texts: give a larger" in outcome.err
