@@ -152,8 +152,6 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool)
     path: str | os.PathLike[str] = ""
     try:
         for path, data in contents.items():
-            if os.fspath(path) in ("", "."):
-                raise IsADirectoryError
             target = Path(path)
             link = target.is_symlink()
             mode = target.stat().st_mode if target.exists() and (named or not link) else None
