@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -102,14 +102,9 @@ class Extrapolation(Range):
         above = 0.0 if high is None else (self.value - high) / (abs(high) or 1.0)
         return max(below, above)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return all fields and the text, JSON-ready."""
-        record = {name: getattr(self, name) for name in ("quantity", "label", "unit", "value")}
-        return record | asdict(self) | {"scenarios": list(self.scenarios), "text": self.text}
-
     @classmethod
     def from_dict(cls, record: Mapping[str, Any]) -> Extrapolation:
-        """Return the record of :meth:`to_dict`, of earlier versions too."""
+        """Return what JSON has as a record, that of earlier versions too."""
         values = {name: record[name] for name in cls.__dataclass_fields__ if name in record}
         return cls(**values | {"scenarios": tuple(record["scenarios"])})
 

@@ -33,6 +33,7 @@ from solar.versions import FORMAT_VERSION
 from studies.output.formats import csv_bytes, table_bytes, workbook_bytes
 from studies.quantities import DESIGN_COLUMNS, REACHED, described
 from studies.render.words import requirements
+from studies.serialise import serialise
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -278,7 +279,7 @@ def extrapolation_attribute(extrapolations: Sequence[Extrapolation]) -> dict[str
     """Return the attribute of what is extrapolated; none where nothing is."""
     if not extrapolations:
         return {}
-    return {"extrapolations": to_json([quantity.to_dict() for quantity in extrapolations])}
+    return {"extrapolations": to_json(serialise(extrapolations))}
 
 
 def extrapolations_of(data: OnGrid) -> tuple[Extrapolation, ...]:

@@ -28,6 +28,7 @@ from sizing.validity.extrapolations import (
     merge_extrapolations,
 )
 from sizing.validity.ranges import Extrapolation, ranges
+from studies.serialise import serialise
 
 GRAVITY = 9.80665
 POLAR = {
@@ -365,7 +366,7 @@ def test_text_and_record_keep_what_is_told():
         assert again.value == pytest.approx(note.value, rel=1e-5)
         # The line has no room for the masses by both models.
         assert again == dataclasses.replace(note, value=again.value, worth="")
-    assert tuple(Extrapolation.from_dict(note.to_dict()) for note in notes) == notes
+    assert tuple(Extrapolation.from_dict(serialise(note)) for note in notes) == notes
 
 
 def test_text_keeps_technology_beyond_experience():

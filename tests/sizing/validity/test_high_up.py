@@ -16,6 +16,7 @@ from sizing.validity.ranges import Extrapolation
 from studies.maps.study import feasibility_map
 from studies.output.gridded import extrapolations_of
 from studies.render.notes import extrapolation_caption
+from studies.serialise import serialise
 
 # Perpetual there on the longest day, by less than the assumptions are worth.
 HIGH = mission(altitude_m=10000.0, dates={"on": "06-21"})
@@ -173,7 +174,7 @@ def test_captions_say_what_is_assumed_and_its_worth():
 
 def test_records_keep_the_worth_and_those_from_before_it_are_read():
     for note in analyse(DESIGN, HIGH).extrapolations:
-        record = note.to_dict()
+        record = serialise(note)
         assert Extrapolation.from_dict(record) == note
         old = {key: value for key, value in record.items() if not key.startswith(("worth", "exc"))}
         plain = dataclasses.replace(note, worth="", excess_time_h=None)
