@@ -56,16 +56,6 @@ class DesignInFlight(NamedTuple):
         return variables.wingspan_m / variables.aspect_ratio
 
     @property
-    def drag_n(self) -> Value:
-        """Drag of level flight, thrust power over airspeed [N]."""
-        return self.design.thrust_power_w / self.design.airspeed_m_per_s
-
-    @property
-    def lift_to_drag(self) -> Value:
-        """Lift over drag in level flight, ``m g / D`` [-]."""
-        return self.design.total_mass_kg * GRAVITY_M_PER_S2 / self.drag_n
-
-    @property
     def climb_rate_m_per_s(self) -> Value:
         """Climb rate at rated power and level-flight airspeed: excess power over weight [m/s]."""
         chain, weight_n = self.design.chain, self.design.total_mass_kg * GRAVITY_M_PER_S2

@@ -8,13 +8,12 @@ the groups that are to have it; what a design may also be bounded by is in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any
 
 from sizing.data_rows import data_rows
-from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance
 from sizing.results.measures import MEASURES, OF_SCENARIO
@@ -40,9 +39,9 @@ class Quantity(Column):
 
     def of(self, result: Any) -> Any:
         """Return the value of a design, or of one in flight; of a performance in every scenario."""
-        known: Mapping[str, Callable[[Any], Any]]
-        known = MEASURES if isinstance(result, Performance) else _OF_DESIGN
-        return known.get(self.name, attrgetter(self.path or self.name))(result)
+        if isinstance(result, Performance) and self.name in MEASURES:
+            return MEASURES[self.name](result)
+        return attrgetter(self.path or self.name)(result)
 
     @property
     def variable(self) -> str:
@@ -61,10 +60,6 @@ class Quantity(Column):
         text, unit = column.text(value), unit_text(column.shown_unit)
         bare = isinstance(value, str) or not unit or column.form == CLOCK
         return self.label, text if bare or text in (self.missing, UNLIMITED) else f"{text} {unit}"
-
-
-# Of a design by its key, where they are more than an attribute.
-_OF_DESIGN = {key: QUANTITIES[key] for key in ("stall_speed_m_per_s", "wing_loading_kg_per_m2")}
 
 
 # ---- The table
@@ -130,12 +125,8 @@ WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA = group(
 PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS, WING_AREA = group(
     "payload_mass_kg payload_power_w total_mass_kg wing_area_m2"
 )
-AIRSPEED, BATTERY_ENERGY, PROPULSION_POWER, STALL_SPEED, WING_LOADING = group(
-    "airspeed_m_per_s battery_energy_wh propulsion_power_w stall_speed_m_per_s "
-    "wing_loading_kg_per_m2"
-)
-CHORD, REYNOLDS_NUMBER, AIR_DENSITY, DRAG, LIFT_TO_DRAG = group(
-    "chord_m reynolds_number air_density_kg_per_m3 drag_n lift_to_drag"
+AIRSPEED, BATTERY_ENERGY, PROPULSION_POWER, WING_LOADING = group(
+    "airspeed_m_per_s battery_energy_wh propulsion_power_w wing_loading_kg_per_m2"
 )
 EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE, BEST_LAUNCH = group(
     "excess_time_h charge_margin_h minimum_state_of_charge endurance_h best_launch_h"

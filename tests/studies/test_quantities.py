@@ -7,9 +7,6 @@ import pytest
 
 import missions
 import sizing
-from sizing.aerodynamics.parabolic import level_flight_power_w
-from sizing.limits import DesignInFlight
-from sizing.mass_budget import design_of
 from sizing.parameters import parameter
 from studies import quantities
 from studies.quantities import Quantity
@@ -66,31 +63,6 @@ def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(analy
 
 
 def test_quantities_of_a_design_have_the_words_of_the_catalogue_of_parameters():
-    for one in (*quantities.DESIGN_COLUMNS, *quantities.OF_AIRCRAFT, quantities.STALL_SPEED):
+    for one in (*quantities.DESIGN_COLUMNS, *quantities.OF_AIRCRAFT, quantities.WING_LOADING):
         known = parameter(one.name)
         assert (one.label, one.unit or "1", one.symbol) == (known.label, known.unit, known.symbol)
-
-
-def test_drag_times_airspeed_is_the_power_of_the_polar():
-    aircraft, mission = (
-        sizing.load_aircraft("atlantiksolar-design"),
-        missions.load_mission("rafz-july"),
-    )
-    design = design_of(aircraft, mission)
-    flown, air = DesignInFlight(aircraft, design), design.conditions
-    drag_n, lift_to_drag = quantities.DRAG.of(flown), quantities.LIFT_TO_DRAG.of(flown)
-    power_w = level_flight_power_w(
-        aircraft.airframe.aerodynamics,
-        mass_kg=design.total_mass_kg,
-        wingspan_m=design.variables.wingspan_m,
-        aspect_ratio=design.variables.aspect_ratio,
-        density_kg_per_m3=air.density_kg_per_m3,
-        dynamic_viscosity=air.dynamic_viscosity,
-    )
-    assert drag_n * design.airspeed_m_per_s == pytest.approx(power_w)
-    polar, reynolds = aircraft.airframe.aerodynamics, quantities.REYNOLDS_NUMBER.of(flown)
-    label, text = quantities.REYNOLDS_NUMBER.fact(reynolds)
-    assert (label, float(text.replace(",", ""))) == ("Reynolds number", round(reynolds, -3))
-    drag_coefficient = polar.drag_coefficient(design.variables.aspect_ratio, reynolds)
-    assert lift_to_drag == pytest.approx(flown.lift_coefficient / drag_coefficient)
-    assert quantities.AIR_DENSITY.of(flown) == pytest.approx(mission.air_state().density_kg_per_m3)
