@@ -1,5 +1,6 @@
 """Tests of the command line: small commands, odd names, and the command as a process."""
 
+import gc
 import json
 import os
 import re
@@ -17,8 +18,19 @@ from sizing.library import load_aircraft
 from sizing.results.margins import RECOMMENDED_STALL_MARGIN
 from sizing.validity.ranges import ranges
 from studies.cli import __main__ as cli
+from studies.cli.files import opened
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+
+
+def test_garbage_is_looked_for_from_the_first_file_on():
+    gc.disable()  # as the command begins
+    try:
+        opened("mission", "rafz-july")
+        assert gc.isenabled()
+    finally:
+        gc.enable()
+        gc.unfreeze()
 
 
 def test_starters_validate_analyse_and_size(run, tmp_path):

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from collections import Counter
+from contextlib import nullcontext
 from functools import cache
 from html.parser import HTMLParser
 from typing import Any
@@ -221,7 +222,7 @@ def test_command_writes_the_page_of_the_folder_of_a_sizing(run, tmp_path):
     assert 'id="sizing"' not in (tmp_path / "r.html").read_text(encoding="utf-8")
 
 
-def test_size_and_verify_write_reports(run, tmp_path):
+def test_size_and_verify_write_reports(run, tmp_path, monkeypatch):
     sized = run("size", "sky-sailor", "-m", "rafz-july", "--report", "sized.html")
     assert sized.code == 0, sized.err
     assert "written to sized.html" in sized.out
@@ -231,7 +232,13 @@ def test_size_and_verify_write_reports(run, tmp_path):
     settings = Settings(rate_hz=0.01)
     log = synthetic_log(AS2, shipped_mission("rafz-28h"), settings)
     (tmp_path / "log.csv").write_text(log.to_csv())
+    finished = []
+    monkeypatch.setattr(
+        "studies.cli.reports.progress_of",
+        lambda *_, **__: nullcontext(lambda *numbers: finished.append(numbers)),
+    )
     told = run("verify", "atlantiksolar-as2", "log.csv", "--report", "log.html", "--json")
+    assert finished == [(number, 6) for number in range(7)]
     assert told.code == 0, told.err
     page = Page((tmp_path / "log.html").read_text(encoding="utf-8"))
     del (record := told.json())["mission_is_default"]
