@@ -60,6 +60,7 @@ def test_sun_in_the_wing_plane_or_behind_it_leaves_diffuse_light():
     for sun, attitude in ((np.array([1.0, 0.0, 0.0]), LEVEL), (UP, upside_down)):
         result = full_model(NOON, sun, attitude, FLAT, CONSTANT, 25.0)
         assert float(result.specific_power_w_per_m2) == pytest.approx(100.0 * 0.83 * 0.237 * 0.95)
+        assert result.incidence_efficiency_by_surface == 0.0
 
 
 def test_user_table_that_ends_early_knows_no_light_from_behind():

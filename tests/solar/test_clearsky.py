@@ -213,6 +213,11 @@ def test_the_sky_of_the_ground_passes_smoothly_into_thin_air(altitude_m, cosine)
         assert slope == pytest.approx(slope[0], abs=1e-4)
 
 
+def test_a_sun_below_the_horizon_adds_no_direct_light_to_level_ground():
+    light = Irradiance(np.asarray(900.0), np.asarray(50.0))
+    assert global_horizontal(light, [0.5, -0.1]) == pytest.approx([500.0, 50.0])
+
+
 def test_published_daily_energy_at_the_summer_solstice():
     irradiance, cosine = irradiance_of_a_day(47.6, 172, 536.0)
     direct = np.trapezoid(irradiance.dni * np.maximum(cosine, 0.0), TIME_H)

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from solar.geometry import (
     ModuleGeometry,
     ModuleSurface,
+    cos_angle_of_incidence,
     direction_cosines,
     surface_normal,
 )
@@ -72,6 +73,14 @@ def test_matrix_agrees_with_scipy(roll, pitch, yaw):
     # Sums of products of sines and cosines, each good to a few units in the last place of 1.
     expected = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_matrix()
     assert direction_cosines(roll, pitch, yaw) == pytest.approx(expected, rel=0.0, abs=1e-14)
+
+
+@given(angles, angles, st.floats(0.0, 6.28), angles, angles)
+def test_angle_of_incidence_is_that_of_the_chord_between_unit_vectors(roll, pitch, yaw, dip, turn):
+    normal = direction_cosines(roll, pitch, yaw) @ [0.0, 0.0, -1.0]
+    sun = direction_cosines(dip, turn, 1.0) @ [0.0, 0.0, -1.0]
+    chord = np.linalg.norm(normal - sun)
+    assert cos_angle_of_incidence(normal, sun) == pytest.approx(1.0 - chord**2 / 2.0, abs=1e-12)
 
 
 def test_angles_broadcast():

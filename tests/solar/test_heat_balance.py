@@ -25,17 +25,21 @@ CELL = SolarCell()
     convection=st.floats(3.0, 200.0),
     pressure=st.floats(0.01, 1.0),
     underside=st.floats(0.0, 1.0),
+    emissivity=st.floats(0.5, 1.0),
 )
-def test_what_comes_in_goes_out(light, efficiency, ambient_c, convection, pressure, underside):
-    cell = CELL.model_copy(update={"thermal": ModuleHeat(underside_share=underside)})
+def test_what_comes_in_goes_out(
+    light, efficiency, ambient_c, convection, pressure, underside, emissivity
+):
+    heat = ModuleHeat(underside_share=underside, emissivity=emissivity)
+    cell = CELL.model_copy(update={"thermal": heat})
     around = Surroundings(ambient_c, convection, pressure)
     temperature_c = float(balanced_temperature_c(light, light, efficiency * light, cell, around))
-    heat, kelvin = cell.thermal, temperature_c + ZERO_CELSIUS_K
+    kelvin = temperature_c + ZERO_CELSIUS_K
     electric = efficiency * light * (1.0 - 0.003 * (temperature_c - 25.0))
     down, up = long_wave_w_per_m2(pressure)
     reflected = underside * heat.underside_absorptance * around.albedo * light
     brought = heat.absorptance * light - electric + reflected
-    radiated = heat.emissivity * (
+    radiated = emissivity * (
         (1.0 + underside) * STEFAN_BOLTZMANN * kelvin**4 - down - underside * up
     )
     lost = radiated + (1.0 + underside) * convection * (temperature_c - ambient_c)

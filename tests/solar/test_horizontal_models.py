@@ -11,7 +11,7 @@ from solar.horizontal_models import (
     conceptual_design_model,
     horizontal_specific_power,
 )
-from solar.modules import SolarCell
+from solar.modules import IncidenceTable, SolarCell
 from solar.names import ATTITUDE_MODELS, MODEL_NAMES
 from solar.sun import cos_zenith, declination, hour_angle, sun_times
 
@@ -76,10 +76,15 @@ def test_design_model_by_hand():
     assert conceptual_design_model(light(800.0, 100.0), 0.5, CELL, 37.0) == pytest.approx(expected)
 
 
-def test_analysis_model_by_hand():
+FALLING = IncidenceTable(aoi_deg=(0.0, 90.0), relative_efficiency=(1.0, 0.0))
+
+
+@pytest.mark.parametrize(("table", "at_60_deg"), [(None, 0.915), (FALLING, 1.0 / 3.0)])
+def test_analysis_model_by_hand(table, at_60_deg):
     # Direct light at 60 degrees keeps 91.5 % and loses 3 % to the camber; diffuse keeps 83 %.
-    expected = 0.237 * 0.964 * 0.95 * (800.0 * 0.5 * 0.915 * 0.97 + 100.0 * 0.83)
-    assert conceptual_analysis_model(light(800.0, 100.0), 0.5, CELL, 37.0) == pytest.approx(
+    expected = 0.237 * 0.964 * 0.95 * (800.0 * 0.5 * at_60_deg * 0.97 + 100.0 * 0.83)
+    cell = CELL.model_copy(update={"incidence": table})
+    assert conceptual_analysis_model(light(800.0, 100.0), 0.5, cell, 37.0) == pytest.approx(
         expected
     )
 
