@@ -206,7 +206,7 @@ def test_both_directions_follow_each_other(make):
         if field.name not in ("duration_s", "weights"):
             joined = np.concatenate([getattr(lap, field.name) for lap in laps])
             assert np.array_equal(getattr(both, field.name), joined), field.name
-    assert len(both.weights) == 144
+    assert both.weights == pytest.approx(np.full(144, 1.0 / 144.0))
     assert circle().direction == "clockwise"
     assert Circle(radius_m=60.0, airspeed_m_per_s=10.0).direction == "both"
 
@@ -233,8 +233,9 @@ def test_orbit_is_well_formed(case, samples):
 # ---- Racetrack, straight legs, level
 
 
-def test_racetrack_lies_on_its_stadium():
-    lap = orbit(racetrack(), EASTERLY, samples=500)
+@pytest.mark.parametrize(("direction", "side"), [("clockwise", 1.0), ("counterclockwise", -1.0)])
+def test_racetrack_lies_on_its_stadium(direction, side):
+    lap = orbit(racetrack(direction), EASTERLY, samples=500)
     towards = np.radians(40.0)
     ahead = positions(lap) @ [np.cos(towards), np.sin(towards)]
     right = positions(lap) @ [-np.sin(towards), np.cos(towards)]
@@ -243,12 +244,12 @@ def test_racetrack_lies_on_its_stadium():
     assert np.hypot(beyond, right) == pytest.approx(np.full(500, 60.0), rel=1e-12)
     straight = np.abs(ahead) < 125.0
     assert np.all(lap.roll_rad[straight] == 0.0)
-    assert np.all(lap.roll_rad[~straight] > 0.0)
+    assert np.all(side * lap.roll_rad[~straight] > 0.0)
     jumps = np.linalg.norm(positions(lap) - np.roll(positions(lap), 1, axis=0), axis=1)
     # No step is longer than the fastest ground speed allows.
     assert np.max(jumps) <= 14.0 * lap.duration_s / 500
     # The first leg leads along the heading, on the left of a clockwise racetrack.
-    assert right[0] == pytest.approx(-60.0)
+    assert right[0] == pytest.approx(-60.0 * side)
     assert ahead[1] > ahead[0]
 
 

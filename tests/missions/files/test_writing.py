@@ -123,12 +123,14 @@ def test_json_is_strict_and_has_no_negative_zero():
 
 def test_link_is_replaced_and_not_followed(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "mine.txt").chmod(0o700)
     for number, target in enumerate(("mine.txt", "nowhere")):
         link = tmp_path / f"link{number}"
         link.symlink_to(tmp_path / target)
         write_bytes_atomically(link, b"x")
         assert not link.is_symlink()
         assert link.read_bytes() == b"x"
+        assert not link.stat().st_mode & 0o100
     assert (tmp_path / "mine.txt").read_text() == "mine"
     assert not (tmp_path / "nowhere").exists()
 
@@ -244,3 +246,13 @@ def test_folder_made_in_vain_goes_again(tmp_path):
     with pytest.raises(OutputError):
         write_folder(tmp_path / "old", {"missing/b.txt": b"b"})
     assert (tmp_path / "old").is_dir()
+
+
+def test_link_in_a_folder_of_results_is_replaced_and_not_followed(tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "a.csv").symlink_to(tmp_path / "mine.txt")
+    (tmp_path / "results" / "b.csv").symlink_to("/dev/null")
+    write_folder(tmp_path / "results", {"a.csv": b"1", "b.csv": b"2"})
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert [(tmp_path / "results" / f"{n}.csv").read_bytes() for n in "ab"] == [b"1", b"2"]
