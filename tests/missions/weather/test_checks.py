@@ -235,7 +235,8 @@ def test_light_without_a_sun_is_diffuse():
 
 # Erbs et al. (1982), equation 1, worked by hand.
 @pytest.mark.parametrize(
-    ("clearness", "share"), [(0.2, 0.982), (0.5, 0.65915), (0.79, 0.16463391), (0.9, 0.165)]
+    ("clearness", "share"),
+    [(0.2, 0.982), (0.3, 0.9485956), (0.5, 0.65915), (0.79, 0.16463391), (0.9, 0.165)],
 )
 def test_share_of_diffuse_light(clearness, share):
     fraction = _diffuse_fraction(np.array([1000.0 * clearness]), np.array([1000.0]))

@@ -97,10 +97,11 @@ def with_u(value):
     return lambda data: data.assign(u=data["u"].where(data["u"] != data["u"][3, 1, 1, 1], value))
 
 
-def test_components_in_knots_are_winds_in_m_per_s(tmp_path):
+@pytest.mark.parametrize("names", ["uv", "v"])
+def test_components_in_knots_are_winds_in_m_per_s(tmp_path, names):
     data = era5()
     plain = wind_table_from_netcdf(written(data, tmp_path))
-    for name in ("u", "v"):
+    for name in names:
         data[name] = (data[name] * 3600.0 / 1852.0).assign_attrs(units="knots")
     knots = wind_table_from_netcdf(written(data, tmp_path, "knots.nc"))
     assert knots.wind_m_per_s == pytest.approx(plain.wind_m_per_s)
