@@ -6,7 +6,7 @@ from .battery.battery import BatteryVoltage as BatteryVoltage
 from .ceiling import highest_perpetual_altitude as highest_perpetual_altitude
 from .cruise_propulsion import with_operating_point as with_operating_point
 from .day.cycle import simulate_cycle as simulate_cycle
-from .day.launch import longest_flight as longest_flight
+from .day.flight import longest_flight as longest_flight
 from .day.light import SolarDay as SolarDay
 from .day.light import SolarModel as SolarModel
 from .day.light import solar_day as solar_day

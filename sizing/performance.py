@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,12 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.balance import PowerBalance, blocks
+from sizing.day.balance import blocks
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import Launches
+from sizing.day.flight import Course, Endurance, Launches
 from sizing.day.heights import FlightLevels, flight_levels
-from sizing.day.launch import Endurance, longest_flight
 from sizing.day.light import (
     DEFAULT_STEP_H,
     UNCORRECTED_CAM,
@@ -28,11 +26,10 @@ from sizing.day.light import (
     solar_day,
 )
 from sizing.day.load import Load
-from sizing.day.march import ChargingDay
-from sizing.day.metrics import Course, Cycle
+from sizing.day.metrics import Cycle
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:
     from sizing.program.climbing_flights import ClimbFlights
@@ -40,43 +37,6 @@ if TYPE_CHECKING:
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
-
-
-@dataclass(frozen=True)
-class LevelFlights:
-    """Flights of elements at one altitude, in the light of their repeated day, ``(element, time)``.
-
-    As :class:`sizing.program.climbing_flights.ClimbFlights`.
-    """
-
-    time_h: FloatArray
-    solar_w: FloatArray
-    load_w: FloatArray
-    store: Store
-    altitude_m: float
-
-    def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
-        """Return the flight time of elements from launches with a full battery [h]."""
-        flights = Launches.of(self.time_h, self.solar_w, self.load_w, self.store)
-        return flights.hours(cells, launch_h)
-
-    def longest(self) -> Endurance:
-        """Return the longest flight of every element over all launches."""
-        return longest_flight(self.time_h, self.solar_w, self.load_w, self.store)
-
-    def course(self, i: int, launch_h: float, hours: float) -> Course:
-        """Return the flight of an element, launched with a full battery."""
-        end_h, store = launch_h + hours, self.store.select(slice(i, i + 1))
-        days = [self.time_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
-        clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
-        clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
-        powers = (self.solar_w[i], self.load_w[i])
-        solar, load = (np.interp(clock_h % 24.0, self.time_h, power_w) for power_w in powers)
-        full_wh = np.asarray(store.battery_energy_wh, float)
-        day = ChargingDay.of(PowerBalance.of(clock_h, (solar - load)[:, np.newaxis]))
-        charge = day.run(store, full_wh).energy_at_nodes_wh()[:, 0] / full_wh
-        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # landed
-        return Course(clock_h, solar, load, charge, np.full_like(clock_h, self.altitude_m))
 
 
 @dataclass(frozen=True, repr=False)
@@ -214,7 +174,7 @@ class Performance:
             hours[indices[block]], launch[indices[block]] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
 
-    def _flights(self, elements: ArrayLike) -> LevelFlights | ClimbFlights:
+    def _flights(self, elements: ArrayLike) -> Launches | ClimbFlights:
         """Return the flights of a part of all elements in the light of their first day."""
         rows, shape = np.asarray(elements, int), self.cycle.status.shape
         store = self.store.flat(shape).select(rows)
@@ -228,7 +188,8 @@ class Performance:
             np.broadcast_to(power_w[..., : len(time_h)], batch)[at]
             for power_w in (self.solar_power_w, self.load_w)
         )
-        return LevelFlights(time_h, solar_w, load_w, store, self.mission.altitude_m)
+        altitude_m = self.mission.altitude_m
+        return Launches.of(time_h, solar_w, load_w, store, altitude_m=altitude_m)
 
 
 def performance(

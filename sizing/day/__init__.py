@@ -5,8 +5,8 @@
 * ``battery``: batteries of a batch, the charge limit; ``balance``: exact integrals of an interval
 * ``march``: the charge along a time axis, nights as one step; ``metrics``: the excess time
 
-* ``cycle``: a day that repeats itself, a flight to a landing; ``flight``, ``launch``: from a launch
-  until the battery is empty, and the best launch
+* ``cycle``: a day that repeats itself, a flight to a landing; ``flight``: from a launch until the
+  battery is empty, and the best launch
 * ``record``: days of a weather record, the charge carried over; ``record_conditions``: their light,
   load and batteries; ``replay``: a flight by the clock
 """

@@ -29,23 +29,17 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
     One expression for all four combinations of signs: with ``a, b`` the positive parts at the
     ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour. Arguments broadcast.
     """
+    return parts_wh(left_w, right_w, hours)[0]
+
+
+def parts_wh(
+    left_w: FloatArray, right_w: FloatArray, hours: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Return the integral of the positive part, and that of the negative one [Wh]."""
+    twice = np.maximum(2.0 * (np.abs(left_w) + np.abs(right_w)), _LEAST)
     positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
-    total = np.abs(left_w) + np.abs(right_w)
-    mean_w = positive * positive / np.maximum(2.0 * total, _LEAST)
-    return np.asarray(mean_w * np.asarray(hours, float))
-
-
-def _means_w(net_w: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return mean surplus and deficit between rows, as :func:`positive_part_wh` [W]."""
-    above = np.maximum(net_w, 0.0)
-    below = above - net_w
-    above, below = above[:-1] + above[1:], below[:-1] + below[1:]
-    twice = above + below
-    twice *= 2.0
-    np.maximum(twice, _LEAST, out=twice)
-    for part in (above, below):
-        part *= part
-        part /= twice
+    negative = np.maximum(-left_w, 0.0) + np.maximum(-right_w, 0.0)
+    above, below = (part * part / twice * hours for part in (positive, negative))
     return above, below
 
 
@@ -130,21 +124,9 @@ class PowerBalance:
         if len(net) != len(time):
             raise ValueError(f"the time axis of the power has length {len(net)}, not {len(time)}")
         surplus, deficit = np.empty((2, len(hours), net.shape[1]))
-        column = hours[:, np.newaxis]
-        rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
-        half, last = (len(hours) + 1) // 2, len(hours)
-        for part in blocks(half, rows):
-            begin, end = part.start, min(part.stop, half)
-            morning, afternoon = slice(begin, end), slice(last - end, last - begin)
-            first_w, mirrored_w = net[begin : end + 1], net[last - end : last - begin + 1]
-            means = _means_w(first_w)
-            for mean, side in zip(means, (surplus, deficit), strict=True):
-                np.multiply(mean, column[morning], out=side[morning])
-            # The same work need not be done for an afternoon that mirrors the morning.
-            alike = np.array_equal(first_w, mirrored_w[::-1])
-            means = (means[0][::-1], means[1][::-1]) if alike else _means_w(mirrored_w)
-            for mean, side in zip(means, (surplus, deficit), strict=True):
-                np.multiply(mean, column[afternoon], out=side[afternoon])
+        for rows in blocks(len(hours), max(1, _POINTS_AT_ONCE // max(net.shape[1], 1))):
+            ends_w, length = net[rows.start : rows.stop + 1], hours[rows, np.newaxis]
+            surplus[rows], deficit[rows] = parts_wh(ends_w[:-1], ends_w[1:], length)
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     def interval(self, number: IntArray, cells: IntArray) -> Interval:
@@ -276,12 +258,12 @@ class Cells:
     def balance(self) -> PowerBalance:
         """Return surplus and deficit of every interval."""
         balance = PowerBalance.of(self.time_h, self.solar_w - self.load_w)
-        if self.in_flight is None:
-            return balance
-        surplus, deficit = (
-            np.where(self.in_flight, v, 0.0) for v in (balance.surplus_wh, balance.deficit_wh)
-        )
-        return replace(balance, surplus_wh=surplus, deficit_wh=deficit)
+        parts = self.of_flight(balance.surplus_wh), self.of_flight(balance.deficit_wh)
+        return replace(balance, surplus_wh=parts[0], deficit_wh=parts[1])
+
+    def of_flight(self, values: FloatArray) -> FloatArray:
+        """Return values of intervals, zero where an element is not in flight."""
+        return values if self.in_flight is None else np.where(self.in_flight, values, 0.0)
 
     def between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
         """Return the batch in flight from launches to landings, which become nodes."""
@@ -294,10 +276,3 @@ class Cells:
         )
         in_flight = (time[:-1, np.newaxis] >= launch_h) & (time[1:, np.newaxis] <= land_h)
         return Cells(time, solar, load, self.nominal_w, self.store, in_flight)
-
-    def above_nominal_w(self) -> FloatArray:
-        """Return solar power less the nominal load."""
-        steady = self.load_w[:1] if self.load_w.strides[0] == 0 else self.load_w
-        if np.array_equal(steady, np.broadcast_to(self.nominal_w, steady.shape)):
-            return self.balance.net_w
-        return self.solar_w - self.nominal_w

@@ -113,23 +113,13 @@ def first_repetition(day: ChargingDay, store: Store) -> tuple[DayRun, IntArray]:
 
     Start and end agree to 1e-11 of the battery's energy.
     """
-    full, eta = store.battery_energy_wh, store.discharge_efficiency
-    before_surplus = day.deficit_before_surplus_wh
-    storable = store.charge_efficiency * day.total_surplus_wh * eta
+    full = store.battery_energy_wh
+    storable = store.charge_efficiency * day.total_surplus_wh * store.discharge_efficiency
     at_nightfall = np.maximum(day.nightfall_deficit_wh, 0.0)
     full_at_nightfall = np.maximum(day.midnight_wh(store, full, at_nightfall), 0.0)
     loses = storable < day.cumulative_deficit_wh[-1]
     run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
-    end = run.end_wh
-    moved = np.flatnonzero(np.abs(end - run.start_wh) > _SETTLED * full)
-    of_moved = before_surplus[:, moved]
-    at_first_surplus = np.minimum.reduce(
-        np.where(of_moved < 0.0, np.inf, of_moved), axis=0, initial=np.inf
-    )
-    # Empty before the first surplus from here and from there, and from then on the same.
-    alike = at_first_surplus >= (eta * np.maximum(run.start_wh, end))[moved]
-    run.restart(moved[alike], end[moved[alike]])
-    return run, moved[~alike]
+    return run, np.flatnonzero(np.abs(run.end_wh - run.start_wh) > _SETTLED * full)
 
 
 def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:

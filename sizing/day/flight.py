@@ -3,18 +3,27 @@
 All flights are marched from midnight to midnight as one batch. The charge at midnight decides the
 rest of a flight, so that flights of equal charge are marched once: midnights are nodes of a graph,
 each with the hours to the next one or to the end.
+
+The longest flight is that of the best launch. A launch by surplus is never the best one: the
+battery stays full, so the same flight may begin when the surplus begins. Launches are therefore
+tried while the load exceeds the sun. Flight time jumps where one more night is just survived and is
+smooth elsewhere: a coarse search, refined around the best launch, finds the longest flight to
+within seconds. One more launch is tried where the day's surplus begins: with next to no battery
+that alone flies through the day.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import count
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.day.balance import Cells, blocks
+from sizing.day.balance import Cells, PowerBalance, blocks, interval_reaching
 from sizing.day.battery import Store
 from sizing.day.march import ChargingDay
 from solar.sun import HOURS_PER_DAY
@@ -24,6 +33,10 @@ MAXIMUM_DAYS = 366
 _DAYS_OF_LAUNCH = 2  # and the next: from then on a flight has midnights like any other
 _AT_ONCE = 16384  # flights marched together, so that their day stays near the processor
 _PERPETUAL, _ALIKE = 1e-11, 1e-9  # of the battery: loss of a day, and difference of two losses
+# Of the coarse search's launches the best is refined so often, to such a part of their distance.
+_LAUNCHES, _REFINEMENTS, _CLOSER = 60, 5, 4
+# Flights as long as each other [h]: far above rounding, far below what the search resolves.
+_EQUAL_H = 1e-6
 
 
 class Midnights(NamedTuple):
@@ -44,23 +57,57 @@ class Midnights(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Endurance:
+    """Longest flight [h] and the solar time of its launch [h, 0 to 24]; arrays of the batch."""
+
+    endurance_h: FloatArray
+    launch_h: FloatArray
+
+
+class Course(NamedTuple):
+    """Flight from its launch: power [W], state of charge and altitude over solar time [h]."""
+
+    clock_h: FloatArray
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    state_of_charge: FloatArray
+    altitude_m: FloatArray
+
+
+@dataclass(frozen=True)
 class Launches:
     """Flights of a batch of days and batteries, any number of launches for each.
 
     ``follow``: the elements are days that follow each other; by default each repeats itself.
     """
 
-    day: ChargingDay
-    store: Store
+    batch: Cells
     follow: bool = False
+    altitude_m: float = 0.0
 
     @classmethod
     def of(
-        cls, time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
+        cls,
+        time_h: ArrayLike,
+        solar_power_w: ArrayLike,
+        load_w: ArrayLike,
+        store: Store,
+        *,
+        follow: bool = False,
+        altitude_m: float = 0.0,
     ) -> Launches:
-        """Return flights over repeated days, the batch laid out flat; arguments as of a cycle."""
-        cells, _ = Cells.of(time_h, solar_power_w, load_w, store, 0.0)
-        return cls(ChargingDay.of(cells.balance), cells.store)
+        """Return flights at an altitude, the batch laid out flat; arguments as of a cycle."""
+        return cls(Cells.of(time_h, solar_power_w, load_w, store, 0.0)[0], follow, altitude_m)
+
+    @property
+    def store(self) -> Store:
+        """Return the batteries."""
+        return self.batch.store
+
+    @cached_property
+    def day(self) -> ChargingDay:
+        """Return the day of every element."""
+        return ChargingDay.of(self.batch.balance)
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Return the flight time of elements from launches with a full battery [h].
@@ -148,3 +195,124 @@ class Launches:
             hours += days * HOURS_PER_DAY
             after = after._replace(energy_wh=midnight - days * loss, loss_wh=loss)
         return np.where(ended | goes_on, hours, np.inf), after, goes_on
+
+    def course(self, i: int, launch_h: float, hours: float) -> Course:
+        """Return the flight of an element, launched with a full battery."""
+        end_h, batch = launch_h + hours, self.batch.select(slice(i, i + 1))
+        days = [batch.time_h + HOURS_PER_DAY * day for day in range(ceil(end_h / HOURS_PER_DAY))]
+        clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
+        clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
+        solar, load = (
+            np.interp(clock_h % HOURS_PER_DAY, batch.time_h, power_w[:, 0])
+            for power_w in (batch.solar_w, batch.load_w)
+        )
+        full_wh = np.asarray(batch.store.battery_energy_wh, float)
+        day = ChargingDay.of(PowerBalance.of(clock_h, (solar - load)[:, np.newaxis]))
+        charge = day.run(batch.store, full_wh).energy_at_nodes_wh()[:, 0] / full_wh
+        charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # landed
+        return Course(clock_h, solar, load, charge, np.full_like(clock_h, self.altitude_m))
+
+    @cached_property
+    def dark_h(self) -> FloatArray:
+        """Return the hours of deficit between midnight and every node, by which launches go [h]."""
+        return self.day.balance.cumulative_deficit_h()
+
+    def longest(self) -> Endurance:
+        """Return the longest flight of every element over all launches."""
+        cells = np.arange(self.dark_h.shape[1])
+        spacing_h = self.dark_h[-1] / _LAUNCHES
+        tries_h = np.arange(_LAUNCHES)[:, np.newaxis] * spacing_h
+        hours = self._hours_from(tries_h, cells)
+        middle = _best_of_day(hours)
+        # A flight begun earlier by a spacing is longer by a spacing at the most, unless it jumps:
+        # the longest may be around the best try, and around those just after a jump.
+        finite = np.where(np.isinf(hours), 1e9, hours)
+        promising = finite > np.roll(finite, 1, axis=0) + spacing_h
+        promising &= (finite + spacing_h > finite.max(axis=0)) & ~np.isinf(hours)
+        promising[middle, cells] = True
+        rank, cell = np.nonzero(promising)
+        best_h, best_launch_h = self._refined(
+            cell, tries_h[rank, cell], hours[rank, cell], spacing_h[cell]
+        )
+        longest, launch_h = np.full((2, len(cells)), -np.inf)
+        np.maximum.at(longest, cell, best_h)
+        # The last of equal cells stays: one of its longest flights, from the best try if it is one.
+        order = np.lexsort((rank == middle[cell], best_h >= longest[cell] - _EQUAL_H))
+        longest[cell[order]], launch_h[cell[order]] = best_h[order], best_launch_h[order]
+        # The level of the surplus is where it ends; a moment less of deficit is where it begins.
+        net_w = self.day.balance.net_w
+        sunniest = self.dark_h[np.argmax(net_w, axis=0), cells]
+        level_h = np.maximum(np.nextafter(sunniest, -np.inf), 0.0)
+        hours = self._hours_from(level_h, cells)
+        longer = hours > longest + _EQUAL_H
+        launch_h = np.where(longer, self._launch_h(level_h, cells), launch_h)
+        return Endurance(np.where(longer, hours, longest), launch_h)
+
+    def _launch_h(self, level_h: FloatArray, cells: IntArray) -> FloatArray:
+        """Return the solar time at which the hours of deficit since midnight reach levels [h]."""
+        number = interval_reaching(self.dark_h, level_h, cells)
+        interval = self.day.balance.interval(number, cells)
+        begin, length = interval.deficit_h()
+        along = np.clip(level_h - self.dark_h[number, cells], 0.0, length)
+        return np.asarray(interval.start_h + begin + along)
+
+    def _hours_from(self, level_h: FloatArray, cells: IntArray) -> FloatArray:
+        """Return the flight time from launches [h]."""
+        # Launches of an element side by side: many of them become equal.
+        cells = np.broadcast_to(cells, level_h.shape)
+        launch = self._launch_h(level_h, cells).T.reshape(-1)
+        hours = self.hours(cells.T.reshape(-1), launch)
+        return hours.reshape(level_h.shape[::-1]).T
+
+    def _refined(
+        self, cells: IntArray, level_h: FloatArray, hours: FloatArray, spacing_h: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the longest flight around one launch of each element, and its launch [h]."""
+        shares = np.concatenate([np.arange(1 - _CLOSER, 0), np.arange(1, _CLOSER)]) / _CLOSER
+        dark_h, every = np.maximum(self.dark_h[-1][cells], 1e-9), np.arange(len(cells))
+        for _ in range(_REFINEMENTS):
+            tries_h = (level_h + shares[:, np.newaxis] * spacing_h) % dark_h
+            tried = self._hours_from(tries_h, cells)
+            pick = np.argmax(tried >= tried.max(axis=0) - _EQUAL_H, axis=0)
+            better = tried[pick, every] > hours + _EQUAL_H
+            hours = np.where(better, tried[pick, every], hours)
+            level_h = np.where(better, tries_h[pick, every], level_h)
+            spacing_h = spacing_h / _CLOSER
+        return hours, self._launch_h(level_h, cells) % HOURS_PER_DAY
+
+
+def _best_of_day(hours: FloatArray) -> IntArray:
+    """Return the try of the longest flight; of equal ones, that amid the most of them.
+
+    Flights that begin and end in the dark are equally long over hours, as they end later by what
+    they begin later. Rounding would choose among them, or the one just after a jump would be
+    chosen, although a flight begun a minute earlier is a day shorter.
+    """
+    equal = hours >= hours.max(axis=0) - _EQUAL_H
+    for _ in range(len(hours) // 2):
+        inner = equal & np.roll(equal, 1, axis=0) & np.roll(equal, -1, axis=0)
+        has_inner = inner.any(axis=0)
+        if not has_inner.any():
+            break
+        equal = np.where(has_inner, inner, equal)
+    return np.asarray(np.argmax(equal, axis=0))
+
+
+def longest_flight(
+    time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
+) -> Endurance:
+    """Find the longest flights of a batch that starts with full batteries.
+
+    Parameters
+    ----------
+    time_h, solar_power_w, load_w, store
+        One day as in :func:`sizing.day.cycle.simulate_cycle`.
+
+    Returns
+    -------
+    Endurance
+        Infinite where the flight outlasts 366 days, as a perpetual one does.
+    """
+    longest = Launches.of(time_h, solar_power_w, load_w, store).longest()
+    shape = np.broadcast_shapes(np.shape(solar_power_w), np.shape(load_w))[:-1]
+    return Endurance(longest.endurance_h.reshape(shape), longest.launch_h.reshape(shape))

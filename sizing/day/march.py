@@ -264,17 +264,6 @@ class DayRun:
         low, high = values[number, cells], values[number + 1, cells]
         return np.asarray(low + share * (high - low))
 
-    def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
-        """Change the initial energy of elements that are empty before their first surplus."""
-        waiting = np.maximum.accumulate(self.day.deficit_before_surplus_wh[:, cells], axis=0) < 0.0
-        for energy in (self.drained_wh, self.after_charge_wh):
-            energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
-        first = waiting.sum(axis=0)
-        has_surplus = first < len(waiting)
-        more_wh = start_wh - self.start_wh[cells]
-        self.drained_wh[first[has_surplus], cells[has_surplus]] += more_wh[has_surplus]
-        self.start_wh[cells] = start_wh
-
     def energy_at_nodes_wh(self) -> FloatArray:
         """Return the energy at every node of the time axis [Wh]."""
         cumulative = self.day.cumulative_deficit_wh
@@ -283,17 +272,5 @@ class DayRun:
         held[:begin] = self.start_wh
         held[begin:stop], settled[begin:stop] = self.after_charge_wh, self.settled_deficit_wh
         held[stop:], settled[stop:] = held[stop - 1], settled[stop - 1]
-        return self._after_deficit(held, cumulative - settled)
-
-    def energy_at_node_wh(self, node: IntArray) -> FloatArray:
-        """Return the energy at a node of every element of the batch [Wh]."""
-        cells = np.arange(len(node))
-        row = np.minimum(node - self.day.first, len(self.after_charge_wh)) - 1
-        held, settled = self.start_wh.copy(), np.zeros_like(self.start_wh)
-        charged = cells[row >= 0]
-        held[charged] = self.after_charge_wh[row[charged], charged]
-        settled[charged] = self.settled_deficit_wh[row[charged], charged]
-        return self._after_deficit(held, self.day.cumulative_deficit_wh[node, cells] - settled)
-
-    def _after_deficit(self, held_wh: FloatArray, deficit_wh: FloatArray) -> FloatArray:
-        return np.maximum(held_wh - deficit_wh / self.store.discharge_efficiency, 0.0)
+        left_wh = held - (cumulative - settled) / self.store.discharge_efficiency
+        return np.maximum(left_wh, 0.0)

@@ -28,17 +28,16 @@ import numpy as np
 from sizing.day.balance import (
     Cells,
     PowerBalance,
-    blocks,
     crossing_fraction,
     interval_reaching,
     sum_over_time,
 )
+from sizing.day.battery import Store
 from sizing.day.march import DayRun, full_after_h
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 
 FULL = 1.0 - 1e-9  # state of charge that counts as full: what the clock's table resolves
-_ROWS_AT_ONCE = 16
 
 
 class Status(IntEnum):
@@ -116,16 +115,6 @@ class Cycle:
         return self.mapped(lambda values: values.reshape(batch + values.shape[1:]))
 
 
-class Course(NamedTuple):
-    """Flight from its launch: power [W], state of charge and altitude over solar time [h]."""
-
-    clock_h: FloatArray
-    solar_power_w: FloatArray
-    load_w: FloatArray
-    state_of_charge: FloatArray
-    altitude_m: FloatArray
-
-
 def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:
     """Return a cycle of the arrays of several with one time axis, by default end to end."""
 
@@ -194,19 +183,19 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
     balance, store, nominal = run.day.balance, run.store, cells.nominal_w
     lands = cells.in_flight is not None
     day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
-    equal = equal_power(cells.time_h[day], cells.above_nominal_w()[day])
+    equal = equal_power(cells.time_h[day], (cells.solar_w - nominal)[day])
+    nodes = run.energy_at_nodes_wh()
     missing_h, unserved = _unserved(run)
     if climbs:
         missing_h = np.maximum(missing_h, unserved / nominal)
     budget = _energy_budget(cells, run, unserved)
     with np.errstate(divide="ignore", invalid="ignore"):
-        last_wh = run.end_wh if lands else _dawn_wh(balance, run, equal)
+        last_wh = run.end_wh if lands else _dawn_wh(balance, run.store, nodes, equal)
         left_over = last_wh * store.discharge_efficiency
         reserve_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
     if cells.in_flight is not None:  # a day without light has no sunrise to begin a flight
         reserve_h = np.where(cells.in_flight.any(axis=0), reserve_h, 0.0)
     lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
-    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     first_full, last_full = _full_charge_h(balance, run)
     # A last digit of unserved energy may be left by the fixed point's tolerance.
     runs_empty = unserved > 1e-9 * store.battery_energy_wh
@@ -230,11 +219,13 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
         missing_h=missing_h,
         energy_budget=budget,
         time_h=cells.time_h,
-        energy_wh=nodes.T,
+        energy_wh=nodes.T if keep_trajectory else np.full((len(nominal), 1), np.nan),
     )
 
 
-def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
+def _dawn_wh(
+    balance: PowerBalance, store: Store, nodes_wh: FloatArray, equal: EqualPower
+) -> FloatArray:
     """Return the stored energy at the morning's equal power [Wh].
 
     That at midnight where there is no such instant.
@@ -245,8 +236,8 @@ def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArra
     hours = balance.time_h[index + 1] - balance.time_h[index]
     middle = left + (right - left) * fraction
     mean_deficit_w = np.maximum(-(left + middle) / 2.0, 0.0)
-    drained = mean_deficit_w * fraction * hours / run.store.discharge_efficiency
-    return np.maximum(run.energy_at_node_wh(index) - drained, 0.0)
+    drained = mean_deficit_w * fraction * hours / store.discharge_efficiency
+    return np.maximum(nodes_wh[index, columns] - drained, 0.0)
 
 
 def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
@@ -301,10 +292,7 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
 
 def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
-    into_store = _sum_of_rows(
-        lambda block: run.after_charge_wh[block] - np.maximum(run.drained_wh[block], 0.0),
-        run.drained_wh.shape,
-    )
+    into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
     stored = run.end_wh - run.start_wh
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
@@ -321,25 +309,6 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
 
 def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
     """Return the integral over the time in flight by the trapezoidal rule."""
-    halves = np.diff(cells.time_h) / 2.0
-    if cells.in_flight is not None:
-        pairs = halves[:, np.newaxis] * (power_w[:-1] + power_w[1:])
-        return sum_over_time(np.where(cells.in_flight, pairs, 0.0))
-    weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))[:, np.newaxis]
-    if power_w.strides[1] == 0 and power_w.shape[1] > 1:  # the same in all elements
-        return np.broadcast_to(_integral_wh(cells, power_w[:, :1]), power_w.shape[1:])
-    return _sum_of_rows(lambda block: weights[block] * power_w[block], power_w.shape)
-
-
-def _sum_of_rows(rows: Callable[[slice], FloatArray], shape: tuple[int, ...]) -> FloatArray:
-    """Return the sum of computed rows in the order of time, without an array of all of them.
-
-    Every sum begins with the one before it, so that the digits are those of a single sum.
-    """
-    total = np.zeros(shape[1])
-    for block in blocks(shape[0], _ROWS_AT_ONCE):
-        part = rows(block)
-        if len(part):
-            part[0] += total
-            total = sum_over_time(part)
-    return total
+    halves = cells.of_flight(np.diff(cells.time_h)[:, np.newaxis] / 2.0)
+    weights = np.pad(halves, ((1, 0), (0, 0))) + np.pad(halves, ((0, 1), (0, 0)))
+    return sum_over_time(weights * power_w)

@@ -15,7 +15,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.mass_budget import airspeed_in_flight
-from solar.clearsky import Irradiance, pressure_ratio
+from solar.clearsky import pressure_ratio
 from solar.heat_balance import (
     EARTH_ALBEDO,
     STEFAN_BOLTZMANN,
@@ -25,7 +25,6 @@ from solar.heat_balance import (
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
-from solar.sun import cos_zenith, declination, hour_angle
 from solar.types import FloatArray
 
 # Flow over that of the known power, for models without a single temperature of the modules.
@@ -281,23 +280,15 @@ def specific_power(
             module_temperature_c=module_c,
             surroundings=around,
         )
-    convert = HORIZONTAL_MODELS[model]
-    if light.irradiance is None:
-        return horizontal_specific_power(
-            *light[:3],
-            cell=modules,
-            module_temperature_c=module_c,
-            altitude_m=light.altitude_m,
-            clearness=light.clearness,
-            sky=light.sky,
-            model=model if around is None else in_surroundings(convert, around),
-        )
-    hour = hour_angle(np.asarray(light.time_solar_h, float))
-    cosine = cos_zenith(light.latitude_deg, declination(light.day_of_year), hour)
-    up, power = cosine > 0.0, np.zeros(cosine.shape)
-    warm_c, cell_c = (np.broadcast_to(value, cosine.shape)[up] for value in (air_c, module_c))
+    convert, seen = HORIZONTAL_MODELS[model], light.irradiance
     if around is not None:
-        convert = in_surroundings(convert, around._replace(ambient_c=warm_c))
-    seen = Irradiance(light.irradiance.dni[up], light.irradiance.dhi[up])
-    power[up] = convert(seen, cosine[up], modules, cell_c)
-    return power
+        convert = in_surroundings(convert, around._replace(ambient_c=air_c))
+    return horizontal_specific_power(
+        *light[:3],
+        cell=modules,
+        module_temperature_c=module_c,
+        altitude_m=light.altitude_m,
+        clearness=light.clearness,
+        sky=light.sky if seen is None else lambda *_: seen,
+        model=convert,
+    )

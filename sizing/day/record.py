@@ -23,7 +23,7 @@ from missions.weather.days import DayAxis
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather, longest_run
 from sizing.aircraft import Aircraft
-from sizing.day.balance import PowerBalance, crossing_fraction, running_sum
+from sizing.day.balance import crossing_fraction, running_sum
 from sizing.day.battery import Store
 from sizing.day.flight import Launches
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
@@ -110,10 +110,11 @@ def weather_run(
     axis, store = record.axis, record.store(design.battery_energy_wh)
     solar_w = record.aircraft.modules.area_m2 * record.specific_power_w_per_m2(sky)
     energy_wh, days = store.battery_energy_wh, np.arange(len(axis))
-    day = ChargingDay.of(PowerBalance.of(axis.time_h, (solar_w - load_w).T))
+    flights = Launches.of(axis.time_h, solar_w, load_w, store, follow=True)
+    day = flights.day
     run = carried_over(day, store, energy_wh[0])
     dawns = dawns_of(day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
-    hours = Launches(day, store, follow=True).hours(days, dawns.hour)
+    hours = flights.hours(days, dawns.hour)
     outlasts = np.isinf(hours)
     to_the_end_h = (len(axis) - days) * HOURS_PER_DAY - dawns.hour
     return WeatherRun(

@@ -95,7 +95,10 @@ class WeatherDays:
         """
         mission, days, hours = self.mission, self.light.day_of_year, self.light.time_solar_h
         light = clear_daylight(mission, mission.latitudes()[0], days, hours)
-        light, warmer_k = light._replace(irradiance=sky), mission.module_temperature_c()
+        light, warmer_k = (
+            light._replace(irradiance=sky, clearness=1.0),
+            mission.module_temperature_c(),
+        )
         warmer_k -= float(mission.air_state().temperature_c)
         air = self.ambient_c, self.ambient_c + warmer_k
         power = power_at_instants(self.aircraft, mission, self.solar, light, *air)

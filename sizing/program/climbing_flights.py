@@ -15,11 +15,10 @@ import numpy as np
 
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.flight import MAXIMUM_DAYS
+from sizing.day.flight import MAXIMUM_DAYS, Course, Endurance, longest_flight
 from sizing.day.heights import FlightLevels
-from sizing.day.launch import Endurance, longest_flight
 from sizing.day.march import ChargingDay
-from sizing.day.metrics import Course, equal_power
+from sizing.day.metrics import equal_power
 from sizing.program.schedule import FORM, LOWEST_M, Climbs, Window, best_heights, flown_along
 from solar.types import FloatArray, IntArray
 

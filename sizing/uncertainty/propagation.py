@@ -22,8 +22,8 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.balance import blocks
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
+from sizing.day.flight import longest_flight
 from sizing.day.heights import FlightLevels, flight_levels
-from sizing.day.launch import longest_flight
 from sizing.day.light import SolarDay, SolarModel, solar_day
 from sizing.day.load import Load, part_load_of
 from sizing.day.metrics import Cycle

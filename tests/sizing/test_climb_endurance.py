@@ -10,7 +10,7 @@ from missions.air import standard_air
 from missions.dates import day_of_year
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import RuleChargeLimit
-from sizing.day.launch import Endurance
+from sizing.day.flight import Endurance
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import performance
 from sizing.results.analysis import analyse

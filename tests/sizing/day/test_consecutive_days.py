@@ -172,7 +172,7 @@ def test_flights_end_when_a_battery_marched_alone_is_empty(clearness, energy, la
     days = len(clearness)
     balance, its_store = days_of(clearness), store(energy, days)
     launches = np.full(days, np.round(launch * 2.0) / 2.0)  # on a node, for the march alone
-    flights = Launches(ChargingDay.of(balance), its_store, follow=True)
+    flights = Launches.of(TIME_H, balance.net_w.T, 0.0, its_store, follow=True)
     hours = flights.hours(np.arange(days), launches)
     first = int(launches[0] * 2.0)
     for begin in range(days):

@@ -9,8 +9,7 @@ from step_by_step import advance, balance_of, intervals
 
 from sizing.battery.battery import NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
-from sizing.day.flight import Launches
-from sizing.day.launch import longest_flight
+from sizing.day.flight import Launches, longest_flight
 from sizing.day.light import day_axis_h
 
 HOURLY = day_axis_h(1.0)  # where a flight may last 366 days of marching
