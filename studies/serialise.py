@@ -107,7 +107,7 @@ RECORDS = {
     "Sensitivity": "+ per_percent",
     "Survival": """
         *weather.origin flight_altitude_m=mission.altitude_m season required achieved
-        days=days.count days_that_close=days.that_close longest_gap_days=days.longest_gap_days
+        days=days.closes.size days_that_close=days.that_close longest_gap_days=days.longest_gap_days
         by_year clear_sky.status=clear_sky.status clear_sky.objective=clear_sky.objective_value
         clear_sky.days_that_close=clear_sky_days.that_close clear_sky.share=clear_sky_days.share
         repairs=weather.repairs notes
@@ -132,7 +132,6 @@ RECORDS = {
         model=performance.days.solar.model
         correction=performance.days.solar.correction
         """,
-    "YearInWeather": "+ share_of_days_that_close",
     # ---- Altitudes
     "Ceiling": """
         aircraft=aircraft.name mission=mission.name model=solar.model correction=solar.correction

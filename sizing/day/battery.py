@@ -21,6 +21,7 @@ from solar.types import BoolArray, FloatArray, IntArray
 
 # Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
 _TABLE_POINTS = 4001
+_UNLIMITED_PER_H = 1e12
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class ChargeClock:
     ``hours[i]`` is the time the limit needs from empty to ``state_of_charge[i]``. Because the
     limit depends on nothing but the state of charge, following it for a while is a shift along
     this clock: exact for any step length. Up to ``constant_up_to`` the rate is constant and no
-    table is needed.
+    table is needed: so it is for a battery that is not limited, at a rate beyond any power.
     """
 
     state_of_charge: FloatArray
@@ -40,10 +41,10 @@ class ChargeClock:
     limit: ChargeLimit
 
     @classmethod
-    def of(cls, limit: ChargeLimit) -> ChargeClock | None:
-        """Return the clock of a limit; None where charging is not limited."""
+    def of(cls, limit: ChargeLimit) -> ChargeClock:
+        """Return the clock of a limit."""
         if isinstance(limit, NoChargeLimit):
-            return None
+            return cls(np.array([0.0, 1.0]), np.zeros(2), 1.0, _UNLIMITED_PER_H, limit)
         soc = np.linspace(0.0, 1.0, _TABLE_POINTS)
         if isinstance(limit, TableChargeLimit):
             soc = np.array(sorted({*soc.tolist(), *limit.state_of_charge}))
@@ -72,13 +73,13 @@ class Store:
     """Batteries of a batch that differ in size alone.
 
     ``charge_efficiency``, ``discharge_efficiency``: stored over surplus, and delivered over drawn
-    energy [-]. ``clock``: the charge limit; none where charging is not limited.
+    energy [-]. ``clock``: the charge limit.
     """
 
     battery_energy_wh: FloatArray
     charge_efficiency: float | FloatArray
     discharge_efficiency: float | FloatArray
-    clock: ChargeClock | None
+    clock: ChargeClock
 
     @classmethod
     def of(cls, battery: Battery, battery_energy_wh: ArrayLike | None = None) -> Store:
@@ -119,7 +120,7 @@ class Store:
         ``energy_wh``: stored at the start. ``surplus_wh``: over all ``hours``.
         """
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
-        if self.clock is None or not np.count_nonzero(target > energy_wh):
+        if not np.count_nonzero(target > energy_wh):
             return np.asarray(target)
         # While the limit is constant it adds a constant power; beyond, the clock gives the time.
         allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
@@ -138,14 +139,12 @@ class Store:
     @cached_property
     def _constant_limit_w(self) -> FloatArray:
         """Return the charge limit of an empty battery in stored power [W]."""
-        return self.battery_energy_wh * (
-            np.inf if self.clock is None else self.clock.constant_rate_per_h
-        )
+        return self.battery_energy_wh * self.clock.constant_rate_per_h
 
     @cached_property
     def _constant_up_to_wh(self) -> FloatArray:
         """Return the energy up to which the charge limit is constant [Wh]."""
-        return self.battery_energy_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
+        return self.battery_energy_wh * self.clock.constant_up_to
 
 
 def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:

@@ -93,12 +93,7 @@ class FlightLevels:
 
         ``height_m``: above the lowest altitude at the nodes of the day, which repeats itself.
         """
-        below, upper = self._place(height_m)
         element = np.arange(len(self.scenario))[:, np.newaxis]
-
-        def between(rows: Callable[[IntArray], FloatArray]) -> FloatArray:
-            return np.asarray((1.0 - upper) * rows(below) + upper * rows(below + 1))
-
         rate = np.diff(height_m, axis=-1) / (3600.0 * np.diff(time_h))
         rate = np.concatenate([rate[:, -1:], rate, rate[:, :1]], axis=-1)
         climb_w = self.weight_n[:, np.newaxis] * (rate[:, 1:] + rate[:, :-1]) / 2.0
@@ -108,32 +103,33 @@ class FlightLevels:
             load = ratio + climb_w / self.chain.thrust_w[level, design]
             return self.chain.power_w(level, design, load)
 
-        load_w = between(motor_w) + self.constant_power_w[:, np.newaxis]
-        solar_w = between(lambda level: self._light_at(level, element))
+        load_w = self._between(height_m, motor_w) + self.constant_power_w[:, np.newaxis]
+        solar_w = self._between(height_m, lambda level: self._light_at(level, element))
         return solar_w * self.module_area_m2[:, np.newaxis], load_w
 
     def at_heights(self, element: int, height_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the solar power, ``(height, time)``, and that of level flight of an element."""
-        levels = np.arange(len(self.altitude_m))
-        power_w = self.chain.power_w(levels, self.design[element], np.ones(len(levels)))
-        light = self._light_at(levels[:, np.newaxis], np.array(element))
-        below, upper = self._place(height_m)
-        power_w = (1.0 - upper) * power_w[below] + upper * power_w[below + 1]
-        share = upper[:, np.newaxis]
-        solar_w = (1.0 - share) * light[below] + share * light[below + 1]
-        return solar_w * self.module_area_m2[element], power_w
+        design = self.design[element]
+        power_w = self._between(
+            height_m, lambda level: self.chain.power_w(level, design, np.ones(level.shape))
+        )
+        light = self._between(
+            height_m[:, np.newaxis], lambda level: self._light_at(level, np.array(element))
+        )
+        return light * self.module_area_m2[element], power_w
 
     def select(self, elements: slice | IntArray | BoolArray) -> FlightLevels:
         """Return the flights of a part of the elements."""
         names = [field.name for field in fields(self)][4:]
         return replace(self, **{name: getattr(self, name)[elements] for name in names})
 
-    def _place(self, height_m: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return the level below heights [m], and the share of the next one."""
+    def _between(self, height_m: FloatArray, rows: Callable[[IntArray], FloatArray]) -> FloatArray:
+        """Return values at heights [m], linear between levels, whose numbers ``rows`` takes."""
         known = self.altitude_m - self.altitude_m[0]
         below = np.clip(np.searchsorted(known, height_m, side="right") - 1, 0, len(known) - 2)
         apart = known[below + 1] - known[below]
-        return below, (height_m - known[below]) / np.where(apart > 0.0, apart, 1.0)
+        upper = (height_m - known[below]) / np.where(apart > 0.0, apart, 1.0)
+        return np.asarray((1.0 - upper) * rows(below) + upper * rows(below + 1))
 
     def _light_at(self, level: IntArray, element: IntArray) -> FloatArray:
         """Return the specific power of elements at a level of every time; both broadcast."""

@@ -216,10 +216,6 @@ class Sunlight:
         flights = zip(self._levels, speeds.tolist(), strict=True)
         return np.array([convection_in_flight(self.aircraft, *flight) for flight in flights])
 
-    def modelled_power(self, model: ModelName) -> FloatArray:
-        """Return the uncorrected power at the lowest level [W/m2], ``(scenario, time)``."""
-        return np.asarray(self._power_of(model)[0])
-
     def _power_of(self, model: ModelName) -> FloatArray:
         """Return the uncorrected specific power [W/m2], ``(level, scenario, time)``."""
         if model not in self._power:

@@ -46,10 +46,8 @@ def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray)
     share = to_full_wh / np.maximum(stored, 1e-300)
     left_w, right_w = np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0)
     hours = (end - begin) * ramp_fraction(left_w, right_w, share)
-    if store.clock is not None:
-        soc = np.minimum(before_charge_wh / store.battery_energy_wh, 1.0)
-        hours = np.maximum(hours, store.clock.hours_to_full(soc))
-    return np.minimum(begin + hours, end)
+    soc = np.minimum(before_charge_wh / store.battery_energy_wh, 1.0)
+    return np.minimum(begin + np.maximum(hours, store.clock.hours_to_full(soc)), end)
 
 
 @dataclass(frozen=True)

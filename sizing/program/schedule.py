@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from sizing.battery.battery import ChargeLimit, NoChargeLimit
+from sizing.battery.battery import ChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.heights import FlightLevels
@@ -189,8 +189,7 @@ def best_heights(
     if window is not None:  # which begins and ends without height
         low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = window.begin_wh / unit_wh
         most[_HEIGHTS.start] = 0.0
-    limit = NoChargeLimit() if store.clock is None else store.clock.limit
-    solver, upper, lock = _program(limit, window is None)
+    solver, upper, lock = _program(store.clock.limit, window is None)
     parameters = np.concatenate([np.ravel(value) for value in (*data, *design, *block)])
     bounds: dict[str, Any] = {"lbx": low, "ubx": most, "lbg": 0.0, "ubg": upper}
     with lock:

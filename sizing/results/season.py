@@ -19,12 +19,11 @@ from solar.types import BoolArray, IntArray
 class SeasonDays:
     """Days of a record's season, and which of them close.
 
-    ``year``, ``day_of_year``: of each day of the season, by local date. ``closes``: whether it
-    closes. ``longest_gap_days``: most consecutive days of the season that do not close.
+    ``year``: of each day of the season, by local date. ``closes``: whether it closes.
+    ``longest_gap_days``: most consecutive days of the season that do not close.
     """
 
     year: IntArray
-    day_of_year: IntArray
     closes: BoolArray
     longest_gap_days: int
 
@@ -33,18 +32,12 @@ class SeasonDays:
         """Return the season's days, of all days of a record and which of them close."""
         return cls(
             year=axis.year[season],
-            day_of_year=axis.day_of_year[season],
             closes=closes[season],
             longest_gap_days=longest_run(season & ~closes),
         )
 
     def __len__(self) -> int:
         return len(self.closes)
-
-    @property
-    def count(self) -> int:
-        """Days of the season."""
-        return len(self)
 
     @property
     def that_close(self) -> int:
@@ -66,7 +59,7 @@ class SeasonDays:
                 "share": float(np.mean(self.closes[at])),
             }
             for year in np.unique(self.year)
-            if np.any(at := self.year == year)
+            for at in [self.year == year]
         ]
 
 
@@ -96,16 +89,12 @@ class Survival:
         return {"from": date_code(days[0]), "to": date_code(days[-1])}
 
     @property
-    def by_year(self) -> list[dict[str, Any]]:
-        """Days of each year that close, where the record tells years apart."""
-        return self.days.by_year() if self.several_years else []
-
-    @property
     def achieved(self) -> float:
         """Share of the season's days that close [-]."""
         return self.days.share
 
     @property
-    def several_years(self) -> bool:
-        """Whether the record tells years apart."""
-        return not self.weather.typical and len(np.unique(self.days.year)) > 1
+    def by_year(self) -> list[dict[str, Any]]:
+        """Days of each year that close; empty where the record does not tell years apart."""
+        several = not self.weather.typical and len(np.unique(self.days.year)) > 1
+        return self.days.by_year() if several else []

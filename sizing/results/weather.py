@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from missions.dates import MONTH_NAMES
 from missions.mission import Mission, Scenarios
-from missions.weather.record import Weather
+from missions.weather.record import Weather, longest_run
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.battery.condition import BatteryTemperature
@@ -18,9 +20,8 @@ from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.conditions import BatteryCondition, battery_condition
 from sizing.results.design_result import check_subjects
-from sizing.results.numbers import finite, percentiles
+from sizing.results.numbers import PERCENTILES, finite, percentiles
 from sizing.results.result import Result, data_frame
-from sizing.results.weather_years import YearInWeather, YearToYear, years_of
 from sizing.validity.checks import (
     battery_checks,
     charge_rate_check,
@@ -32,13 +33,15 @@ from sizing.validity.extrapolations import collect_extrapolations, keep_worst
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.sun import declination, sun_times
-from solar.types import BoolArray, FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # Windows whose waiting times are told [d].
 WINDOWS_DAYS = (1, 2, 3, 5, 7)
+# A year that lacks more days than these is told, and not counted among the whole ones.
+_MISSING_DAYS, _DAYS = 7, 365
 # Quantities that have the air of each day.
 _OF_DAYS = ("pack_temperature_c", "air_temperature_c")
 # Quantities of what is assumed high up.
@@ -84,11 +87,65 @@ class WeatherAnalysis(Result):
         return self.performance.days.mission
 
     @cached_property
-    def years(self) -> tuple[YearInWeather, ...]:
-        """Calendar years of the record; none of a typical year."""
-        if self.weather.typical:
-            return ()
-        return years_of(self.performance.recorded, self.performance.clear)
+    def years(self) -> list[dict[str, Any]]:
+        """Calendar years, or what of them is in the record; none of a typical year.
+
+        ``whole``: at most a week is missing. ``longest_run_days``: most consecutive days that
+        close. ``endurance_h``: of the launches at its dawns: ``p10``, ``p50``, ``p90`` [h].
+        """
+        run = self.performance.recorded
+        return [
+            {
+                "year": year,
+                "whole": closing["days"] >= _DAYS - _MISSING_DAYS,
+                **closing,
+                "longest_run_days": longest_run(run.closes[at]),
+                "endurance_h": percentiles(run.endurance_h[at], "linear"),
+                "share_of_days_that_close": closing["days_that_close"] / closing["days"],
+            }
+            for year, at, closing in self._by(run.axis.year)
+            if not self.weather.typical
+        ]
+
+    @property
+    def year_to_year(self) -> dict[str, Any] | None:
+        """Spread of the whole years, by percentiles that occurred; None without two of them."""
+        whole = [year for year in self.years if year["whole"]]
+        if len(whole) < 2:
+            return None
+        share = itemgetter("share_of_days_that_close")
+        return {
+            "whole_years": len(whole),
+            "days_that_close": percentiles([year["days_that_close"] for year in whole]),
+            "longest_run_days": percentiles([year["longest_run_days"] for year in whole]),
+            "median_endurance_h": percentiles([year["endurance_h"]["p50"] for year in whole]),
+            "worst_year": min(whole, key=share)["year"],
+            "best_year": max(whole, key=share)["year"],
+        }
+
+    @property
+    def months(self) -> list[dict[str, Any]]:
+        """Days that close, state of charge at dawn and endurance of every month."""
+        run = self.performance.recorded
+        return [
+            {
+                "month": MONTH_NAMES[month - 1],
+                **closing,
+                "median_dawn_state_of_charge": float(np.median(run.dawn_state_of_charge[at])),
+                "median_endurance_h": float(np.median(run.endurance_h[at])),
+            }
+            for month, at, closing in self._by(run.axis.month)
+        ]
+
+    def _by(self, label: IntArray) -> Iterator[tuple[int, BoolArray, dict[str, int]]]:
+        """Yield every label of the days, which of them have it, and how many of these close."""
+        for each in np.unique(label).tolist():
+            at = label == each
+            runs = {"": self.performance.recorded, "clear_sky_": self.performance.clear}
+            closing = {
+                f"{of}days_that_close": int(run.closes[at].sum()) for of, run in runs.items()
+            }
+            yield each, at, {"days": int(np.count_nonzero(at)), **closing}
 
     @cached_property
     def endurance_h(self) -> dict[str, float]:
@@ -201,11 +258,6 @@ class WeatherAnalysis(Result):
         return float(self.weather.ghi.sum() * self.weather.interval_s / 3.6e6)
 
     @property
-    def year_to_year(self) -> YearToYear | None:
-        """Spread of the whole years; None where there are not two of them."""
-        return YearToYear.of(self.years)
-
-    @property
     def battery_condition(self) -> BatteryCondition | None:
         """Battery in the mean air of the days; None where nothing there changes it."""
         done = self.performance
@@ -254,24 +306,14 @@ class WeatherAnalysis(Result):
 
     def to_years_frame(self) -> pd.DataFrame:
         """Return a row for each year: days, days that close, longest run and endurance."""
-        return data_frame([year.row() for year in self.years])
-
-    @property
-    def months(self) -> list[dict[str, Any]]:
-        """Days that close, state of charge at dawn and endurance of every month."""
-        run, clear = self.performance.recorded, self.performance.clear
-        return [
-            {
-                "month": MONTH_NAMES[number - 1],
-                "days": int(np.count_nonzero(at)),
-                "days_that_close": int(run.closes[at].sum()),
-                "clear_sky_days_that_close": int(clear.closes[at].sum()),
-                "median_dawn_state_of_charge": float(np.median(run.dawn_state_of_charge[at])),
-                "median_endurance_h": float(np.median(run.endurance_h[at])),
-            }
-            for number in range(1, 13)
-            if np.any(at := run.axis.month == number)
-        ]
+        rows = ({**year} for year in self.years)
+        return data_frame(
+            [
+                row | {f"endurance_{name}_h": ends[name] for name in PERCENTILES}
+                for row in rows
+                if (ends := row.pop("endurance_h"))
+            ]
+        )
 
 
 def analyse_weather(

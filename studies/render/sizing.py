@@ -148,8 +148,8 @@ def _survival(study: SizingStudy, level: int) -> list[Any]:
     if survival is None:
         return []
     shown: list[Any] = [say.survival_text(survival, study)]
-    if survival.several_years and level >= ALL:
-        years = (year | {"year": str(year["year"])} for year in survival.days.by_year())
+    if survival.by_year and level >= ALL:
+        years = (year | {"year": str(year["year"])} for year in survival.by_year)
         shown.append(q.table_of("year by year", "year days days_that_close share", years))
     if level >= ALL:
         shown += [Line(f"record: {text}", "faint") for text in survival.weather.repairs]

@@ -78,9 +78,9 @@ def _year_rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
     spread = analysis.year_to_year
     if spread is None:
         return []
-    closed = {year.year: year.days_that_close for year in analysis.years}
-    ends = (f"{year} ({closed[year]})" for year in (spread.worst_year, spread.best_year))
-    days = ", ".join(str(round(spread.days_that_close[name])) for name in PERCENTILES)
+    closed = {year["year"]: year["days_that_close"] for year in analysis.years}
+    ends = (f"{year} ({closed[year]})" for year in (spread["worst_year"], spread["best_year"]))
+    days = ", ".join(str(round(spread["days_that_close"][name])) for name in PERCENTILES)
     return [
         ("days that close in a year: 10, 50, 90 % of years", days),
         ("worst year, best year", ", ".join(ends)),
@@ -93,10 +93,10 @@ def _weather_tables(analysis: WeatherAnalysis) -> list[Table]:
     closed = "days days_that_close clear_sky_days_that_close"
     if analysis.year_to_year is not None:
         years = [
-            vars(year)
+            year
             | {
-                "year": f"{year.year}" if year.whole else f"{year.year} (part)",
-                "endurance_of_years": ", ".join(hours(year.endurance_h[p]) for p in PERCENTILES),
+                "year": f"{year['year']}{'' if year['whole'] else ' (part)'}",
+                "endurance_of_years": ", ".join(hours(year["endurance_h"][p]) for p in PERCENTILES),
             }
             for year in analysis.years
         ]

@@ -153,7 +153,7 @@ def _name_days(axes: Axes, names: list[str], months: NDArray[Any] | None) -> Non
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     """Draw the share of launches at dawn with a full battery still airborne; grey: each year."""
     done = analysis.performance
-    whole = [summary.year for summary in analysis.years if summary.whole]
+    whole = [year["year"] for year in analysis.years if year["whole"]]
     for index, year in enumerate(whole if len(whole) > 1 else ()):
         of_year = done.recorded.axis.year == year
         label = "launches of each year" if not index else ""
