@@ -141,6 +141,9 @@ def test_module_under_the_tail_is_shaded_by_the_sun_overhead():
     roof = t_tail(horizontal_span_m=9.0, horizontal_chord_m=9.0, horizontal_aft_m=-4.0)
     areas = shaded_area(ATLANTIKSOLAR, roof, [0.0, 0.0, -1.0])
     assert areas == pytest.approx(AREAS, rel=ROUNDING)
+    # Never more than the whole, by which models of losses would be refused.
+    sky = t_tail(horizontal_span_m=90.0, horizontal_chord_m=90.0, horizontal_aft_m=-40.0)
+    assert shaded_fraction(ATLANTIKSOLAR, sky, sun_from(np.linspace(5, 89, 99), 30.0)).max() == 1.0
 
 
 def test_sun_overhead_behind_the_module_or_in_its_plane_shades_nothing():

@@ -110,6 +110,33 @@ def test_wires_carry_by_statics_what_they_take_off_the_wing():
     assert both.mass_kg == pytest.approx(2.0 * wires.mass_kg)
 
 
+def test_wires_press_the_spar_inboard_of_their_ends_alone():
+    place = stations(wire=0.4)
+    pressed = []
+    for angle_deg in (15.0, 45.0):
+        model = rib_wing(bracing=WIRE | {"angle_deg": angle_deg})
+        wing = model.wing(INPUTS)
+        pressed.append(model.cap_forces(wing, place).up)
+    # By statics: the half-wing's moment about its root is held by the pull of the wire.
+    root_nm = 9.80665 / 2.0 * 12.5 * (75.0 * 4.0 / (3.0 * pi) - wing.relief_kg / 2.0)
+    along_n = root_nm / (0.4 * 12.5) * (1.0 / tan(radians(15.0)) - 1.0)
+    of_a_cap = np.where(place.fraction < 0.4, along_n / 2.0, 0.0)
+    # The smooth absolute of the moment is above it by (0.02 of the lift's)^2.
+    expected = 1.5 * wing.factors.up * of_a_cap
+    assert pressed[0] - pressed[1] == pytest.approx(expected, rel=5e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("landing_wires", [True, False])
+def test_wires_on_both_sides_bear_loads_of_either_sign_alike(landing_wires):
+    bracing = WIRE | {"landing_wires": landing_wires}
+    model = rib_wing(bracing=bracing, manoeuvre_load_factor=3.0, negative_load_ratio=1.0, **CALM)
+    wing = model.wing(INPUTS)
+    forces = model.cap_forces(wing, stations(wire=0.4))
+    # Blends of smooth maxima.
+    alike = forces.down == pytest.approx(forces.up, rel=0.01)
+    assert alike == landing_wires
+
+
 def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints():
     keys = {"narrow_caps": True, "web_core": {}}
     inputs = INPUTS._replace(span_load_kg=0.0, total_mass_kg=110.0)

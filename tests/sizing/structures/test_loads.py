@@ -6,7 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from sizing.structures.loads import limit_load_factor, root_bending_moment_nm
+from sizing.structures.loads import (
+    StructureInputs,
+    gust_load_increment,
+    limit_load_factor,
+    root_bending_moment_nm,
+)
 
 G = 9.80665
 
@@ -39,3 +44,24 @@ def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(span, 
     moment = root_bending_moment_nm(span, mass, share * mass, 0.25)
     # The smooth maximum lies above by at most 2 % of the unrelieved moment, as documented.
     assert expected * (1.0 - 1e-6) <= moment <= expected + 0.02 * up * (1.0 + 1e-6)
+
+
+@given(
+    span=spans,
+    aspect=st.floats(6.0, 35.0),
+    mass=masses,
+    speed=st.floats(4.0, 40.0),
+    density=st.floats(0.05, 1.3),
+)
+def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(span, aspect, mass, speed, density):
+    # CS/FAR 23.341 in customary units: K U V a / (498 W/S), U in ft/s, V in knots, W/S in lb/ft2;
+    # K = 0.88 mu / (5.3 + mu) with mu = 2 W/S / (rho c a g), rho in slug/ft3.
+    chord_ft, area_ft2 = span / aspect / 0.3048, span**2 / aspect / 0.3048**2
+    slope = 2.0 * np.pi * aspect / (aspect + 2.0)
+    loading = mass / 0.45359237 / area_ft2
+    ratio = 2.0 * loading / (density * 0.00194032 * chord_ft * slope * 32.174)
+    alleviation = 0.88 * ratio / (5.3 + ratio)
+    expected = alleviation * (15.25 / 0.3048) * (speed / 0.514444) * slope / (498.0 * loading)
+    inputs = StructureInputs(span, aspect, mass, 0.0, speed, density)
+    # 498 is rounded to three digits.
+    assert gust_load_increment(15.25 * speed, inputs) == pytest.approx(expected, rel=2e-3)
