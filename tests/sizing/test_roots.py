@@ -68,6 +68,21 @@ def test_element_without_gain_at_the_lower_end_has_its_root_there():
     assert roots.tolist() == [0.0, 0.0, 0.0]
 
 
+def test_functions_do_not_depend_on_each_other():
+    rng = np.random.default_rng(3)
+    root, slopes = rng.uniform(0.01, 0.99, 20), rng.uniform(1e-3, 1.0, (2, 20))
+
+    def found(numbers):
+        def gain(place, x):
+            return kinked(numbers[place], x, root, slopes)
+
+        zeros = np.zeros(len(numbers))
+        return falling_root(gain, zeros, zeros + 1.0, zeros + LIMIT)
+
+    alone = [found(np.array([number]))[0] for number in range(20)]
+    assert found(np.arange(20)).tolist() == alone
+
+
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
 def test_bracketed_roots_are_those_of_scipy(seed, count):
     rng = np.random.default_rng(seed)

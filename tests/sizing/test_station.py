@@ -46,6 +46,18 @@ def test_power_of_faster_flight_is_that_of_the_parabolic_polar():
     assert np.interp(v, airspeeds, powers) == pytest.approx(by_hand, rel=1e-6)
 
 
+def test_an_aircraft_slower_than_that_of_least_power_may_fly_faster_for_less():
+    polar = "airframe.aerodynamics"
+    slow = [f"{polar}.lift_coefficient=1.5", f"{polar}.maximum_lift_coefficient=1.8"]
+    broad = ["airframe.aspect_ratio=8", "airframe.propulsion.climb_power_ratio=5"]
+    plane = aircraft("sky-sailor", *slow, *broad)
+    where = mission(altitude_m=500.0)
+    design = design_of(plane, where)
+    _, powers = faster_flight(plane, where, design)
+    assert powers[0] < float(design.propulsion_power_w)
+    assert np.all(np.diff(powers) >= 0.0)
+
+
 def test_the_simulator_confirms_the_fastest_airspeed(tmp_path):
     where = in_winds(tmp_path, 6.0, 12.0)
     result = station_keeping(DESIGN, where, scenarios=CELLS)

@@ -150,6 +150,16 @@ def test_drag_rises_beyond_the_stall_and_below_the_branch(polar, reynolds, first
 
 
 @pytest.mark.parametrize("name", SHIPPED)
+def test_below_the_table_slower_flow_has_more_drag_and_less_lift(name):
+    polar = AirfoilPolar.load(name)
+    reynolds = polar.reynolds_range[0] * np.array([0.5, 0.25, 0.1])
+    drag, lift = polar.profile_drag(0.8, reynolds), polar.maximum_lift(reynolds)
+    # More than laminar friction, which rises with the root of the Reynolds number.
+    assert np.all(drag[1:] / drag[:-1] > (reynolds[:-1] / reynolds[1:]) ** 0.5)
+    assert np.all(np.diff(lift) < 0.0)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
 def test_drag_and_slope_are_continuous_across_the_clamps(name):
     polar = AirfoilPolar.load(name)
     lift = np.linspace(polar.least_lift - 0.3, 2.0, 60001)

@@ -88,6 +88,16 @@ def test_no_propeller_beats_momentum_theory(blades, ratio):
     assert np.all((advance * model.thrust / model.power)[pulls] < ideal)
 
 
+@pytest.mark.parametrize("advance", [0.0, 0.3, 0.6])
+def test_each_further_blade_pulls_but_less_than_those_before(advance):
+    # The blades pull in the wake of each other.
+    propellers = [BladeElementPropeller(0.6, 0.5, blades) for blades in (2, 3, 4)]
+    thrust = [float(one.coefficients(15.0 * advance, 25.0, AIR).thrust) for one in propellers]
+    each = [pull / blades for pull, blades in zip(thrust, (2, 3, 4), strict=True)]
+    assert thrust == sorted(thrust)
+    assert each == sorted(each, reverse=True)
+
+
 def test_fast_flight_brakes_and_turns_the_propeller():
     propeller = BladeElementPropeller(0.25, 0.15)
     n = 50.0

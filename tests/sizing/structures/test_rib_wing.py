@@ -69,6 +69,12 @@ def test_smooth_maximum_is_just_above_and_minimum_just_below_and_both_rise(first
     assert smooth_maximum(3.0 * first, 3.0 * second) == pytest.approx(3.0 * high, rel=1e-12)
 
 
+def test_smooth_maximum_of_equals_is_two_per_cent_above():
+    assert smooth_maximum(2.0, 2.0) == pytest.approx(2.04, rel=1e-12)
+    # (1 + sqrt(1 + 0.02^2))/2 = 1 + 0.02^2/4 to the next order.
+    assert smooth_maximum(1.0, 0.0) == pytest.approx(1.0001, abs=1e-7)
+
+
 @given(value=st.floats(-1e3, 1e3), scale=positives)
 def test_smooth_absolute_exceeds_by_no_more_than_its_width(value, scale):
     smooth = smooth_absolute(value, scale)
