@@ -172,8 +172,11 @@ def test_polar_day_has_no_end():
 @pytest.mark.parametrize("model", ["CDM", "VM", "FM"])
 def test_every_solar_model_can_be_climbed_with(model):
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
-    result = climb_performance(AS2, mission(2000.0, flight_path=path), SolarModel(model))
+    where, solar = mission(2000.0, flight_path=path), SolarModel(model)
+    result = climb_performance(AS2, where, solar)
     assert result.gain_in_excess_time_h[0] > 0.5
+    level = performance(AS2, where.at_altitude(FLOOR_M), solar)
+    assert result.constant_altitude_excess_time_h == pytest.approx(level.cycle.excess_time_h)
 
 
 def test_a_strategy_is_read_and_ignored():
