@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any, ClassVar, NamedTuple
+from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -28,11 +29,12 @@ from sizing.program.variables import TOTAL_OVER_BATTERY_MASS, USER_OBJECTIVE
 from sizing.smooth import Value
 
 OwnFunction = Callable[[Any], Any]
+Quantity = Callable[[DesignInFlight], Value]
 
 _ENERGY = ("battery_capacity", "energy_balance", "excess_time", "height")  # rows of the cycle
 
 # Quantities of a design that a function may use, by the names that results have.
-NAMES: dict[str, Callable[[DesignInFlight], Value]] = {
+NAMES: dict[str, Quantity] = {
     "wingspan_m": lambda it: it.design.variables.wingspan_m,
     "aspect_ratio": lambda it: it.design.variables.aspect_ratio,
     "module_area_m2": lambda it: it.design.variables.module_area_m2,
@@ -43,24 +45,14 @@ NAMES: dict[str, Callable[[DesignInFlight], Value]] = {
 }
 
 
-class _Symbols:
-    """Design whose quantities are symbols; a wrong name is answered with those that there are."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in NAMES:
-            raise AttributeError(f"a design has no {name}; it has {', '.join(NAMES)}")
-        return ca.SX.sym(name)
-
-    def __dir__(self) -> list[str]:
-        return list(NAMES)
-
-
 def _expression(function: OwnFunction, what: str) -> Any:
     """Return the expression of a function, with a symbol for each quantity."""
+    design = SimpleNamespace(**{name: ca.SX.sym(name) for name in NAMES})
     try:
-        expression = function(_Symbols())
+        expression = function(design)
     except AttributeError as error:
-        raise ValueError(f"{what}: {error}") from error
+        unknown = f"a design has no {error.name}; it has {', '.join(NAMES)}"
+        raise ValueError(f"{what}: {unknown if error.obj is design else error}") from error
     except Exception as error:
         raise ValueError(
             f"{what} is called with symbols: arithmetic, NumPy's and CasADi's functions "
@@ -72,31 +64,23 @@ def _expression(function: OwnFunction, what: str) -> Any:
     return expression
 
 
-@dataclass(frozen=True, eq=False)
-class _Term:
-    """An expression of quantities of a design, for numbers, arrays and symbols."""
+def _quantity(expression: Any) -> Quantity:
+    """Return an expression as a quantity of designs: of numbers, arrays and symbols."""
+    symbols = ca.symvar(expression)
+    names = [symbol.name() for symbol in symbols]
+    function = ca.Function("own", [ca.vertcat(*symbols)], [expression])
 
-    names: tuple[str, ...]
-    function: ca.Function
-
-    @classmethod
-    def of(cls, expression: Any) -> _Term:
-        symbols = ca.symvar(expression)
-        names = tuple(dict.fromkeys(symbol.name() for symbol in symbols))
-        every = ca.SX.sym("quantities", len(names))
-        places = [every[names.index(symbol.name())] for symbol in symbols]
-        (value,) = ca.substitute([expression], symbols, places)
-        return cls(names, ca.Function("own", [every], [value]))
-
-    def __call__(self, it: DesignInFlight) -> Value:
-        values = [NAMES[name](it) for name in self.names]
+    def quantity(it: DesignInFlight) -> Value:
+        values = [NAMES[name](it) for name in names]
         if any(isinstance(value, ca.SX) for value in values):
-            return self.function(ca.vertcat(*values))
+            return function(ca.vertcat(*values))
         arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in values))
         if arrays[0].size == 0:
             return np.zeros(arrays[0].shape)
-        evaluated = self.function(np.stack([array.ravel() for array in arrays]))
+        evaluated = function(np.stack([array.ravel() for array in arrays]))
         return np.asarray(evaluated).reshape(arrays[0].shape)
+
+    return quantity
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +91,7 @@ class OwnObjective:
     """
 
     value: str
-    term: _Term
+    of: Quantity
     scale: float
     aircraft: Aircraft
 
@@ -125,18 +109,11 @@ class OwnObjective:
 
     def of_flight(self, perf: Performance) -> Value:
         """Value of simulated designs."""
-        return self.term(DesignInFlight(self.aircraft, perf.design))
+        return self.of(DesignInFlight(self.aircraft, perf.design))
 
     def row(self, it: DesignInFlight, variable: Value) -> Requirement:
         """Equation that makes a variable of the program the objective."""
-        return Requirement(USER_OBJECTIVE, (variable - self.term(it)) / self.scale, "")
-
-
-class _OwnConstraint(NamedTuple):
-    """A requirement of the user's own: ``term`` is at least zero where it is kept."""
-
-    name: str
-    term: _Term
+        return Requirement(USER_OBJECTIVE, (variable - self.of(it)) / self.scale, "")
 
 
 class _OwnDesignSpace(DesignSpace):
@@ -148,10 +125,7 @@ class _OwnDesignSpace(DesignSpace):
     __hash__ = DesignSpace.__hash__
 
     def user_requirements(self, it: Any) -> list[Any]:
-        return [
-            Requirement(row.name, row.term(it), f"{row.name} is missed by {{missed}}")
-            for row in self.own_constraints
-        ]
+        return [constraint(it) for constraint in self.own_constraints]
 
 
 def with_own_terms(
@@ -174,10 +148,10 @@ def with_own_terms(
     user_objective = None if objective is None else _objective(objective, start)
     rows = tuple(_constraint(function, start) for function in constraints)
     taken = {*_ENERGY, USER_OBJECTIVE, *(row.name for row in design_requirements(*start))}
-    for row in rows:
-        if row.name in taken:
-            raise ValueError(f"a constraint needs a name of its own: there is a {row.name} already")
-        taken.add(row.name)
+    for name in (row(start).name for row in rows):
+        if name in taken:
+            raise ValueError(f"a constraint needs a name of its own: there is a {name} already")
+        taken.add(name)
     space = aircraft.design_space
     fields: dict[str, Any] = {name: getattr(space, name) for name in DesignSpace.model_fields}
     fields |= {"own_objective": user_objective, "own_constraints": rows}
@@ -189,15 +163,17 @@ def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
     expression = _expression(function, "the objective")
     if expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT) or expression.is_op(ca.OP_EQ):
         raise ValueError("the objective is a comparison: those are constraints")
-    term = _Term.of(expression)
-    first = float(term(start))
+    quantity = _quantity(expression)
+    first = float(quantity(start))
     if not np.isfinite(first):
         raise ValueError(f"the objective is {first} for the design that the search starts from")
-    name = _name(function, expression)
-    return OwnObjective(name, term, abs(first) or 1.0, start.aircraft)
+    scale = abs(first) or 1.0
+    return OwnObjective(_name(function, expression), quantity, scale, start.aircraft)
 
 
-def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:
+def _constraint(
+    function: OwnFunction, start: DesignInFlight
+) -> Callable[[DesignInFlight], Requirement]:
     """Return the constraint of a comparison, relative to a number or the larger side at first."""
     expression = _expression(function, "a constraint")
     if not (expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT)):
@@ -208,10 +184,11 @@ def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:
     # A number is the limit; of two quantities the larger one.
     sides = small, large
     numbers = [abs(float(side)) for side in sides if not ca.symvar(side)]
-    sizes = [abs(float(_Term.of(side)(start))) for side in sides if ca.symvar(side)]
+    sizes = [abs(float(_quantity(side)(start))) for side in sides if ca.symvar(side)]
     scale = max(numbers, default=0.0) or max(sizes) or 1.0
     name = _name(function, expression).removeprefix("(").removesuffix(")")
-    return _OwnConstraint(name, _Term.of((large - small) / scale))
+    margin, text = _quantity((large - small) / scale), f"{name} is missed by {{missed}}"
+    return lambda it: Requirement(name, margin(it), text)
 
 
 def _name(function: OwnFunction, expression: Any) -> str:
