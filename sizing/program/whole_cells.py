@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -24,9 +24,10 @@ from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.design_space import Limit
 from sizing.layout.cells import Wing
 from sizing.layout.strings import Strings
+from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import all_replaced
 from sizing.program.objectives import Objective
-from sizing.program.result import SizingResult, SizingStatus, Violation
+from sizing.program.result import SizingResult, Violation
 from sizing.program.size import size_aircraft
 from sizing.roots import bisect
 from solar.modules import STC_IRRADIANCE_W_PER_M2
@@ -37,11 +38,10 @@ _RINGS = 4  # around the rounded optimum that are tried before the search gives 
 _AROUND = 200
 # Of many cells the search begins with longer steps, this part of them, and halves the steps.
 _STRIDES = 20
-# What differs by less is equal: the solver meets its rows to about 1e-8. Of equal objectives the
-# lighter design is the better one.
-_EQUAL = 1e-6
+# Of an objective, of which the solver knows eight. Of equal designs the lighter one is better.
+_DIGITS = 6
+_NONE = math.inf, math.inf  # rank where there is no design
 _TENTH_OF_A_MM, _LONGEST_M = 1e-4, 1e4  # of lengths that are tried
-
 
 Bounds = dict[str, tuple[float, float]]
 
@@ -142,8 +142,7 @@ class _Search:
                 raise ValueError(f"whole cells need {key} of the aircraft")
         assert layout is not None
         assert pack is not None
-        self.aircraft, self.plain = aircraft, without_whole_cells(aircraft)
-        self.layout, self.pack, self.sizing = layout, pack, sizing
+        self.aircraft, self.layout, self.pack, self.sizing = aircraft, layout, pack, sizing
         # Loss of voltage per kelvin where strings have none of their own, and the battery's ends.
         self.electric = aircraft.modules.temperature_coefficient_per_k, aircraft.battery.ends_v
         self.known: dict[Numbers, tuple[Neighbour, SizingResult | None]] = {}
@@ -151,84 +150,70 @@ class _Search:
     def run(self) -> tuple[SizingResult, WholeCells]:
         """Return the best of the designs around the relaxed optimum."""
         # With continuous area, battery and MPPTs, each of these with all the cells that it takes.
-        strings, plain = self.layout.strings, self.plain
+        strings, mppts_per_cell = self.layout.strings, 0.0
         if strings is not None:
             most = max(strings.window(*self.electric).most, 1)
-            plain = self._with_mppts(1.0, strings.strings_per_mppt * most)
-        relaxed = self.sizing(plain)
+            mppts_per_cell = 1.0 / (strings.strings_per_mppt * most)
+        relaxed = self.sizing(self._without_cells(mppts_per_cell))
         if relaxed.design is None:
             return relaxed, WholeCells(None, relaxed, None, ())
         start = self.start = relaxed.design.variables
         half = (start.module_area_m2 / self.layout.area_of_a_cell_m2 - self.layout.tail_count) / 2.0
         parallel = start.battery_mass_kg / self._battery_kg(1)
-        middle = Numbers(max(round(half), 1), max(round(parallel), 1))
-        self.halves = self._halves(middle.per_half)
-        at = bisect_left(self.halves, half)
-        counts = [max(math.floor(parallel), 1), max(math.ceil(parallel), 1)]
-        around = product(self.halves[max(at - 1, 0) : at + 1], counts)
-        best = self._best_of(Numbers(*pair) for pair in around)
-        for radius in range(1, _RINGS + 1):
-            if best is None:
-                best = self._best_of(self._ring(middle, radius))
-        stride = max(middle.per_half // _STRIDES, 1)
-        while best is not None and stride:
-            better = self._best_of(self._ring(best, 1, stride))
-            if better is not None and self._beats(better, best):
-                best = better
-            else:
-                stride //= 2
-        # Numbers between those that can be laid and strung have none but a reason.
-        middle = best or middle
+        best = self._best(half, parallel)
+        # Numbers next to it that cannot be strung have none but a reason.
         for more in (-1, 0, 1):
-            self._best_of([Numbers(max(middle.per_half + more, 1), middle.parallel)])
+            self._rank(Numbers(max(best.per_half + more, 1), best.parallel))
         # The best first, then in the order in which they were tried.
         tried = tuple(self.known[numbers][0] for numbers in sorted(self.known, key=self._rank))
-        near, result = self.known[middle]
+        chosen, result = self.known[best]
         if result is None:
             text = (
                 f"no design of whole cells among {len(tried)} next to the relaxed optimum; with "
-                f"{near.cells} solar cells and {near.battery_cells} battery cells: {near.reason}"
+                f"{chosen.cells} solar cells and {chosen.battery_cells} battery cells: "
+                f"{chosen.reason}"
             )
             missed = Violation("whole_cells", 1.0, text)
-            failed = relaxed.without_design(SizingStatus.infeasible, relaxed.simulated, missed)
+            failed = relaxed.without_design(relaxed.simulated, missed)
             return failed, WholeCells(None, relaxed, None, tried)
         result = replace(result, active_constraints=self._limiting(result))
-        return result, WholeCells(self._put_in(result, middle), relaxed, near, tried)
+        return result, WholeCells(self._put_in(result, best), relaxed, chosen, tried)
+
+    def _best(self, half: float, parallel: float) -> Numbers:
+        """Return the best numbers around those of the optimum; these where no design is found."""
+        middle = Numbers(max(round(half), 1), max(round(parallel), 1))
+        halves = self._halves(middle.per_half)
+
+        def around(numbers: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
+            """Yield the numbers at a distance of steps; of solar cells those that are strung."""
+            steps, at = range(-radius, radius + 1), bisect_left(halves, numbers.per_half)
+            for a, b in product(steps, steps):
+                place, parallel = at + a * stride, numbers.parallel + b
+                if max(abs(a), abs(b)) == radius and 0 <= place < len(halves) and parallel > 0:
+                    yield Numbers(halves[place], parallel)
+
+        at, best = bisect_left(halves, half), middle
+        counts = {max(math.floor(parallel), 1), max(math.ceil(parallel), 1)}
+        rounded = map(Numbers._make, product(halves[max(at - 1, 0) : at + 1], counts))
+        for candidates in (rounded, *(around(middle, 1 + ring) for ring in range(_RINGS))):
+            best = min(candidates, key=self._rank, default=middle)
+            if self._rank(best) < _NONE:
+                break
+        stride = max(middle.per_half // _STRIDES, 1)
+        while stride and self._rank(best) < _NONE:
+            better = min((best, *around(best, 1, stride)), key=self._rank)
+            stride = stride // 2 if better == best else stride
+            best = better
+        return best
 
     def _rank(self, numbers: Numbers) -> tuple[float, float]:
-        """Return objective and mass of a design, the smaller the better; infinite without."""
+        """Return objective and mass of a design, the smaller the better; each is sized once."""
+        if numbers not in self.known:
+            self.known[numbers] = self._sized(numbers)
         neighbour, result = self.known[numbers]
-        mass_kg = neighbour.total_mass_kg
-        return (
-            (math.inf, math.inf) if result is None or mass_kg is None else (-result.merit, mass_kg)
-        )
-
-    def _beats(self, numbers: Numbers, others: Numbers) -> bool:
-        """Return whether a design is better than another, or as good and lighter."""
-        (cost, mass_kg), (other_cost, other_kg) = self._rank(numbers), self._rank(others)
-        if math.isclose(cost, other_cost, rel_tol=_EQUAL):
-            return mass_kg < other_kg * (1.0 - _EQUAL)
-        return cost < other_cost
-
-    def _ring(self, middle: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
-        """Yield the numbers at a distance of steps; of solar cells those that can be laid."""
-        steps = range(-radius, radius + 1)
-        at = bisect_left(self.halves, middle.per_half)
-        for a, b in product(steps, steps):
-            place, parallel = at + a * stride, middle.parallel + b
-            if max(abs(a), abs(b)) == radius and 0 <= place < len(self.halves) and parallel > 0:
-                yield Numbers(self.halves[place], parallel)
-
-    def _best_of(self, candidates: Iterable[Numbers]) -> Numbers | None:
-        """Return the best of designs, each of which is sized once; None if none is feasible."""
-        best: Numbers | None = None
-        for numbers in dict.fromkeys(candidates):
-            if numbers not in self.known:
-                self.known[numbers] = self._sized(numbers)
-            feasible = self.known[numbers][1] is not None
-            if feasible and (best is None or self._beats(numbers, best)):
-                best = numbers
-        return best
+        if result is None or neighbour.total_mass_kg is None:
+            return _NONE
+        return float(f"{-result.merit:.{_DIGITS}g}"), neighbour.total_mass_kg
 
     def _halves(self, middle: int) -> list[int]:
         """Return the numbers of cells on half of the wing that wing and strings allow."""
@@ -253,7 +238,7 @@ class _Search:
             if isinstance(bounds, str):
                 reason = bounds
                 continue
-            held = self._with_chord(self._with_mppts(mppts or 0, cells), wing)
+            held = self._with_chord(self._without_cells((mppts or 0) / cells), wing)
             result = self.sizing(held, bounds=bounds, start=self.start)
             if result.design is None:
                 texts = (violation.text for violation in result.violations)
@@ -306,7 +291,7 @@ class _Search:
         rows = max(self.layout.rows_that_fit(bay, wing), 1)
         for deep_m in (chord_m(rows), chord_m(rows + 1)):
             if math.isfinite(deep_m):
-                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _EQUAL))
+                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + ROW_TOLERANCE))
 
     def _bounds(self, numbers: Numbers, cells: int, wing: Wing) -> Bounds | str:
         """Return the bounds that hold these cells and no others, or why there are none."""
@@ -334,15 +319,15 @@ class _Search:
         chord = known.model_copy(update={"minimum": max(known.minimum or 0.0, wing.chord_m)})
         return all_replaced(aircraft, {"design_space.limits.chord_m": chord})
 
-    def _with_mppts(self, mppts: float, cells: float) -> Aircraft:
-        """Aircraft without cells whose MPPTs weigh what so many weigh, where the layout says it."""
-        strings, modules = self.layout.strings, self.plain.modules
+    def _without_cells(self, mppts_per_cell: float) -> Aircraft:
+        """Aircraft without cells, whose MPPTs have the mass that the layout gives them."""
+        plain, strings = without_whole_cells(self.aircraft), self.layout.strings
         if strings is None or strings.mppt.mass_kg is None:
-            return self.plain
-        rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * self.layout.area_of_a_cell_m2
-        per_w = mppts * strings.mppt.mass_kg / (cells * rated_w)
-        modules = modules.model_copy(update={"mppt_mass_kg_per_w": per_w})
-        return self.plain.model_copy(update={"modules": modules})
+            return plain
+        cell_m2 = self.layout.area_of_a_cell_m2
+        cell_w = STC_IRRADIANCE_W_PER_M2 * plain.modules.efficiency_stc * cell_m2
+        per_w = mppts_per_cell * strings.mppt.mass_kg / cell_w
+        return all_replaced(plain, {"modules.mppt_mass_kg_per_w": per_w})
 
     def _battery_kg(self, parallel: int) -> float:
         """Return the mass of a battery with so many cells in parallel [kg]."""
@@ -353,7 +338,7 @@ class _Search:
         """Return what limits a design; the wing that its cells need as ``whole_cells``."""
         assert result.design is not None
         space, by_cells = self.aircraft.design_space, []
-        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _EQUAL):
+        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + ROW_TOLERANCE):
             by_cells.append("wingspan_m at its minimum")
         if space.aspect_ratio is not None:
             by_cells.append("chord_m_minimum")
