@@ -1,23 +1,23 @@
 """The longest season, or the widest band of latitudes, in which one design flies perpetually.
 
 A design covers a run of days or latitudes if its worst scenario there has the required excess time.
-From the easiest member on a run grows by the neighbour that its design finds easier, bisected: the
-longest that has a design; then by one member at either end or a little beside it. Where the excess
-time has several peaks a run grows around each.
+From the member of most sun on a run grows by the neighbour that its design finds easier, bisected:
+the longest that has a design; then by one member at either end or a little beside it. So does a run
+from every other member that a still longer one may have.
 """
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
-from sizing.design import variables_of
+from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
@@ -27,7 +27,7 @@ from solar.types import FloatArray, IntArray
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
 _SHIFTS = sorted(range(-5, 5), key=abs)  # of a run that is longer by one
-_SAMPLES = 30  # members that are sized on their own where the easiest of a design has none
+_NARROWEST = 12  # a run of fewer members is found around the one of most sun alone
 
 Run = tuple[int, int]  # first member and length, past the year's end as well
 
@@ -73,75 +73,78 @@ def widest_range(
     each, other = np.repeat(members, len(others)), np.tile(others, len(members))
     latitudes, days = (other, each) if season else (each, other)
     day = solar_day(aircraft, mission, solar, scenarios=Scenarios(latitudes, days.astype(int)))
-    count, start = len(members), variables_of(aircraft)
+    case = aircraft, mission, Objective.max_excess_time, solar
+    runs = _Runs(case, day, required_h, len(members), season, variables_of(aircraft))
+    run = runs.longest()
+    if not run[1]:
+        failed = runs.sized((run[0], 1), explain=True, required_excess_time_h=required_h)
+        return WidestRange(replace(failed, objective=objective, optimum=None))
+    kept = members[runs.places(run)]
+    extent = float(run[1] if season else kept[-1] - kept[0])
+    known: dict[str, Any] = {"objective": objective, "optimum": None}
+    known |= {"objective_value": extent, "required_excess_time_h": required_h}
+    result = replace(runs.sized(run), **known)
+    return WidestRange(result, float(kept[0]), float(kept[-1]), kept, extent)
 
-    def places(run: Run) -> IntArray:
-        return np.arange(run[0], sum(run)) % count
 
-    def sized(run: Run, stop_at_h: float = math.inf, explain: bool = False) -> SizingResult:
-        nonlocal start
-        at = places(run)[:, np.newaxis] * len(others) + np.arange(len(others))
-        result = size_aircraft(
-            aircraft,
-            mission,
-            Objective.max_excess_time,
-            solar,
-            required_excess_time_h=required_h if explain else 0.0,
-            day=day.at(at.ravel()),
-            start=start,
-            explain=explain,
-            stop_at_merit=stop_at_h,
-        )
+@dataclass
+class _Runs:
+    """Runs of so many members, in a year past the last one (``cyclic``), and their last design."""
+
+    case: tuple[Aircraft, Mission, Objective, SolarModel]
+    day: SolarDay
+    required_h: float
+    count: int
+    cyclic: bool
+    last: DesignVariables
+
+    def places(self, run: Run) -> IntArray:
+        """Return the members of a run."""
+        return np.arange(run[0], sum(run)) % self.count
+
+    def sized(self, run: Run, **options: Any) -> SizingResult:
+        """Return the design of most excess time in a run."""
+        scenarios = np.arange(len(self.day.scenarios)).reshape(self.count, -1)
+        light = self.day.at(scenarios[self.places(run)].ravel())
+        options = {"required_excess_time_h": 0.0, "explain": False} | options
+        result = size_aircraft(*self.case, day=light, start=self.last, **options)
         if result.design is not None:
-            start = result.design.variables
+            self.last = result.design.variables
         return result
 
-    def covered(run: Run) -> bool:
-        return sized(run, required_h).merit >= required_h
+    def covered(self, run: Run) -> bool:
+        """Return whether a design covers a run."""
+        inside = run[1] <= self.count and (self.cyclic or 0 <= run[0] <= self.count - run[1])
+        return inside and self.sized(run, stop_at_merit=self.required_h).merit >= self.required_h
 
-    def excess_h() -> FloatArray:
-        """Return the last design's worst excess time at every member, and beyond a band's ends."""
-        cycle = performance_of_designs(aircraft, mission, start, solar, day=day).cycle
-        hours = cycle.excess_time_h.reshape(count, -1).min(axis=-1)
-        # Nothing is as hard as what lies beyond the ends.
-        return np.append(np.nan_to_num(hours, posinf=np.inf), [] if season else -np.inf)
-
-    def grown(centre: int) -> Run:
-        """Return the longest run around a member that has a design."""
-        hours, runs = excess_h(), [(centre, 1)]
-        while len(runs) < count:
-            first, length = runs[-1]
-            left, right = hours[first - 1], hours[(first + length) % len(hours)]
-            runs.append(((first - int(left >= right)) % count, length + 1))
-        run = runs[bisect_left(runs, True, lo=1, key=lambda longer: not covered(longer)) - 1]
-        while run[1] < count:
-            longer = [(run[0] + shift, run[1] + 1) for shift in _SHIFTS]
-            inside = (it for it in longer if season or 0 <= it[0] <= count - it[1])
-            if (longest := next(filter(covered, inside), None)) is None:
-                break
-            run = longest
+    def longest(self) -> Run:
+        """Return the longest run that has a design; of no length where there is none."""
+        sun = self.day.specific_power_w_per_m2.sum(axis=-1).reshape(self.count, -1).min(axis=-1)
+        seed = centre = int(np.argmax(sun))
+        run = self.grown(centre)
+        # Every longer run has one of the members at this distance.
+        while (seed := seed + max(run[1] + 1, _NARROWEST)) < centre + self.count:
+            run = max(run, self.grown(seed % self.count), key=lambda it: it[1])
         return run
 
-    sun = day.specific_power_w_per_m2.sum(axis=-1).reshape(count, -1).min(axis=-1)
-    centre = int(np.lexsort((sun, excess_h()[:count]))[-1])
-    if not covered((centre, 1)):
-        centre = max(
-            range(0, count, count // _SAMPLES), key=lambda member: sized((member, 1)).merit
-        )
-    if not covered((centre, 1)):
-        failed = sized((centre, 1), explain=True)
-        return WidestRange(replace(failed, objective=objective, optimum=None))
-    run, hours = grown(centre), excess_h()
-    for peak in np.flatnonzero((hours > np.roll(hours, 1)) & (hours >= np.roll(hours, -1))):
-        if peak not in places(run) and covered((int(peak), 1)):
-            run = max(run, grown(int(peak)), key=lambda it: it[1])
-    kept = members[places(run)]
-    extent = float(run[1] if season else kept[-1] - kept[0])
-    result = replace(
-        sized(run),
-        objective=objective,
-        objective_value=extent,
-        required_excess_time_h=required_h,
-        optimum=None,
-    )
-    return WidestRange(result, float(kept[0]), float(kept[-1]), kept, extent)
+    def grown(self, centre: int) -> Run:
+        """Return the longest run around a member that has a design."""
+        if not self.covered((centre, 1)):
+            return centre, 0
+        aircraft, mission, _, solar = self.case
+        perf = performance_of_designs(aircraft, mission, self.last, solar, day=self.day)
+        hours = perf.cycle.excess_time_h.reshape(self.count, -1).min(axis=-1)
+        # Nothing is as hard as what lies beyond the ends of a band.
+        hours = np.append(np.nan_to_num(hours, posinf=np.inf), [] if self.cyclic else -np.inf)
+        runs = [(centre, 1)]
+        while len(runs) < self.count:
+            first, length = runs[-1]
+            left, right = hours[first - 1], hours[(first + length) % len(hours)]
+            runs.append(((first - int(left >= right)) % self.count, length + 1))
+        run = runs[bisect_left(runs, True, lo=1, key=lambda longer: not self.covered(longer)) - 1]
+        longer: Run | None = run
+        while longer is not None:
+            run = longer
+            beside = ((run[0] + shift, run[1] + 1) for shift in _SHIFTS)
+            longer = next(filter(self.covered, beside), None)
+        return run

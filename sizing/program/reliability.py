@@ -11,7 +11,7 @@ Choi, K. K., Park, Y. H. 1999, J. Mech. Des. 121:557).
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from statistics import NormalDist
@@ -26,9 +26,9 @@ from sizing.design import Design, variable_keys
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
 from sizing.parameters import with_parameter
-from sizing.program.margin import MarginSearch, Trial
+from sizing.program.margin import MarginCase, Trial, best_of, least_margin
 from sizing.program.objectives import Objective
-from sizing.program.result import SizingResult
+from sizing.program.result import SizingResult, Violation
 from sizing.program.whole_cells import without_whole_cells
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,
@@ -44,9 +44,9 @@ SEARCH_SAMPLES = 4096
 VERIFICATION_SAMPLES = 10_000
 _SEARCH_SEED, _VERIFICATION_SEED = 20_040, 1_999  # any two that differ
 _INDEX_TOLERANCE = 0.02  # moves the probability by at most 0.8 %, less than the draws leave open
-_LEAST_STEP, _LARGEST_INDEX = 0.5, 12.0  # of the index
+_LARGEST_INDEX = 12.0  # of which nothing fails
 _MOST_FAILING = 0.95  # of the draws that show the direction
-_MOST_TILT = 0.5  # of the margins: none is less than a third of the other
+_MOST_TILT = 1.0 / 3.0  # of the margins: none is less than half of the other
 _NO_LOSS = 1e-9  # of an objective by a margin that costs nothing
 
 
@@ -108,126 +108,123 @@ def with_design(aircraft: Aircraft, mission: Mission, design: Design) -> tuple[A
     return aircraft, mission
 
 
-_NORMAL = NormalDist()
-_score = _NORMAL.inv_cdf
+_score = NormalDist().inv_cdf
 
 
-def _weights(losses: FloatArray, correlation: float, reliability: float) -> FloatArray:
-    """Weights of the margins on sun and storage, of which the dearer becomes the smaller.
+def size_reliably(case: MarginCase, reliability: float) -> tuple[SizingResult, Reliability | None]:
+    """Find the best design that has the required excess time with a given probability.
 
-    ``losses``: of the objective by each alone. Along the mean failure both ways to fail have the
-    index ``b`` of half of the permitted failures, and the objective is best where more of either
-    costs as much for what it gains. Of two normal ways with a correlation ``r`` more of one index
-    gains ``phi(b_1) Phi((b_2 - r b_1) / sqrt(1 - r^2))``: with ``b (1 + t)`` and ``b (1 - t)``,
-    ``ln(loss_2 / loss_1)`` is to first order ``2 t b^2 (1 + phi(u) / (u Phi(u)))``, where ``u`` is
-    ``b sqrt((1 - r) / (1 + r))``. Ways that always fail together have no dearer one.
+    ``reliability``: least probability of the mission's required excess time in every scenario.
+    Returns the outcome, and how reliable it is; None without a design for any margin.
     """
+    nominal, required_h = case.plain, case.mission.required_excess_time_h
+    if nominal.design is None or nominal.objective_value is None:
+        return nominal, None
+    draws = _Draws(case)
+    hours = draws.excess_h(nominal)
+    trials = [Trial(nominal, float(np.mean(hours >= required_h)))]
+    if trials[0].reached < reliability:
+        factors = _factors(draws, hours, reliability)
+
+        def tried_with(index: float) -> Trial | None:
+            result = case.sized(*factors(index))
+            if result.design is None:
+                return None
+            allowed = meets_requirements(case.aircraft, result.design)
+            return Trial(result, float(np.mean(allowed & (draws.excess_h(result) >= required_h))))
+
+        def surplus(reached: float) -> float:
+            """Return by how much a share is above the required one, as normal scores."""
+            half = 0.5 / SEARCH_SAMPLES
+            return _score(min(max(reached, half), 1.0 - half)) - _score(reliability)
+
+        shortfall = -surplus(trials[0].reached)
+        ends = 0.0, _LARGEST_INDEX
+        trials += least_margin(tried_with, surplus, ends, _INDEX_TOLERANCE, shortfall)
+    best = best_of(trials, reliability)
+    # Draws that have not chosen it; those of the search have not chosen the nominal design.
+    fresh = np.random.default_rng(_VERIFICATION_SEED)
+    shares = fresh.random((len(draws.shares), VERIFICATION_SAMPLES))
+    achieved = Proportion.of(draws.excess_h(best.result, shares) >= required_h)
+    before = achieved if best.result is nominal else Proportion.of(hours >= required_h)
+    result = replace(best.result, solver=case.solver)
+    if best.reached < reliability:
+        text = (
+            f"a reliability of {100 * reliability:g} % is out of reach: the most reliable design "
+            f"that was found has {100 * best.reached:.1f} %"
+        )
+        missed = Violation("reliability", reliability - best.reached, text)
+        result = result.without_design(result.simulated, missed)
+    known = reliability, achieved, VERIFICATION_SAMPLES, before, nominal.objective_value
+    return result, Reliability(*known)
+
+
+def _factors(
+    draws: _Draws, hours: FloatArray, reliability: float
+) -> Callable[[float], tuple[float, float]]:
+    """Return the factors on sun and battery of an index, from the nominal design's draws.
+
+    ``hours``: their excess times. Income and storage are logarithms: their mean, and from there
+    towards the draws that fail, the dearer of them less far: with ``b (1 + t)`` and ``b (1 - t)``
+    of an index ``b`` the objective is best where what more of either costs is in proportion to the
+    failures that it prevents, ``ln(loss_2 / loss_1) = 2 t b^2`` for normal draws to first order.
+    """
+    plain = draws.case.plain
+    assert plain.simulated is not None
+    propagation, inputs = draws.study(plain)
+    worst = plain.simulated.worst_scenario()
+    files = {uncertain.key: np.array([uncertain.nominal]) for uncertain in inputs.inputs}
+    drawn, of_files = (
+        np.log(propagation.income_and_storage(values, worst))
+        for values in (inputs.values(draws.shares), files)
+    )
+    mean = drawn.mean(axis=1)
+    # Where all of them fail, their mean says nothing.
+    required_h = draws.case.mission.required_excess_time_h
+    failing = hours < min(required_h, float(np.quantile(hours, _MOST_FAILING)))
+    towards = drawn[:, failing].mean(axis=1) - mean
+    # Along the mean failure either way to fail has the index of half of the permitted failures.
     each = _score((1.0 + reliability) / 2.0)
+    alone = np.exp(each * np.diag(towards)).tolist()
+    losses = [plain.merit - draws.case.sized(*factors).merit for factors in alone]
     income, storage = np.clip(losses, _NO_LOSS, 1.0 / _NO_LOSS)
-    together = float(np.clip(np.nan_to_num(correlation), _NO_LOSS - 1.0, 1.0 - _NO_LOSS))
-    u = each * math.sqrt((1.0 - together) / (1.0 + together))
-    steep = 2.0 * each**2 * (1.0 + _NORMAL.pdf(u) / (u * _NORMAL.cdf(u)))
-    tilt = float(np.clip(np.log(storage / income) / steep, -_MOST_TILT, _MOST_TILT))
-    return np.array([1.0 + tilt, 1.0 - tilt])
+    tilt = float(np.clip(np.log(storage / income) / (2.0 * each**2), -_MOST_TILT, _MOST_TILT))
+    towards *= 1.0 + tilt, 1.0 - tilt
+
+    def factors(index: float) -> tuple[float, float]:
+        income, storage = np.exp(mean - of_files[:, 0] + index * towards).tolist()
+        return income, storage
+
+    return factors
 
 
 @dataclass
-class ReliableSizing(MarginSearch):
-    """Search for the best design that has the required excess time with a given probability.
+class _Draws:
+    """Draws of the inputs of a case, and the flights of designs with them."""
 
-    The margin is the index of reliability, its judge flies the draws. ``reliability``: least
-    probability of the mission's required excess time in every scenario.
-    """
-
-    reliability: float
+    case: MarginCase
     _profiles: Profiles = field(default_factory=lambda: Profiles({}, {}))
 
-    def run(self) -> tuple[SizingResult, Reliability | None]:
-        """Return the outcome, and how reliable it is; None without a design for any margin."""
-        nominal, least = self.plain, self.reliability
-        if nominal.design is None or nominal.objective_value is None:
-            return nominal, None
-        hours = self._excess_h(nominal, self._shares)
-        trial = self._judged(nominal, hours)
-        if trial.surplus < 0.0:
-            trial = self._searched(hours, trial.surplus) or trial
-            work = nominal.solver + trial.result.solver
-            trial = trial._replace(result=replace(trial.result, solver=work))
-        # Draws that have not chosen it; those of the search have not chosen the nominal design.
-        fresh = np.random.default_rng(_VERIFICATION_SEED)
-        shares = fresh.random((len(self._shares), VERIFICATION_SAMPLES))
-        achieved = Proportion.of(self._excess_h(trial.result, shares) >= self._required_h)
-        plain = trial.result is nominal
-        before = achieved if plain else Proportion.of(hours >= self._required_h)
-        text = (
-            f"a reliability of {100 * least:g} % is out of reach: the most reliable design "
-            f"that was found has {100 * trial.reached:.1f} %"
-        )
-        result = trial.outcome("reliability", least - trial.reached, text)
-        known = least, achieved, VERIFICATION_SAMPLES, before, nominal.objective_value
-        return result, Reliability(*known)
-
-    def _searched(self, hours: FloatArray, surplus: float) -> Trial | None:
-        """Return the design of the least sufficient index, from the nominal design's draws on."""
-        # Income and storage, as logarithms: their mean, and where the draws that fail lie from it.
-        propagation, inputs = self._study(self.plain)
-        assert self.plain.simulated is not None
-        worst = int(np.argmin(self.plain.simulated.cycle.excess_time_h))
-        files = {uncertain.key: np.array([uncertain.nominal]) for uncertain in inputs.inputs}
-        drawn, plain = (
-            np.log(propagation.income_and_storage(values, worst))
-            for values in (inputs.values(self._shares), files)
-        )
-        mean = drawn.mean(axis=1)
-        # Where all of them fail, their mean says nothing.
-        failing = hours < min(self._required_h, float(np.quantile(hours, _MOST_FAILING)))
-        towards = drawn[:, failing].mean(axis=1) - mean
-        step = max(_score(self.reliability), _LEAST_STEP)
-        income, storage = np.exp(step * towards).tolist()
-        merits = [self.sized(*alone).merit for alone in ((income, 1.0), (1.0, storage))]
-        with np.errstate(invalid="ignore"):  # one of them may be certain
-            correlation = float(np.corrcoef(drawn)[0, 1])
-        losses = self.plain.merit - np.array(merits)
-        towards = towards * _weights(losses, correlation, self.reliability)
-
-        def factors(index: float) -> tuple[float, float]:
-            income, storage = np.exp(mean - plain[:, 0] + index * towards).tolist()
-            return income, storage
-
-        return self.least(factors, (0.0, _LARGEST_INDEX), step, _INDEX_TOLERANCE, surplus)
-
-    def judge(self, result: SizingResult) -> Trial:
-        """Fly the draws of a design."""
-        return self._judged(result, self._excess_h(result, self._shares))
-
-    def _judged(self, result: SizingResult, hours: FloatArray) -> Trial:
-        """Return the trial of the draws' excess times; its surplus is of normal scores."""
-        assert result.design is not None
-        good, count = int(np.count_nonzero(hours >= self._required_h)), len(hours)
-        surplus = _score((good + 0.5) / (count + 1.0)) - _score(self.reliability)
-        sufficient = good >= self.reliability * count
-        surplus = max(surplus, 0.0) if sufficient else min(surplus, -_NO_LOSS)
-        feasible = meets_requirements(self.aircraft, result.design)
-        return Trial(result, good / count, surplus if feasible else -math.inf)
-
-    def _excess_h(self, result: SizingResult, shares: FloatArray) -> FloatArray:
-        propagation, inputs = self._study(result)
-        flights = propagation.flights(inputs.values(shares), stop_at_excess_time_h=self._required_h)
-        return np.where(flights.excess_time_h > 0.0, flights.excess_time_h, -np.inf)
-
-    def _study(self, result: SizingResult) -> tuple[Propagation, UncertainInputs]:
-        """Return the flights of the draws of a design, along known profiles, and its inputs."""
-        assert result.design is not None
-        aircraft, mission = with_design(self.aircraft, self.mission, result.design)
-        propagation = Propagation(aircraft, mission, self.solar, profiles=self._profiles)
-        return propagation, uncertain_inputs(aircraft, mission, self.solar)
-
     @cached_property
-    def _shares(self) -> FloatArray:
+    def shares(self) -> FloatArray:
         """Draws of the search."""
-        count = len(uncertain_inputs(self.aircraft, self.mission, self.solar))
+        case = self.case
+        count = len(uncertain_inputs(case.aircraft, case.mission, case.solar))
         return sobol_points(count, SEARCH_SAMPLES, _SEARCH_SEED)
 
-    @property
-    def _required_h(self) -> float:
-        return self.mission.required_excess_time_h
+    def excess_h(self, result: SizingResult, shares: FloatArray | None = None) -> FloatArray:
+        """Return a design's excess time with every draw; minus infinity if not perpetual."""
+        propagation, inputs = self.study(result)
+        flights = propagation.flights(
+            inputs.values(self.shares if shares is None else shares),
+            stop_at_excess_time_h=self.case.mission.required_excess_time_h,
+        )
+        return np.where(flights.excess_time_h > 0.0, flights.excess_time_h, -np.inf)
+
+    def study(self, result: SizingResult) -> tuple[Propagation, UncertainInputs]:
+        """Return the flights of the draws of a design, along known profiles, and its inputs."""
+        assert result.design is not None
+        case = self.case
+        aircraft, mission = with_design(case.aircraft, case.mission, result.design)
+        propagation = Propagation(aircraft, mission, case.solar, profiles=self._profiles)
+        return propagation, uncertain_inputs(aircraft, mission, case.solar)

@@ -92,27 +92,11 @@ class SizingResult:
             simulated=perf,
         )
 
-    def without_design(
-        self, status: SizingStatus, nearest: Performance | None, *violations: Violation
-    ) -> SizingResult:
-        """Return the same without a design.
-
-        Parameters
-        ----------
-        status : SizingStatus
-            Why there is none.
-        nearest : Performance or None
-            Flight of the design that comes nearest.
-        *violations : Violation
-            What that design misses.
-
-        Returns
-        -------
-        SizingResult
-        """
+    def without_design(self, nearest: Performance | None, *violations: Violation) -> SizingResult:
+        """Infeasible instead: what the design misses that comes nearest, and its flight."""
         return replace(
             self,
-            status=status,
+            status=SizingStatus.infeasible,
             objective_value=None,
             design=None,
             simulated=None,

@@ -169,4 +169,4 @@ def _explained(search: Search) -> SizingResult:
     if task.required_h > 0.0 and violation_h > 0.0 and math.isfinite(violation_h):
         missed["excess_time"] = violation_h
     missing = violations(task, nearest, missed)
-    return result.without_design(SizingStatus.infeasible, nearest, *missing)
+    return result.without_design(nearest, *missing)

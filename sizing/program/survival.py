@@ -11,7 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import count
 
 import numpy as np
 
@@ -23,20 +24,20 @@ from missions.weather.record import Weather
 from sizing.day.record import weather_run
 from sizing.day.record_conditions import WeatherDays
 from sizing.mass_budget import design_of
-from sizing.program.margin import MarginSearch, Trial, best_of
+from sizing.program.margin import MarginCase, Trial, best_of, least_margin
 from sizing.program.objectives import Objective
 from sizing.program.reliability import with_design
-from sizing.program.result import SizingResult
+from sizing.program.result import SizingResult, Violation
 from solar.types import BoolArray
 
 # What has a smallest or largest design on the edge of closing enough days.
 OBJECTIVES = tuple(objective for objective in Objective if objective.of_design)
 DAYS_THAT_CLOSE = "days_that_close"
 # Of the logarithm of what is taken off the sun: from twice a clear sky to a twentieth of it.
-_ENDS, _STEP = (-0.7, 3.0), 0.7
+_ENDS = -0.7, 3.0
 _TOLERANCE = 1e-3  # of solar energy: some 0.05 % of a wingspan
-_POWERS = (0.0, 0.25, 0.5, 1.0)  # of the sun's factor on the battery
-_STEPS = 12 * len(_POWERS)  # that it takes, about
+_POWERS = (0.0, 0.25, 0.5)  # of the sun's factor on the battery
+_STEPS = 14 * len(_POWERS)  # that it takes, about
 
 
 def check_survival(objective: Objective, survive: float) -> None:
@@ -61,58 +62,57 @@ def in_the_record(mission: Mission) -> Mission:
     )
 
 
-@dataclass
-class SurvivalSizing(MarginSearch):
+@dataclass(frozen=True)
+class SurvivalSizing:
     """Search for the best design for which a share of the days of a season closes.
 
-    ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`), as
+    ``case``: its mission at the record's site (:func:`missions.weather.site.mission_at_site`), as
     :func:`in_the_record` has it; its dates are the season. ``required``: least share of the
     season's days that close [-]. ``progress``: called with the steps that are done, and in all.
     """
 
+    case: MarginCase
     weather: Weather
     required: float
-    progress: Callable[[int, int], None] | None = None
-    _done: int = 0
+    progress: Callable[[int, int], None] = lambda done, steps: None
 
     def run(self) -> tuple[SizingResult, SizingResult, SizingResult | None]:
         """Return outcome, sizing under a clear sky, and the sizing whose days are reported."""
-        season, clear = int(np.count_nonzero(self.season)), self.plain
-        tried = [trial for power in _POWERS if (trial := self._searched(power)) is not None]
-        work = sum((trial.result.solver for trial in tried), clear.solver)
-        best = best_of(tried)
-        self._done = max(self._done, _STEPS)
-        self._report(self._done)
-        if best is None:
+        season, clear, steps = int(np.count_nonzero(self.season)), self.case.plain, count()
+
+        def tried_with(margin: float, power: float) -> Trial | None:
+            done = next(steps)
+            self.progress(done, max(done, _STEPS))
+            result = self.case.sized(math.exp(-margin), math.exp(-margin * power))
+            if result.design is None:
+                return None
+            return Trial(result, int(np.count_nonzero(self.closes(result)[self.season])))
+
+        def surplus(days: float) -> float:
+            """Return more or less than nothing: no number of days is on the edge."""
+            return days - self.needed + 0.5
+
+        trials = list[Trial]()
+        for power in _POWERS:
+            trials += least_margin(partial(tried_with, power=power), surplus, _ENDS, _TOLERANCE)
+        done = max(next(steps), _STEPS)
+        self.progress(done, done)
+        if not trials:
             return clear, clear, None
-        best = best._replace(result=replace(best.result, solver=work))
+        best, days = best_of(trials, self.needed)
+        # Scenarios of the repeated day stand for the season.
+        names = (DAYS_THAT_CLOSE if " (" in name else name for name in best.active_constraints)
+        active = tuple(dict.fromkeys(names))
+        best = replace(best, solver=self.case.solver, active_constraints=active, optimum=None)
+        if days >= self.needed:
+            return best, clear, best
         text = (
             f"{self.needed} of the season's {season} days are out of reach: the best design that "
-            f"was found closes {best.reached:.0f}, a share of {best.reached / season:.3g}"
+            f"was found closes {days:.0f}, a share of {days / season:.3g}"
         )
-        missed = self.required - best.reached / season
-        return best.outcome(DAYS_THAT_CLOSE, missed, text), clear, best.result
-
-    def _searched(self, power: float) -> Trial | None:
-        """Return the best design with a power of the sun's factor on the battery."""
-
-        def factors(margin: float) -> tuple[float, float]:
-            self._report(self._done + 1)
-            self._done += 1
-            return math.exp(-margin), math.exp(-margin * power)
-
-        return self.least(factors, _ENDS, _STEP, _TOLERANCE)
-
-    def _report(self, steps: int) -> None:
-        if self.progress is not None:
-            self.progress(self._done, max(steps, _STEPS))
-
-    def judge(self, result: SizingResult) -> Trial:
-        """Count the days of the season that a design closes."""
-        active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
-        sizing = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
-        days = int(np.count_nonzero(self.closes(result)[self.season]))
-        return Trial(sizing, days, math.inf if days >= self.needed else -math.inf)
+        missed = Violation(DAYS_THAT_CLOSE, self.required - days / season, text)
+        failed = best.without_design(best.simulated, missed)
+        return failed, clear, best
 
     @property
     def needed(self) -> int:
@@ -122,21 +122,22 @@ class SurvivalSizing(MarginSearch):
     @cached_property
     def days(self) -> WeatherDays:
         """Days of the record."""
+        case = self.case
         return WeatherDays.of(
-            self.aircraft, self.mission, self.weather, self.solar, step_s=NODE_STEP_S
+            case.aircraft, case.mission, self.weather, case.solar, step_s=NODE_STEP_S
         )
 
     @cached_property
     def season(self) -> BoolArray:
         """Which days of the record are the season's."""
-        days, dates = self.days.axis.day_of_year, self.mission.dates.range()
+        days, dates = self.days.axis.day_of_year, self.case.mission.dates.range()
         season = np.isin(days, dates)
         if not season.any():
             season_ends = dict.fromkeys(date_label(dates[i]) for i in (0, -1))
             first, last = (date_label(int(days[i])) for i in (0, -1))
             raise file_error(
                 self.weather.source,
-                f"has no day of the season of the mission {self.mission.name}, "
+                f"has no day of the season of the mission {self.case.mission.name}, "
                 f"{' to '.join(season_ends)}: the record covers {first} to {last} "
                 "(set the mission's dates)",
             )
@@ -145,7 +146,7 @@ class SurvivalSizing(MarginSearch):
     def closes(self, result: SizingResult) -> BoolArray:
         """Which days of the record a design closes, flown as by an analysis of its aircraft."""
         assert result.design is not None
-        aircraft, mission = with_design(self.aircraft, self.mission, result.design)
+        aircraft, mission = with_design(self.case.aircraft, self.case.mission, result.design)
         days = replace(self.days, aircraft=aircraft, mission=mission)
         design = design_of(aircraft, mission)
         return weather_run(days, design, days.load_w(design), days.light.recorded).closes

@@ -13,12 +13,13 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
+from sizing.program.margin import MarginCase
 from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.own_terms import with_own_terms
 from sizing.program.ranges import widest_range
 from sizing.program.relaxations import relaxations
-from sizing.program.reliability import ReliableSizing, check_reliability
+from sizing.program.reliability import check_reliability, size_reliably
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft
@@ -265,7 +266,7 @@ def _reliable(
     """Return the sizing for a probability of the mission's required excess time."""
     case = (aircraft, mission, objective, solar)
     check_reliability(*case, least)
-    result, reliability = ReliableSizing(*case, least).run()
+    result, reliability = size_reliably(MarginCase(*case), least)
     optimum = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
     failed = result.status is SizingStatus.infeasible and reliability is None

@@ -9,6 +9,7 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
+from sizing.program.margin import MarginCase
 from sizing.program.objectives import Objective
 from sizing.program.relaxations import relaxations
 from sizing.program.result import SizingStatus
@@ -92,7 +93,8 @@ def size_in_weather(
             "clouds are the record's",
         )
     there = in_the_record(moved)
-    search = SurvivalSizing(aircraft, there, goal, solar, weather, survive, progress)
+    case = MarginCase(aircraft, there, goal, solar)
+    search = SurvivalSizing(case, weather, survive, progress or (lambda done, steps: None))
     result, clear, shown = search.run()
     if shown is None:
         failed = clear.status is SizingStatus.infeasible

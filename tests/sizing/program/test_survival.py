@@ -11,6 +11,7 @@ from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.day.record import weather_performance
 from sizing.library import load_aircraft
+from sizing.program.margin import MarginCase
 from sizing.program.objectives import Objective
 from sizing.program.survival import SurvivalSizing
 from sizing.results.season import SeasonDays
@@ -171,7 +172,8 @@ def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
         "rafz-july", PLACE | {"dates": {"from": "12-30", "to": "01-02"}, "latitude_deg": 46.0}
     )
     solar = sizing.SolarModel("CAM", "none")
-    search = SurvivalSizing(DESIGN, mission, Objective.min_mass, solar, weather, 0.5)
+    case = MarginCase(DESIGN, mission, Objective.min_mass, solar)
+    search = SurvivalSizing(case, weather, 0.5)
     axis = search.days.axis
     assert np.count_nonzero(search.season) == 8
     assert set(axis.day_of_year[search.season]) == {364, 365, 1, 2}
