@@ -93,7 +93,19 @@ class SizingResult:
         )
 
     def without_design(self, nearest: Performance | None, *violations: Violation) -> SizingResult:
-        """Infeasible instead: what the design misses that comes nearest, and its flight."""
+        """Return the same without a design.
+
+        Parameters
+        ----------
+        nearest : Performance or None
+            Flight of the design that comes nearest.
+        *violations : Violation
+            What that design misses.
+
+        Returns
+        -------
+        SizingResult
+        """
         return replace(
             self,
             status=SizingStatus.infeasible,
