@@ -29,18 +29,10 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
     One expression for all four combinations of signs: with ``a, b`` the positive parts at the
     ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour. Arguments broadcast.
     """
-    return parts_wh(left_w, right_w, hours)[0]
-
-
-def parts_wh(
-    left_w: FloatArray, right_w: FloatArray, hours: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
-    """Return the integral of the positive part, and that of the negative one [Wh]."""
-    twice = np.maximum(2.0 * (np.abs(left_w) + np.abs(right_w)), _LEAST)
     positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
-    negative = np.maximum(-left_w, 0.0) + np.maximum(-right_w, 0.0)
-    above, below = (part * part / twice * hours for part in (positive, negative))
-    return above, below
+    total = np.abs(left_w) + np.abs(right_w)
+    mean_w = positive * positive / np.maximum(2.0 * total, _LEAST)
+    return np.asarray(mean_w * np.asarray(hours, float))
 
 
 def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
@@ -125,8 +117,13 @@ class PowerBalance:
             raise ValueError(f"the time axis of the power has length {len(net)}, not {len(time)}")
         surplus, deficit = np.empty((2, len(hours), net.shape[1]))
         for rows in blocks(len(hours), max(1, _POINTS_AT_ONCE // max(net.shape[1], 1))):
-            ends_w, length = net[rows.start : rows.stop + 1], hours[rows, np.newaxis]
-            surplus[rows], deficit[rows] = parts_wh(ends_w[:-1], ends_w[1:], length)
+            # As :func:`positive_part_wh`, of both signs.
+            above = np.maximum(net[rows.start : rows.stop + 1], 0.0)
+            below = above - net[rows.start : rows.stop + 1]
+            above, below = above[:-1] + above[1:], below[:-1] + below[1:]
+            twice = np.maximum(2.0 * (above + below), _LEAST)
+            for part, side in ((above, surplus), (below, deficit)):
+                side[rows] = part * part / twice * hours[rows, np.newaxis]
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     def interval(self, number: IntArray, cells: IntArray) -> Interval:

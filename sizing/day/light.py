@@ -127,10 +127,6 @@ class SolarDay:
         """Return the day with all power times a factor, a number or of shape ``(scenario, 1)``."""
         return replace(self, power_w_per_m2=self.power_w_per_m2 * factor)
 
-    def less(self, other: SolarDay) -> SolarDay:
-        """Return the day less the power of another one."""
-        return replace(self, power_w_per_m2=self.power_w_per_m2 - other.power_w_per_m2)
-
     def over_days(self, count: int) -> SolarDay:
         """Return the day repeated, its nodes of time going on over the midnights."""
         steps = len(self.time_h) - 1

@@ -272,3 +272,14 @@ class DayRun:
         held[stop:], settled[stop:] = held[stop - 1], settled[stop - 1]
         left_wh = held - (cumulative - settled) / self.store.discharge_efficiency
         return np.maximum(left_wh, 0.0)
+
+    def energy_at_node_wh(self, node: IntArray) -> FloatArray:
+        """Return the energy at a node of every element of the batch [Wh]."""
+        cells = np.arange(len(node))
+        row = np.minimum(node - self.day.first, len(self.after_charge_wh)) - 1
+        held, settled = self.start_wh.copy(), np.zeros_like(self.start_wh)
+        charged = cells[row >= 0]
+        held[charged] = self.after_charge_wh[row[charged], charged]
+        settled[charged] = self.settled_deficit_wh[row[charged], charged]
+        deficit_wh = self.day.cumulative_deficit_wh[node, cells] - settled
+        return np.maximum(held - deficit_wh / self.store.discharge_efficiency, 0.0)

@@ -32,7 +32,6 @@ from sizing.day.balance import (
     interval_reaching,
     sum_over_time,
 )
-from sizing.day.battery import Store
 from sizing.day.march import DayRun, full_after_h
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
@@ -184,13 +183,13 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
     lands = cells.in_flight is not None
     day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
     equal = equal_power(cells.time_h[day], (cells.solar_w - nominal)[day])
-    nodes = run.energy_at_nodes_wh()
+    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     missing_h, unserved = _unserved(run)
     if climbs:
         missing_h = np.maximum(missing_h, unserved / nominal)
     budget = _energy_budget(cells, run, unserved)
     with np.errstate(divide="ignore", invalid="ignore"):
-        last_wh = run.end_wh if lands else _dawn_wh(balance, run.store, nodes, equal)
+        last_wh = run.end_wh if lands else _dawn_wh(balance, run, equal)
         left_over = last_wh * store.discharge_efficiency
         reserve_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
     if cells.in_flight is not None:  # a day without light has no sunrise to begin a flight
@@ -219,13 +218,11 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
         missing_h=missing_h,
         energy_budget=budget,
         time_h=cells.time_h,
-        energy_wh=nodes.T if keep_trajectory else np.full((len(nominal), 1), np.nan),
+        energy_wh=nodes.T,
     )
 
 
-def _dawn_wh(
-    balance: PowerBalance, store: Store, nodes_wh: FloatArray, equal: EqualPower
-) -> FloatArray:
+def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
     """Return the stored energy at the morning's equal power [Wh].
 
     That at midnight where there is no such instant.
@@ -236,8 +233,8 @@ def _dawn_wh(
     hours = balance.time_h[index + 1] - balance.time_h[index]
     middle = left + (right - left) * fraction
     mean_deficit_w = np.maximum(-(left + middle) / 2.0, 0.0)
-    drained = mean_deficit_w * fraction * hours / store.discharge_efficiency
-    return np.maximum(nodes_wh[index, columns] - drained, 0.0)
+    drained = mean_deficit_w * fraction * hours / run.store.discharge_efficiency
+    return np.maximum(run.energy_at_node_wh(index) - drained, 0.0)
 
 
 def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:

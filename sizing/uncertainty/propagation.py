@@ -523,7 +523,8 @@ class Propagation:
             )
             scenarios = self.day.scenarios
             halved = solar_day(aircraft, self.mission, self.solar, scenarios=scenarios)
-            self._direct = halved.scaled(2.0).less(self.day)
+            direct = 2.0 * halved.power_w_per_m2 - self.day.power_w_per_m2
+            self._direct = replace(halved, power_w_per_m2=direct)
         return self._direct
 
 
