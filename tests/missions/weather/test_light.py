@@ -68,6 +68,14 @@ def test_steps_are_no_longer_than_allowed_and_whole_days(interval_s, step_s, min
         light_at_altitude(record, 500.0, step_s=0.1)
 
 
+def test_a_temperature_that_rises_evenly_does_so_between_the_rows():
+    # A degree an hour, as means of hours: what it is in their middle.
+    record = clear_record(1, temperature_c=np.arange(24) + 0.5)
+    light = light_at_altitude(record, SITE.altitude_m)
+    hour = (light.time_s - record.start_s[0]) / 3600.0
+    assert light.temperature_c == pytest.approx(np.clip(hour, 0.5, 23.5), abs=1e-6)
+
+
 def test_temperature_and_wind_change_with_height_by_their_laws():
     record = clear_record(1, temperature_c=np.full(24, 20.0), wind_m_per_s=np.full(24, 4.0))
     light = light_at_altitude(record, SITE.altitude_m + 100.0)
