@@ -25,6 +25,7 @@ _STYLES: dict[Emphasis, dict[str, Any]] = {
     "strong": {"bold": True},
     "faint": {"dim": True},
     "warning": {"bold": True, "fg": "red"},
+    "good": {"fg": "green"},
 }
 
 

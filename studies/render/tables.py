@@ -29,7 +29,7 @@ MISSING = "-"
 CLOCK = "clock"  # form of hours of a day
 _WIDTH = 80
 
-Emphasis = Literal["plain", "strong", "faint", "warning"]
+Emphasis = Literal["plain", "strong", "faint", "warning", "good"]
 StyledLine: TypeAlias = tuple[str, Emphasis]
 
 

@@ -1,34 +1,20 @@
-"""What a report consists of: sections of texts, tables, bars, figures and listings."""
+"""What a report consists of: sections of what summaries have, figures, bars and listings."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, TypeAlias
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from studies.render.tables import Table
+from studies.render.tables import Emphasis, Line, Table
 
-
-@dataclass(frozen=True)
-class Text:
-    """A paragraph; ``looks`` is ``plain``, ``faint``, ``warning`` or ``good``."""
-
-    text: str
-    looks: str = "plain"
-    kind: ClassVar[str] = "text"
+if TYPE_CHECKING:
+    from studies.render.tables import Block as SummaryBlock
 
 
-def sentence(clause: str, looks: str = "plain") -> Text:
+def sentence(clause: str, looks: Emphasis = "plain") -> Line:
     """Return a clause of a summary as a paragraph."""
-    return Text(f"{clause[:1].upper()}{clause[1:]}.", looks)
-
-
-@dataclass(frozen=True)
-class Items:
-    """A list of lines."""
-
-    items: tuple[str, ...]
-    kind: ClassVar[str] = "items"
+    return Line(f"{clause[:1].upper()}{clause[1:]}.", looks)
 
 
 @dataclass(frozen=True)
@@ -37,7 +23,6 @@ class Figure:
 
     markup: str
     caption: str
-    kind: ClassVar[str] = "figure"
 
 
 class Bar(NamedTuple):
@@ -66,7 +51,6 @@ class Bars:
     total: str = ""
     note: str = ""
     sums: frozenset[str] = frozenset()
-    kind: ClassVar[str] = "bars"
 
     @property
     def sum(self) -> float:
@@ -107,24 +91,40 @@ class Listing:
 
     title: str
     text: str
-    kind: ClassVar[str] = "listing"
 
 
-@dataclass(frozen=True)
-class Tables:
-    """Tables; two of them stand side by side where there is room."""
-
-    tables: tuple[Table, ...]
-    kind: ClassVar[str] = "tables"
-
-
-Block: TypeAlias = "Text | Items | Figure | Bars | Listing | Tables"
+Block: TypeAlias = "SummaryBlock | Figure | Bars | Listing"
 
 
 @dataclass(frozen=True)
 class Section:
-    """A section under a heading."""
+    """A section under a heading: blocks of a summary, and what only a page has.
+
+    ``untitled``: title of tables that have none.
+    """
 
     key: str
     title: str
     blocks: Sequence[Block]
+    untitled: str = ""
+
+    def shown(self) -> list[tuple[str, Any]]:
+        """Return kind and content of what is shown: lines that begin with a dash are one list."""
+        shown: list[tuple[str, Any]] = []
+        for block in self.blocks:
+            if isinstance(block, Table | tuple):
+                tables = (block,) if isinstance(block, Table) else block
+                shown.append(
+                    ("tables", [replace(t, title=t.title or self.untitled) for t in tables])
+                )
+            elif not isinstance(block, str | Line):
+                shown.append((type(block).__name__.lower(), block))
+            else:
+                line = Line(block) if isinstance(block, str) else block
+                if not line.text.startswith("- "):
+                    shown.append(("text", line))
+                    continue
+                if not shown or shown[-1][0] != "items":
+                    shown.append(("items", []))
+                shown[-1][1].append(line.text.removeprefix("- "))
+        return shown

@@ -28,8 +28,8 @@ from solar.names import MODELS
 from solar.types import FloatArray
 from studies.quantities import TABLE
 from studies.render.sentences import battery_line, uncertainty_line
-from studies.render.tables import Column, Table, facts
-from studies.report.blocks import Block, Items, Listing, Section, Tables, Text, sentence
+from studies.render.tables import Column, Line, Table, facts
+from studies.report.blocks import Block, Listing, Section, sentence
 from studies.report.subject import Subject
 
 
@@ -45,8 +45,8 @@ def margins_section(subject: Subject) -> Section:
             "None: the weakest scenario has just what is required. A little less of any quantity, "
             "of the sun or the battery, ends it."
         )
-        return Section("margins", "Margins", [Text(text, "warning")])
-    return Section("margins", "Margins", [Tables((table,)), Text(text, "faint")])
+        return Section("margins", "Margins", [Line(text, "warning")])
+    return Section("margins", "Margins", [table, Line(text, "faint")])
 
 
 def belief_section(subject: Subject) -> Section:
@@ -56,17 +56,16 @@ def belief_section(subject: Subject) -> Section:
         analysis = subject.analysis
         outside = analysis.extrapolations
         if outside:
-            blocks.append(Text("Outside the range of a model:", "warning"))
-            blocks.append(Items(tuple(extrapolation.text for extrapolation in outside)))
+            blocks.append(Line("Outside the range of a model:", "warning"))
+            blocks += [f"- {extrapolation.text}" for extrapolation in outside]
         else:
-            blocks.append(Text("Nothing lies outside the range of a model.", "good"))
-        blocks.append(Text(uncertainty_line(analysis)))
+            blocks.append(Line("Nothing lies outside the range of a model.", "good"))
+        blocks.append(uncertainty_line(analysis))
         condition = analysis.battery_condition
         if condition is not None:
             blocks.append(sentence(battery_line(subject.aircraft, condition)))
-    blocks.append(Tables((_published_errors(),)))
-    blocks.append(Items(tuple(_left_out(subject))))
-    return Section("belief", "Confidence", blocks)
+    left_out = [f"- {text}" for text in _left_out(subject)]
+    return Section("belief", "Confidence", [*blocks, _published_errors(), *left_out])
 
 
 def _published_errors() -> Table:
@@ -130,22 +129,22 @@ def glossary_section(_: Subject) -> Section:
         ("correction", "Factor that removes a model's systematic error."),
     ]
     columns = (Column("word"), Column("meaning"))
-    return Section("glossary", "Glossary", [Tables((Table("Words", columns, tuple(rows)),))])
+    return Section("glossary", "Glossary", [Table("Words", columns, tuple(rows))])
 
 
 def inputs_section(subject: Subject) -> Section:
     """Return aircraft and mission as they were used."""
     blocks: list[Block] = []
     if subject.overrides:
-        blocks.append(Text("Values given in place of the files' own:"))
-        blocks.append(Items(subject.overrides))
+        blocks.append("Values given in place of the files' own:")
+        blocks += [f"- {override}" for override in subject.overrides]
     if subject.mission_is_default:
-        blocks.append(Text("The mission is the default one: --mission names another.", "warning"))
+        blocks.append(Line("The mission is the default one: --mission names another.", "warning"))
     taken = subject.aircraft.from_catalogues()
     if taken:
         columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))
         rows = [(entry.key, entry.text, entry.label, entry.source) for entry in taken]
-        blocks.append(Tables((Table("values from catalogues", columns, tuple(rows)),)))
+        blocks.append(Table("values from catalogues", columns, tuple(rows)))
     for title, data in (
         (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
         (f"mission {subject.mission.name}", subject.inputs.mission),
@@ -174,8 +173,8 @@ def provenance_section(subject: Subject) -> Section:
         "How this report was made",
         [
             Listing("command line", run["command"]),
-            Tables((facts("software", made), facts("libraries", list(run["libraries"].items())))),
-            Tables((Table("files", columns, tuple(files)),)),
+            (facts("software", made), facts("libraries", list(run["libraries"].items()))),
+            Table("files", columns, tuple(files)),
         ],
     )
 

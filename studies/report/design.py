@@ -32,9 +32,9 @@ from studies.render.sizing_tables import (
     requirement_table,
     sensitivity_table,
 )
-from studies.render.tables import Table, facts
+from studies.render.tables import Line, Table, facts
 from studies.render.words import constraint_words
-from studies.report.blocks import Bars, Block, Section, Tables, Text, sentence
+from studies.report.blocks import Bars, Block, Section, sentence
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import Drawing
 from studies.report.losses import SUMS, loss_chain
@@ -57,12 +57,12 @@ def aircraft_section(subject: Subject) -> Section:
         description=description(drawing),
         key="views",
     )
-    blocks: list[Block] = [Text(aircraft.description)] if aircraft.description else []
+    blocks: list[Block] = [aircraft.description] if aircraft.description else []
     blocks.append(views)
     if subject.verification is None:
         required_h = max(subject.mission.required_excess_time_h, 0.0)
         margins = requirement_margins(aircraft, subject.analysis.performance, required_h)
-        blocks += [Tables(_design_tables(subject)), Tables((requirement_table(margins),))]
+        blocks += [_design_tables(subject), requirement_table(margins)]
     return Section("aircraft", "The aircraft", blocks)
 
 
@@ -96,8 +96,8 @@ def budget_section(subject: Subject) -> Section:
     ]  # fmt: skip
     parts = [] if shares is None else [drag_table(shares)]
     parts += [] if balance is None else [balance_table(balance)]
-    blocks += [Tables(tuple(parts))] if parts else []
-    blocks += [] if balance is None else [Text(text) for text in balance_lines(balance)]
+    blocks += [tuple(parts)] if parts else []
+    blocks += [] if balance is None else balance_lines(balance)
     return Section("budgets", "Mass, power and energy", blocks)
 
 
@@ -119,25 +119,25 @@ def sizing_section(subject: Subject) -> Section | None:
     if sizing is None:
         return None
     objective = Objective(sizing["objective"]["name"])
-    blocks: list[Block] = [Text(text) for text in _objective_lines(sizing, objective)]
+    blocks: list[Block] = [*_objective_lines(sizing, objective)]
     cells, structure = sizing.get("whole_cells"), sizing.get("structure")
     if cells is not None:
         blocks += [sentence(line) for line in (loss_line(cells, objective), *cells_lines(cells))]
     if structure is not None:
         blocks += [sentence(text) for text in (structure["text"], *structure["remarks"])]
-    blocks += [Tables((table,)) for table in _sizing_tables(sizing, objective)]
+    blocks += _sizing_tables(sizing, objective)
     if sizing.get("sensitivities") is None and not objective.of_range:
-        blocks.append(Text("The sensitivities were not computed.", "faint"))
+        blocks.append(Line("The sensitivities were not computed.", "faint"))
     record = sizing.get("cross_check")
     if record is not None:
         values: dict[str, Any] = {k: math.nan if v is None else v for k, v in record.items()}
         check = CrossCheck(**values)
-        looks = "good" if check.cross_checked else "warning"
-        blocks.append(sentence(cross_check_line(check, objective), looks))
+        line = cross_check_line(check, objective)
+        blocks.append(sentence(line, "good" if check.cross_checked else "warning"))
     elif not objective.of_range:
-        blocks.append(Text("The optimum was not cross-checked.", "faint"))
+        blocks.append(Line("The optimum was not cross-checked.", "faint"))
     if sizing.get("builds"):
-        blocks.append(Tables((build_table(sizing["builds"], objective),)))
+        blocks.append(build_table(sizing["builds"], objective))
     return Section("sizing", "Sizing", blocks)
 
 

@@ -18,8 +18,8 @@ from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
 from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, group
 from studies.render.analysis import flight_table, scenario_table
-from studies.render.tables import ALL, Line, Summary, Table
-from studies.report.blocks import Block, Items, Section, Tables, Text
+from studies.render.tables import ALL, Table
+from studies.report.blocks import Block, Section
 from studies.report.figures import page_figure, page_options
 from studies.report.subject import Subject
 from studies.uncertainty import plot_uncertainty
@@ -39,27 +39,6 @@ _MOST_RINGS = 30
 _ON_CELLS = "#111111"
 
 
-def summary_blocks(summary: Summary, *, title: str) -> list[Block]:
-    """Return the blocks of a result's summary; ``title``: of tables that have none."""
-    blocks: list[Block] = []
-    for block in summary.blocks:
-        line = Line(block) if isinstance(block, str) else block
-        if not isinstance(line, Line):
-            tables = (line,) if isinstance(line, Table) else line
-            named = (dataclasses.replace(table, title=table.title or title) for table in tables)
-            blocks.append(Tables(tuple(named)))
-        elif not line.text.startswith("- "):
-            looks = "plain" if line.emphasis == "strong" else line.emphasis
-            blocks.append(Text(line.text, looks))
-        else:
-            item, last = line.text.removeprefix("- "), blocks[-1] if blocks else None
-            if isinstance(last, Items):
-                blocks[-1] = Items((*last.items, item))
-            else:
-                blocks.append(Items((item,)))
-    return blocks
-
-
 def day_section(subject: Subject) -> Section:
     """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
@@ -77,12 +56,12 @@ def day_section(subject: Subject) -> Section:
     title = f"Day cycle at {where}"
     blocks: list[Block] = [page_figure(plot, caption, title=title, description=words, key="cycle")]
     if several:
-        blocks.append(Tables((_scenarios(analysis),)))
+        blocks.append(_scenarios(analysis))
     if analysis.flight is not None:
         plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
         caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
         blocks.append(page_figure(plot, caption, title="Flight on the calendar", key="calendar"))
-        blocks.append(Tables((flight_table(analysis.flight),)))
+        blocks.append(flight_table(analysis.flight))
     return Section("day", "The day", blocks)
 
 
@@ -113,7 +92,7 @@ def season_section(subject: Subject) -> Section:
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
-    texts = [Text(season)] if season else []
+    texts = [season] if season else []
     caption = (
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
         "line: edge of perpetual flight; ring: the mission's scenarios."
@@ -124,7 +103,7 @@ def season_section(subject: Subject) -> Section:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
     words = f"{caption} {season}"
     drawing = page_figure(plot, caption, title="Season map", description=words, key="season")
-    return Section("season", "The season", [*texts, drawing, Tables((_months(subject),))])
+    return Section("season", "The season", [*texts, drawing, _months(subject)])
 
 
 def _months(subject: Subject) -> Table:
@@ -189,7 +168,7 @@ def models_section(subject: Subject) -> Section:
     title = "Solar power models"
     if subject.path_trouble is not None:
         text = f"The solar power models are not compared: {subject.path_trouble}."
-        return Section("models", title, [Text(text)])
+        return Section("models", title, [text])
     comparison = subject.comparison
     assert comparison is not None  # the path has no trouble
     height = 1.9 + 0.26 * len(comparison.cases)
@@ -202,12 +181,11 @@ def models_section(subject: Subject) -> Section:
     )
     words = f"{caption} The same numbers are in the table below."
     blocks: list[Block] = [
-        Text(f"{comparison.headline()} {comparison.perpetual_line()}"),
+        f"{comparison.headline()} {comparison.perpetual_line()}",
         page_figure(plot, caption, title=title, description=words, key="models"),
-        *(Tables((table,)) for table in comparison.scenario_tables()),
+        *comparison.scenario_tables(),
+        *(f"- {note}" for note in comparison.notes),
     ]
-    if comparison.notes:
-        blocks.append(Items(tuple(comparison.notes)))
     return Section("models", title, blocks)
 
 
@@ -227,8 +205,9 @@ def uncertainty_section(subject: Subject) -> Section | None:
     plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
     title = "Excess time under uncertain inputs"
     drawing = page_figure(plot, caption, title=title, description=words, key="scatter")
-    first, *others = summary_blocks(uncertainty.at_level(ALL), title="probability and spread")
-    return Section("uncertainty", "Uncertain inputs", [first, drawing, *others])
+    first, *others = uncertainty.at_level(ALL).blocks
+    blocks = [first, drawing, *others]
+    return Section("uncertainty", "Uncertain inputs", blocks, "probability and spread")
 
 
 def weather_section(subject: Subject) -> Section | None:
@@ -240,8 +219,8 @@ def weather_section(subject: Subject) -> Section | None:
     plot = plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4))
     title, words = "Flight through the weather record", f"{weather.headline()}. {caption}"
     drawing = page_figure(plot, caption, title=title, description=words, key="weather")
-    first, *others = summary_blocks(weather.at_level(ALL), title="flight through the record")
-    return Section("weather", "Weather", [first, drawing, *others])
+    first, *others = weather.at_level(ALL).blocks
+    return Section("weather", "Weather", [first, drawing, *others], "flight through the record")
 
 
 def verification_section(subject: Subject) -> Section | None:
@@ -251,9 +230,8 @@ def verification_section(subject: Subject) -> Section | None:
         return None
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
-    blocks = summary_blocks(verification.at_level(ALL), title="errors")
-    drawings = []
+    blocks: list[Block] = [*verification.at_level(ALL).blocks]
     for name, draw in figures(verification, figure=page_options(_WIDTH_IN + 0.4)):
         key, caption = f"log-{name}", f"Measured and modelled power: {name}."
-        drawings.append(page_figure(draw(), caption, title=f"Log and models, {name}", key=key))
-    return Section("verification", "Models against the flight log", [*blocks, *drawings])
+        blocks.append(page_figure(draw(), caption, title=f"Log and models, {name}", key=key))
+    return Section("verification", "Models against the flight log", blocks, "errors")
