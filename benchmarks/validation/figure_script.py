@@ -16,7 +16,7 @@ from studies.output.figures.options import (
     read_dots_per_inch,
     read_size,
 )
-from studies.output.formats import IMAGE_FORMATS, image_format
+from studies.output.formats import IMAGE_FORMATS, format_of
 
 
 def add_figure_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,7 +72,7 @@ def write_figure(
     add_figure_arguments(parser)
     given = parser.parse_args(arguments)
     figure = figure_of_arguments(parser, given)
-    drawn_as = image_format(str(given.out))
+    drawn_as = format_of(str(given.out), IMAGE_FORMATS)
     if drawn_as is None:
         allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
         parser.error(f"--out must end in one of {allowed} (got {given.out})")

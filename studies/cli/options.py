@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any
 
 import click
 
@@ -15,19 +14,13 @@ from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 from studies.output.formats import (
     GRID_FORMATS,
     IMAGE_FORMATS,
+    PLAIN_TABLE,
     TABLE_FORMATS,
-    grid_format,
-    image_format,
-    missing_writer,
-    table_format,
 )
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 _MAXIMUM_WORKERS = 1000
-
-# Format that the name of a file asks for; None where it is none of those allowed.
-FormatOf: TypeAlias = Callable[[str], str | None]
 
 
 def mission_option(default: str | None) -> Any:
@@ -213,18 +206,9 @@ def out_option(contents: str) -> Any:
     return option("--out", type=OutputFolder(), help=text)
 
 
-def _written(
-    *spelled: str, text: str, formats: Sequence[str], chosen: FormatOf, **settings: Any
-) -> Any:
+def _written(*spelled: str, text: str, kind: OutputFile, **settings: Any) -> Any:
     """Return the option of a file whose format its name tells."""
-
-    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
-        if path:
-            check_format(path, chosen(path), formats, spelled[0])
-        return path
-
-    text = f"{text} ({', '.join(formats)})."
-    return option(*spelled, type=OutputFile(), callback=checked, help=text, **settings)
+    return option(*spelled, type=kind, help=f"{text} ({', '.join(kind.formats)}).", **settings)
 
 
 def table_option(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
@@ -232,28 +216,18 @@ def table_option(contents: str, name: str = "--table", *, older: str = "--csv") 
 
     ``older``: what the option was called when CSV was all that it wrote.
     """
-    kinds: dict[str, Any] = {"formats": TABLE_FORMATS, "chosen": table_format, "metavar": "FILE"}
-    return _written(name, older, text=f"Write {contents}", **kinds)
+    kind = OutputFile(*TABLE_FORMATS, without_ending=PLAIN_TABLE)
+    return _written(name, older, text=f"Write {contents}", kind=kind, metavar="FILE")
 
 
 def grid_option(contents: str) -> Any:
     """Return option ``--out FILE`` of commands whose result lies on a grid."""
-    text = f"Write {contents}"
-    return _written("--out", text=text, formats=GRID_FORMATS, chosen=grid_format)
+    return _written("--out", text=f"Write {contents}", kind=OutputFile(*GRID_FORMATS))
 
 
 def plot_option(text: str) -> Any:
     """Return option ``--plot FILE`` of commands that draw."""
-    return _written("--plot", text=text, formats=IMAGE_FORMATS, chosen=image_format)
-
-
-def check_format(path: str, kind: str | None, allowed: Iterable[str], option: str) -> None:
-    """Refuse the name of a file if its format, ``kind``, is not one that can be written."""
-    missing = missing_writer(kind)
-    if kind is None:
-        missing = f"{path!r} must end in {', '.join(f'.{name}' for name in allowed)}"
-    if missing is not None:
-        raise click.BadParameter(missing, param_hint=option)
+    return _written("--plot", text=text, kind=OutputFile(*IMAGE_FORMATS))
 
 
 def report_option() -> Any:

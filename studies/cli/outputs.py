@@ -23,7 +23,7 @@ from studies.cli.files import DEFAULT_MISSION, Case, mission_beside
 from studies.cli.telling import tell_error
 from studies.output import gridded
 from studies.output.figures.drawing import to_bytes
-from studies.output.formats import grid_format, image_format, table_bytes
+from studies.output.formats import GRID_FORMATS, IMAGE_FORMATS, format_of, table_bytes
 from studies.output.run_folder import RunInputs, write_run_folder
 from studies.output.terminal import show, tell_line
 from studies.render.tables import SUMMARY, Line, Summary, Table
@@ -159,7 +159,7 @@ def table_of(title: str, frame: Callable[[], pd.DataFrame]) -> Content:
 
 def grid_of(data: OnGrid, cells: str) -> Content:
     """Return what makes a file of a result on a grid in the format of its name."""
-    return lambda path: gridded.to_bytes(data, grid_format(path), cells)
+    return lambda path: gridded.to_bytes(data, format_of(path, GRID_FORMATS), cells)
 
 
 def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any) -> Content:
@@ -172,7 +172,7 @@ def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any
         figure = (resolve_name(draw) if isinstance(draw, str) else draw)(*arguments, **options)
         with warnings.catch_warnings(record=True) as caught:
             warnings.filterwarnings("always", message=_COLLAPSED)
-            data = to_bytes(figure, image_format(path) or "png")
+            data = to_bytes(figure, format_of(path, IMAGE_FORMATS) or "png")
         others = [one for one in caught if not str(one.message).startswith(_COLLAPSED)]
         for one in others:
             warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)

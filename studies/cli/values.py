@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from studies.cli.telling import tell_error
+from studies.output.formats import format_of, missing_writer, wrong_ending
 
 _MAXIMUM_GRID = 2000  # numbers of first:last:step
 _DECIMAL = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
@@ -18,7 +19,25 @@ _LATITUDE = re.compile(rf"({_DECIMAL}) *°? *([ns])|([+-]?{_DECIMAL}) *°", re.I
 
 
 class OutputFile(click.Path):
-    """File that a command writes; it is checked before any work is done for it."""
+    """File that a command writes; it is checked before any work is done for it.
+
+    ``formats``: those that its name may ask for, ``without_ending`` one without an ending.
+    """
+
+    def __init__(self, *formats: str, without_ending: str = "") -> None:
+        super().__init__()
+        self.formats, self._without_ending = formats, without_ending
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Refuse the name of a file in a format that cannot be written."""
+        if value and self.formats and param is not None:
+            kind = format_of(value, self.formats, self._without_ending)
+            missing = missing_writer(kind)
+            if kind is None:
+                missing = wrong_ending(value, self.formats)
+            if missing is not None:
+                raise click.BadParameter(missing, param_hint=param.opts[0])
+        return super().convert(value, param, ctx)
 
 
 class OutputFolder(click.Path):

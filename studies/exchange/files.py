@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 from itertools import groupby
-from pathlib import Path
 
 from missions.files.writing import write_bytes_atomically
 from missions.mission import Mission
@@ -13,7 +12,13 @@ from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
 from solar.names import CorrectionName, ModelName
 from studies.exchange.airplane import airplane_text, missing_library
-from studies.output.formats import missing_writer, table_bytes, workbook_bytes
+from studies.output.formats import (
+    format_of,
+    missing_writer,
+    table_bytes,
+    workbook_bytes,
+    wrong_ending,
+)
 from studies.render.design_sheet import DesignSheet, Entry, design_sheet
 from studies.render.tables import UNLIMITED
 
@@ -25,8 +30,7 @@ DESIGN_FORMATS = (*GEOMETRY_FORMATS, *_TABLE_FORMATS)
 
 def design_format(path: str) -> str | None:
     """Return the format of a file name, None if it cannot be written."""
-    suffix = Path(path).suffix.lstrip(".").lower()
-    return suffix if suffix in DESIGN_FORMATS else None
+    return format_of(path, DESIGN_FORMATS)
 
 
 def missing_for(path: str) -> str | None:
@@ -70,8 +74,7 @@ def export_design(
     """
     name = os.fspath(path)
     if design_format(name) is None:
-        allowed = ", ".join(f".{ending}" for ending in DESIGN_FORMATS)
-        raise ValueError(f"{name!r} must end in {allowed}")
+        raise ValueError(wrong_ending(name, DESIGN_FORMATS))
     missing = missing_for(name)
     if missing is not None:
         raise ImportError(missing)

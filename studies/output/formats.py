@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 IMAGE_FORMATS = ("png", "svg", "pdf")
 TABLE_FORMATS = ("csv", "parquet", "xlsx")
 GRID_FORMATS = ("nc", *TABLE_FORMATS)
+PLAIN_TABLE = "csv"  # of a table whose file has no ending
 # Libraries that are not installed with the package, and the extra that brings each.
 _WRITERS = {"parquet": ("Parquet", "pyarrow", "parquet"), "xlsx": ("Excel", "xlsxwriter", "excel")}
 # Excel's own limits: rows of a sheet, and characters of its name and those that it may not have.
@@ -21,27 +22,18 @@ _MOST_ROWS = 1_048_575
 _LONGEST_SHEET, _NOT_IN_SHEETS = 31, "[]:*?/\\"
 
 
-def _ending(path: str) -> str:
-    return PurePath(path).suffix.lstrip(".").lower()
+def format_of(path: str, allowed: Sequence[str], without_ending: str = "") -> str | None:
+    """Return the format that a file name asks for; None if it is none of those allowed.
 
-
-def image_format(path: str) -> str | None:
-    """Return the image format of a file name; None if it cannot be drawn."""
-    return _ending(path) if _ending(path) in IMAGE_FORMATS else None
-
-
-def grid_format(path: str) -> str | None:
-    """Return the format of a file on a grid; None if it cannot be written."""
-    return _ending(path) if _ending(path) in GRID_FORMATS else None
-
-
-def table_format(path: str) -> str | None:
-    """Return the format of a table's file; None if it cannot be written.
-
-    A name without an ending, such as ``/dev/stdout``, means CSV.
+    ``without_ending``: that of a name without an ending, such as ``/dev/stdout``.
     """
-    suffix = _ending(path) or "csv"
-    return suffix if suffix in TABLE_FORMATS else None
+    ending = PurePath(path).suffix.lstrip(".").lower() or without_ending
+    return ending if ending in allowed else None
+
+
+def wrong_ending(path: str, allowed: Sequence[str]) -> str:
+    """Return what is wrong with the name of a file in none of the formats allowed."""
+    return f"{path!r} must end in {', '.join(f'.{name}' for name in allowed)}"
 
 
 def missing_writer(file_format: str | None) -> str | None:
@@ -54,9 +46,9 @@ def missing_writer(file_format: str | None) -> str | None:
     return f"{name} needs {library}: pip install {library} (the extra '{extra}')"
 
 
-def table_bytes(table: pd.DataFrame, path: str | None, *, title: str = "table") -> bytes:
+def table_bytes(table: pd.DataFrame, path: str, *, title: str = "table") -> bytes:
     """Return a table in the format that the name of its file requests."""
-    file_format = None if path is None else table_format(path)
+    file_format = format_of(path, TABLE_FORMATS, PLAIN_TABLE)
     if file_format == "xlsx":
         return workbook_bytes({title: table})
     if file_format != "parquet":

@@ -287,7 +287,7 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
         from studies.cli import files
         from studies.cli.jobs import completed
         from studies.cli.outputs import deliver, figure_of
-        from studies.output.formats import grid_format, table_bytes
+        from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
         from studies.station import prepare, station_of
 
@@ -300,7 +300,7 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
             result = station_of(study, data)
 
             def content(path: str) -> bytes:
-                if grid_format(path) == "nc":
+                if format_of(path, GRID_FORMATS) == "nc":
                     return to_netcdf_bytes(result.cells)
                 return table_bytes(result.to_frame(), path)
 

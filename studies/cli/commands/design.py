@@ -21,7 +21,6 @@ from studies.cli.options import (
     PlaceOptions,
     RequirementOptions,
     WorkOptions,
-    check_format,
     grid_option,
     mission_option,
     out_option,
@@ -518,6 +517,7 @@ class Export(ModelOptions):
         from studies.cli.files import load_flyable
         from studies.cli.telling import tell_error
         from studies.exchange import files
+        from studies.output.formats import wrong_ending
         from studies.output.terminal import tell_line
 
         several, troubles = len(self.out_files) > 1, dict[str, Exception]()
@@ -526,13 +526,9 @@ class Export(ModelOptions):
                 check_outputs({"--out": path})
             except OSError as error:
                 troubles[path] = error
-            known = files.design_format(path)
-            try:
-                check_format(path, known, files.DESIGN_FORMATS, "--out")
-            except click.BadParameter as error:
-                if known is None:
-                    raise
-                troubles[path] = error
+            if files.design_format(path) is None:
+                message = wrong_ending(path, files.DESIGN_FORMATS)
+                raise click.BadParameter(message, param_hint="--out")
             missing = files.missing_for(path)
             if missing is not None:
                 troubles[path] = click.BadParameter(missing, param_hint="--out")

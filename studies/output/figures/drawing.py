@@ -29,7 +29,7 @@ from studies.output.figures.options import (
     style_settings,
     type_within,
 )
-from studies.output.formats import IMAGE_FORMATS, image_format
+from studies.output.formats import IMAGE_FORMATS, format_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,9 +42,9 @@ Arguments = ParamSpec("Arguments")
 
 # Okabe & Ito's palette: told apart by readers with any colour vision, and in grey.
 ORANGE, BLUE, GREEN, VERMILLION = "#E69F00", "#0072B2", "#009E73", "#D55E00"
-SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
+SKY, PURPLE = "#56B4E9", "#CC79A7"
 GREY, DARK_GREY = "#DDDDDD", "#808080"
-SUN, LOAD, CHARGE, NIGHT = ORANGE, BLUE, GREEN, GREY
+SUN, LOAD, CHARGE = ORANGE, BLUE, GREEN
 # A line style for each colour, so that print in grey is read as well.
 SUN_LINE, LOAD_LINE, CHARGE_LINE = "-", "--", "-"
 MODEL_COLOURS = dict(zip(MODEL_NAMES, cycle((ORANGE, SKY, GREEN, VERMILLION)), strict=False))
@@ -222,7 +222,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
     OutputError
         If the file cannot be written.
     """
-    chosen = image_format(os.fspath(path))
+    chosen = format_of(os.fspath(path), IMAGE_FORMATS)
     if chosen is None:
         allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
         raise ValueError(f"{os.fspath(path)!r} must end in one of {allowed}")

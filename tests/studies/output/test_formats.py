@@ -6,7 +6,7 @@ import pytest
 
 from missions.files.writing import OutputError
 from studies.output import formats
-from studies.output.formats import csv_bytes, table_bytes, table_format, workbook_bytes
+from studies.output.formats import csv_bytes, format_of, table_bytes, workbook_bytes
 
 
 def test_text_that_a_spreadsheet_would_compute_is_quoted():
@@ -44,7 +44,7 @@ def test_text_of_a_workbook_is_never_a_formula():
     ],
 )
 def test_format_of_a_name(path, found):
-    assert table_format(path) == found
+    assert format_of(path, formats.TABLE_FORMATS, "csv") == found
 
 
 def test_a_sheet_has_room_for_a_million_rows(monkeypatch):
