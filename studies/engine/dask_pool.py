@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import BrokenExecutor, CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any, TypeVar
 
@@ -45,7 +45,7 @@ class DaskPool(Pool):
             raise WorkersUnavailableError(
                 "--scheduler needs dask: pip install distributed (the extra 'cluster')"
             ) from None
-        self.deaths, self.in_process = (distributed.KilledWorker,), False
+        self._killed, self.in_process = distributed.KilledWorker, False
         self._tell = tell or (lambda text: None)
         self._client: Any
         self._local = scheduler == LOCAL_CLUSTER
@@ -129,6 +129,8 @@ class DaskPool(Pool):
         """Return the result of a task."""
         try:
             return future.result()
+        except self._killed as error:
+            raise BrokenExecutor from error
         except CancelledError:
             raise self._lost() from None
 

@@ -22,7 +22,7 @@ import hashlib
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
@@ -209,7 +209,7 @@ class _Run:
         """Return the result of a task; None if its worker died."""
         try:
             return self.pool.result(future)
-        except self.pool.deaths:
+        except BrokenExecutor:
             return None
 
     def _alone(self, chunk: IntArray) -> Part:

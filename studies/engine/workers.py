@@ -54,12 +54,10 @@ class Pool:
     For None they are as many as there are cores if the work is worth their start, or 1: small
     computations never wait for processes. ``work_s``: time that it takes on one core, roughly [s].
 
-    ``deaths``: errors that say that a worker died. ``in_process``: whether tasks are computed here.
-    ``shares_disk``: whether workers can keep what they have computed. ``imports``: modules that the
-    tasks need.
+    ``in_process``: whether tasks are computed here. ``shares_disk``: whether workers can keep what
+    they have computed. ``imports``: modules that the tasks need.
     """
 
-    deaths: tuple[type[BaseException], ...] = (BrokenExecutor,)
     shares_disk = True
     imports: tuple[str, ...] = ()
 
@@ -106,7 +104,7 @@ class Pool:
         return self._executor
 
     def result(self, future: Future[T]) -> T:
-        """Return the result of a task; raise what the task did, or one of ``deaths``."""
+        """Return the result of a task; raise what it did, or BrokenExecutor if a worker died."""
         return future.result()
 
     def check(self) -> None:

@@ -8,9 +8,9 @@ milliseconds for each cell; their map is filled a few latitudes at a time.
 from __future__ import annotations
 
 import time
-from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -56,7 +56,7 @@ class SeasonMaps:
     """Maps of one aircraft and its variations; the light of the last few is kept."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[Hashable, _Light] = OrderedDict()
+        self._light = lru_cache(_KEPT)(lambda *settings: _Light([]))
 
     def excess_time(
         self,
@@ -82,7 +82,10 @@ class SeasonMaps:
         step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H
         latitudes = COARSE_LATITUDES_DEG if few or on_path else LATITUDES_DEG
         days = _DAYS_ON_PATH if on_path else COARSE_DAYS if few else DAYS
-        light = self._light_of(aircraft, mission, solar, step_h)
+        # Of an area of modules, filled once for each of its settings.
+        modules = aircraft.modules.model_copy(update={"area_m2": 1.0})
+        names = _KEYS_OF_LIGHT + (_KEYS_OF_PATH if on_path else ())
+        light = self._light(modules, *(getattr(mission, name) for name in names), solar, step_h)
         south, north = solar.latitudes_with_wind_deg(mission)
         known = np.flatnonzero((latitudes >= south) & (latitudes <= north))
 
@@ -109,19 +112,6 @@ class SeasonMaps:
             EXCESS_TIME.name: rows,
             "complete": len(light.rows) == len(known),
         }
-
-    def _light_of(
-        self, aircraft: Aircraft, mission: Mission, solar: SolarModel, step_h: float
-    ) -> _Light:
-        """Return the light that is kept for settings, or an empty one to be filled."""
-        modules = aircraft.modules.model_copy(update={"area_m2": 1.0})
-        names = _KEYS_OF_LIGHT + (_KEYS_OF_PATH if solar.needs_path else ())
-        key = (modules, *(getattr(mission, name) for name in names), solar, step_h)
-        light = self._kept.setdefault(key, _Light([]))
-        self._kept.move_to_end(key)
-        while len(self._kept) > _KEPT:
-            self._kept.popitem(last=False)
-        return light
 
 
 def _fill(

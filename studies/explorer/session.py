@@ -283,7 +283,7 @@ class Session:
 
 def _analysed(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Analysis:
     """Analyse an aircraft on its mission, without the replay of its launch."""
-    return analyse(aircraft, mission, model=solar.model, correction=solar.correction, replay=False)
+    return analyse(aircraft, mission, **vars(solar), replay=False)
 
 
 @contextmanager

@@ -153,14 +153,8 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     if dark.any():
         where = task.mission.scenarios().label(int(dark.argmax()))
         raise ValueError(f"polar night: the sun never rises at {where}, so that no design flies")
-    study = size(
-        task.aircraft,
-        task.mission,
-        task.objective,
-        model=task.solar.model,
-        correction=task.solar.correction,
-        with_margin=True,
-    )
+    aircraft, mission, objective, solar = task
+    study = size(aircraft, mission, objective, **vars(solar), with_margin=True)
     record, guarded = study.to_dict(), study.with_margin
     error = f"one RMS error of {study.solar.model} ({100 * study.solar.rms_relative:.0f} %)"
     return {

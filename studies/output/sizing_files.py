@@ -93,7 +93,7 @@ def sizing_figures(
 
     @cache
     def analysis() -> Analysis:
-        return analyse(sized, mission, model=solar.model, correction=solar.correction, replay=False)
+        return analyse(sized, mission, **vars(solar), replay=False)
 
     title, notes = f"{sized.name}: mass budget", (extrapolation_caption(outside),)
     drawings: dict[str, Callable[[], Figure]] = {

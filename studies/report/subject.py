@@ -64,13 +64,8 @@ class Subject:
     @cached_property
     def analysis(self) -> Analysis:
         """Aircraft on its mission."""
-        return analyse(
-            self.aircraft,
-            self.mission,
-            model=self.solar.model,
-            correction=self.solar.correction,
-            known_mass_kg=self.known_mass_kg,
-        )
+        others = vars(self.solar) | {"known_mass_kg": self.known_mass_kg}
+        return analyse(self.aircraft, self.mission, **others)
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -118,13 +113,7 @@ class Subject:
             requested = self.has_uncertain_inputs and self.uncertainty_is_quick
         if not requested:
             return None
-        return analyse_uncertainty(
-            self.aircraft,
-            self.mission,
-            model=self.solar.model,
-            correction=self.solar.correction,
-            samples=SAMPLES,
-        )
+        return analyse_uncertainty(self.aircraft, self.mission, **vars(self.solar), samples=SAMPLES)
 
     @cached_property
     def weather(self) -> WeatherAnalysis | None:
@@ -135,8 +124,7 @@ class Subject:
             self.aircraft,
             self.mission,
             self.weather_record,
-            model=self.solar.model,
-            correction=self.solar.correction,
+            **vars(self.solar),
             mission_chosen=not self.mission_is_default,
         )
 
