@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NoReturn, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -23,6 +23,7 @@ from missions.files.errors import (
     InputError,
     Problem,
     did_you_mean,
+    dotted,
     file_error,
     printable,
 )
@@ -107,6 +108,12 @@ class Case:
             "mission": self.mission.name,
             "mission_is_default": self.mission_is_default,
         }
+
+    def refuse(self, key: str, message: str) -> NoReturn:
+        """Refuse the value of a key, which is the mission's behind ``mission.``, by its line."""
+        file = self.mission_file if key.startswith(MISSION_PREFIX) else self.aircraft_file
+        path = key.removeprefix(MISSION_PREFIX).split(".")
+        raise located_error(file.document, path, message) from None
 
     def with_mission(self, **values: Any) -> Case:
         """Return the case on a mission with other values, checked as the file's are."""
@@ -250,7 +257,7 @@ def load(options: CaseOptions) -> Case:
     case = Case(aircraft_file, mission_file, is_default, solar)
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
-        raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
+        case.refuse("mission.wind.hold_station", message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
     return _with_values(case, options)
@@ -327,8 +334,7 @@ def refuse_climb(case: Case) -> None:
     """Refuse a mission with climbs where percentiles of the wind are those of one altitude."""
     if case.mission.climb is not None:
         why = "the percentiles of the winds at several heights have none in common"
-        message = f"station flies at constant altitude, as {why}; remove climb"
-        raise located_error(case.mission_file.document, ("climb",), message)
+        case.refuse("mission.climb", f"station flies at constant altitude, as {why}; remove climb")
 
 
 def require_climber(case: Case) -> None:
@@ -338,7 +344,7 @@ def require_climber(case: Case) -> None:
     try:
         check_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
     except ClimbLimitError as error:
-        raise located_error(case.aircraft_file.document, error.key, error.message) from None
+        case.refuse(dotted(error.key), error.message)
 
 
 def require_climb_power(case: Case) -> None:
@@ -350,8 +356,7 @@ def require_climb_power(case: Case) -> None:
             f"a mission with climb needs more power than level flight takes; allowed: above 1 "
             f"(got {ratio:g}), or climb_rate_m_per_s"
         )
-        key = ("airframe", "propulsion", "climb_power_ratio")
-        raise located_error(case.aircraft_file.document, key, message)
+        case.refuse("airframe.propulsion.climb_power_ratio", message)
 
 
 def require_path(case: Case, option: str | None = None, *, in_winds_of_cells: bool = False) -> None:
@@ -367,16 +372,17 @@ def require_path(case: Case, option: str | None = None, *, in_winds_of_cells: bo
         attitude = solar.model in ATTITUDE_MODELS
         option = f"--model {solar.model}" if attitude else "--correction loiter"
     if case.aircraft.modules.geometry is None:
-        message = f"{option} needs the module surfaces: add geometry with its surfaces"
-        raise located_error(case.aircraft_file.document, ("modules",), message)
+        case.refuse(
+            "modules", f"{option} needs the module surfaces: add geometry with its surfaces"
+        )
     if case.mission.flight_path is None:
         message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
-        raise located_error(case.mission_file.document, ("name",), message)
+        case.refuse("mission.name", message)
     if in_winds_of_cells and case.mission.wind_statistics is not None:
         return
     (trouble,) = path_troubles(case.aircraft, case.mission)
     if trouble is not None:
-        raise located_error(case.mission_file.document, ("flight_path",), trouble)
+        case.refuse("mission.flight_path", trouble)
 
 
 def refuse_polar_night(case: Case) -> None:
@@ -388,24 +394,22 @@ def refuse_polar_night(case: Case) -> None:
         message = (
             f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
         )
-        raise located_error(case.mission_file.document, ("latitude_deg",), message)
+        case.refuse("mission.latitude_deg", message)
 
 
 def require_parametric(case: Case, message: str) -> None:
     """Refuse a measured aircraft where masses and power must follow from the design."""
     if isinstance(case.aircraft.airframe, MeasuredAirframe):
-        raise located_error(case.aircraft_file.document, ("airframe", "kind"), message)
+        case.refuse("airframe.kind", message)
 
 
 def require_whole_cells(case: Case) -> None:
     """Refuse an aircraft whose file lays no solar cells or has no whole cells in its battery."""
-    for section, key, value in (
-        ("modules", "layout", case.aircraft.modules.layout),
-        ("battery", "pack", case.aircraft.battery.pack),
-    ):
-        if value is None:
-            message = "required key is missing: --whole-cells needs it"
-            raise located_error(case.aircraft_file.document, (section, key), message)
+    message = "required key is missing: --whole-cells needs it"
+    if case.aircraft.modules.layout is None:
+        case.refuse("modules.layout", message)
+    if case.aircraft.battery.pack is None:
+        case.refuse("battery.pack", message)
 
 
 @contextmanager

@@ -27,6 +27,7 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
+from studies.render.numbers import percent
 from studies.render.tables import clock_label
 
 if TYPE_CHECKING:
@@ -76,11 +77,11 @@ def _draw(analysis: Analysis, course: _Course, canvas: Canvas) -> tuple[Figure, 
     )
     after = "of the model" if perf.solar.correction == "none" else "after correction"
     where = model_error_note(perf.mission.altitude_m)
-    error = f"RMS error {after}{where}, {100 * perf.solar.rms_relative:.0f} %"
-    percent = [100.0 * charge for charge in course.charge]
+    error = f"RMS error {after}{where}, {percent(perf.solar.rms_relative, '.0f')}"
+    charges = [100.0 * charge for charge in course.charge]
     for axes, curves, colour, line, label, band in (
         (panels[0], course.solar_w, SUN, SUN_LINE, "solar power", error),
-        (panels[1], percent, CHARGE, CHARGE_LINE, "state of charge", "with that error"),
+        (panels[1], charges, CHARGE, CHARGE_LINE, "state of charge", "with that error"),
     ):
         axes.plot(course.clock_h, curves[0], line, color=colour, label=label)
         if len(curves) > 1:

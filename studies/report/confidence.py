@@ -27,6 +27,7 @@ from sizing.roots import bracketed_root
 from solar.names import MODELS
 from solar.types import FloatArray
 from studies.quantities import TABLE
+from studies.render.numbers import percent
 from studies.render.sentences import battery_line, uncertainty_line
 from studies.render.tables import Column, Line, Table, facts
 from studies.report.blocks import Block, Listing, Section, sentence
@@ -89,7 +90,7 @@ def _published_errors() -> Table:
 def _left_out(subject: Subject) -> Iterator[str]:
     """Yield what the numbers of the report leave out."""
     mission, clearness = subject.mission, subject.mission.pessimistic_clearness
-    sky = f"The light is {100.0 * clearness:.0f} % of a clear sky's"
+    sky = f"The light is {percent(clearness, '.0f')} of a clear sky's"
     sky = "The sky is clear" if clearness == 1.0 else sky
     yield f"{sky} all day; a weather record (--weather) adds clouds."
     if subject.verification is None:

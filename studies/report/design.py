@@ -14,7 +14,7 @@ from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.margins import requirement_margins
 from studies.render.analysis import balance_table, drag_table
 from studies.render.design_sheet import design_sheet
-from studies.render.numbers import with_unit
+from studies.render.numbers import percent, with_unit
 from studies.render.sentences import (
     balance_lines,
     cells_lines,
@@ -153,8 +153,8 @@ def _objective_lines(sizing: Mapping[str, Any], objective: Objective) -> Iterato
         words = "; ".join(str(constraint_words(name)) for name in sizing["active_constraints"])
         yield f"Limited by (most important first): {words}."
     if (reliability := sizing.get("reliability")) is not None:
-        achieved = f"{100.0 * reliability['achieved']:.1f} % of {reliability['samples']} draws"
-        yield f"Reliability: {achieved}; required {100.0 * reliability['required']:g} %."
+        achieved, required = percent(reliability["achieved"]), percent(reliability["required"], "g")
+        yield f"Reliability: {achieved} of {reliability['samples']} draws; required {required}."
 
 
 def _sizing_tables(sizing: Mapping[str, Any], objective: Objective) -> Iterator[Table]:

@@ -17,6 +17,7 @@ from sizing.balance.surfaces import QUARTER, Tail, Wing, wing_of
 from sizing.structures.rib_wing import RibWingStructure
 from solar.geometry import ModuleGeometry
 from solar.shading import TailGeometry
+from studies.render.numbers import percent
 
 # The tail volumes of docs/structure.md: S_h = 0.35 c A/L and S_v = 0.045 c A/L with L = 4 c.
 _RULE = RibWingStructure(model="rib_wing")
@@ -105,7 +106,7 @@ class Drawing:
             )
         else:
             self.notes.append(
-                f"Section {100.0 * rib_wing.thickness_ratio:g} % thick, boom of "
+                f"Section {percent(rib_wing.thickness_ratio, 'g')} thick, boom of "
                 f"{rib_wing.boom_diameter_chords:g} chords and box spar: as the structure model "
                 "has them, the spar at 30 % of the chord, where the section is thickest."
             )

@@ -9,6 +9,7 @@ import numpy as np
 from missions.mission import Scenarios
 from sizing.day.light import SolarModel, solar_day
 from sizing.results.analysis import Analysis
+from studies.render.numbers import percent
 
 LIGHT, ELECTRIC, LOAD = (
     "light on a horizontal area as large as the modules",
@@ -63,7 +64,7 @@ def _of_modules(analysis: Analysis, solar_wh: float) -> list[tuple[str, float]]:
     each = np.array([_energy(analysis, model, changes) for model, changes in cases])
     light, *by_model = solar_wh / each[-1] * each
     labels = (
-        f"not converted: module efficiency {100.0 * modules.efficiency_stc:.1f} %",
+        f"not converted: module efficiency {percent(modules.efficiency_stc)}",
         f"angle of incidence, diffuse light, attitude{', MPPT' if solar.model == 'FM' else ''}",
         "camber of the wing",
         "temperature of the modules",

@@ -9,7 +9,7 @@ import numpy as np
 
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
-from studies.render.numbers import hours
+from studies.render.numbers import hours, percent
 from studies.render.sentences import landing
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
@@ -49,8 +49,8 @@ def _judged(subject: Subject) -> tuple[str, str]:
     weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
     who = f"{subject.aircraft.name} on {mission.name}"
     measured = model_error_note(mission.altitude_m)
-    percent = f"{100.0 * subject.solar.rms_relative:.0f} %{measured}"
-    error = f"one RMS error of the solar model ({percent})"
+    relative = percent(subject.solar.rms_relative, ".0f")
+    error = f"one RMS error of the solar model ({relative}{measured})"
     if mission.flight is not None:
         return _of_landing(subject, f"{who}, {weakest}", lows, error)
     fails = f"{who} does not fly perpetually: {weakest}"
@@ -100,7 +100,7 @@ def _of_verification(verification: Verification) -> Verdict:
     average, rms = errors[model]
     text = (
         f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
-        f"{100.0 * average:+.1f} % on average, RMS {100.0 * rms:.1f} %."
+        f"{percent(average, '+.1f')} on average, RMS {percent(rms)}."
     )
     return Verdict("good", text, "Compared")
 
@@ -138,13 +138,13 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     yield _fact(q.MINIMUM_CHARGE, values, "in the morning")
     span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
     yield Fact(q.WINGSPAN.label, f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
-    yield Fact(q.TOTAL_MASS.label, f"{design.total_mass_kg:.2f}", "kg",
-               f"battery {aircraft.battery.mass_kg:.2f} kg")  # fmt: skip
-    yield Fact("battery", f"{design.battery_energy_wh:.0f}", "Wh",
-               f"{aircraft.battery.specific_energy_wh_per_kg:g} Wh/kg")  # fmt: skip
-    coverage = aircraft.modules.area_m2 * ratio / span**2
-    yield Fact("modules", f"{aircraft.modules.area_m2:.3g}", "m²",
-               f"{100.0 * coverage:.0f} % of the wing")  # fmt: skip
+    battery, modules_m2 = aircraft.battery, aircraft.modules.area_m2
+    mass = f"battery {battery.mass_kg:.2f} kg"
+    yield Fact(q.TOTAL_MASS.label, f"{design.total_mass_kg:.2f}", "kg", mass)
+    energy = f"{battery.specific_energy_wh_per_kg:g} Wh/kg"
+    yield Fact("battery", f"{design.battery_energy_wh:.0f}", "Wh", energy)
+    coverage = f"{percent(modules_m2 * ratio / span**2, '.0f')} of the wing"
+    yield Fact("modules", f"{modules_m2:.3g}", "m²", coverage)
     yield _fact(q.LOAD, values, f"sun: {q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)[1]} a day")
 
 
@@ -162,6 +162,5 @@ def _facts_of_verification(verification: Verification) -> Iterator[Fact]:
     yield Fact("flight", f"{(log.time_s[-1] - log.time_s[0]) / 3600.0:.1f}", "h",
                f"every {log.step_s:g} s")  # fmt: skip
     for model, (average, rms) in _errors_over_days(verification).items():
-        yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%",
-                   f"RMS {100.0 * rms:.1f} %")  # fmt: skip
+        yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%", f"RMS {percent(rms)}")
     yield Fact("samples left out", f"{int(verification.excluded.sum())}")

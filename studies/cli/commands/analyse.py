@@ -229,7 +229,6 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
 
     def run(self) -> None:
         """Find the highest altitude of perpetual flight, and tell it."""
-        from missions.files.validation import located_error
         from studies.ceiling import perpetual_ceiling
         from studies.cli.files import load_flyable, refuse_polar_night
         from studies.cli.outputs import deliver, figure_of
@@ -240,7 +239,7 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
         lowest_m, climb = case.mission.altitude_m, case.mission.climb
         if climb is not None and climb.ceiling_m <= lowest_m:
             message = f"must be above the night's floor of {lowest_m:g} (got {climb.ceiling_m:g})"
-            raise located_error(case.mission_file.document, ("climb", "ceiling_m"), message)
+            case.refuse("mission.climb.ceiling_m", message)
         if self.highest_m is not None and self.highest_m <= lowest_m:
             message = f"must be above the mission's altitude_m of {lowest_m:g}"
             text = f"{message} (got {self.highest_m:g})"
