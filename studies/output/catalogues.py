@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 from sizing.catalogues.choice import Kind, entries
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, MpptEntry
-from studies.render.tables import Column, Table
+from sizing.catalogues.entries import BatteryEntry, Entry
+from sizing.data_rows import data_rows
+from studies.render.tables import MISSING, Column, Table
 
 _TITLES: dict[Kind, str] = {
     "cells": "solar cells: modules.cell",
@@ -30,71 +32,35 @@ _NOTES: dict[Kind, str] = {
     "mppts": "Power: of the modules that one takes. Efficiency: the least that is stated. Input: "
     "largest voltage and current.",
 }
-_COLUMNS: dict[Kind, tuple[Column, ...]] = {
-    "cells": (
-        Column("efficiency_stc", "efficiency", "%", ".1f"),
-        Column("efficiency_am0", "AM0", "%", ".1f"),
-        Column("temperature_coefficient_per_k", "temp. coeff.", "%/K", ".2f", "unknown"),
-        Column("mass_kg_per_m2", "mass", "kg/m2", ".2f", "unknown"),
-    ),
-    "batteries": (
-        Column("specific_energy_wh_per_kg", "energy", "Wh/kg", ".0f"),
-        Column("basis"),
-        Column("capacity_ah", "capacity", "Ah", ".3g"),
-        Column("charge_rate_per_h", "charge", "1/h", ".2f"),
-        Column("loss_at_1c", "loss", "%", ".1f"),
-    ),
-    "motors": (
-        Column("mass_kg", "mass", "kg", ".3f"),
-        Column("speed_constant_rpm_per_v", "speed", "rpm/V", ".0f"),
-        Column("resistance_ohm", "resist.", "ohm", ".3f"),
-        Column("no_load_current_a", "no-load", "A", ".2f"),
-        Column("efficiency_24_v", "effic.", "%", ".0f"),
-    ),
-    "propellers": (
-        Column("diameter_m", "diameter", "m", ".3f"),
-        Column("pitch_m", "pitch", "m", ".3f"),
-        Column("blades", "blades", "", ".0f"),
-        Column("computed_efficiency_3000_rpm", "computed", "%", ".0f"),
-        Column("measured_efficiency", "measured", "%", ".0f"),
-    ),
-    "mppts": (
-        Column("mass_kg", "mass", "kg", ".3f"),
-        Column("rated_power_w", "power", "W", ".0f"),
-        Column("mass_g_per_w", "mass", "g/W", ".2f"),
-        Column("efficiency", "effic.", "%", ".0f"),
-        Column("maximum_voltage_v", "input", "V", ".0f"),
-        Column("maximum_current_a", "input", "A", ".0f"),
-    ),
+# Values that an entry has by another name, or computes.
+_VALUES: dict[str, Callable[[Any], float | None]] = {
+    "mass_kg_per_m2": lambda cell: cell.parameters({"efficiency_stc": 1.0}).get("mass_kg_per_m2"),
+    "specific_energy_wh_per_kg": attrgetter("specific_energy"),
+    "capacity_ah": attrgetter("capacity"),
+    "efficiency_24_v": lambda motor: motor.best_efficiency(24.0),
+    "mass_g_per_w": lambda mppt: 1000.0 * mppt.mass_kg_per_w,
 }
-
-# Columns that are called otherwise in an entry.
-_ATTRIBUTES = {"specific_energy_wh_per_kg": "specific_energy", "capacity_ah": "capacity"}
 
 
 def catalogue_table(kind: Kind) -> Table:
     """Return the entries of a catalogue, a row each."""
-    columns = (Column("name"), Column("label", "product"), *_COLUMNS[kind])
+    columns = [
+        Column(row["name"], row["label"], row["unit"], row["form"], row["missing"] or MISSING)
+        for row in data_rows("catalogues", "studies")
+        if row["catalogue"] == kind
+    ]
     rows = tuple(
-        (name, entry.label, *_values(entry, _COLUMNS[kind]))
+        (name, entry.label, *(_value(entry, column) for column in columns))
         for name, entry in entries(kind).items()
     )
-    return Table(_TITLES[kind], columns, rows, (_NOTES[kind],))
+    described = (Column("name"), Column("label", "product"), *columns)
+    return Table(_TITLES[kind], described, rows, (_NOTES[kind],))
 
 
-def _values(entry: Entry, columns: Sequence[Column]) -> Iterator[float | str | None]:
-    """Yield the values of an entry in the units of the columns."""
-    for column in columns:
-        name = column.name
-        if isinstance(entry, CellEntry) and name == "mass_kg_per_m2":
-            value = entry.parameters({"efficiency_stc": 1.0}).get(name)
-        elif isinstance(entry, MotorEntry) and name == "efficiency_24_v":
-            value = entry.best_efficiency(24.0)
-        elif isinstance(entry, MpptEntry) and name == "mass_g_per_w":
-            value = 1000.0 * entry.mass_kg_per_w
-        else:
-            value = getattr(entry, _ATTRIBUTES.get(name, name))
-        yield 100.0 * value if column.unit.startswith("%") and value is not None else value
+def _value(entry: Entry, column: Column) -> Any:
+    """Return a value of an entry in the unit of its column."""
+    value = _VALUES.get(column.name, attrgetter(column.name))(entry)
+    return 100.0 * value if column.unit.startswith("%") and value is not None else value
 
 
 def catalogue_record(kind: Kind) -> dict[str, Any]:
