@@ -12,7 +12,6 @@ Such a folder stands for its aircraft on its mission wherever a command takes an
 from __future__ import annotations
 
 import copy
-import dataclasses
 import datetime
 import hashlib
 import json
@@ -67,10 +66,6 @@ class RunInputs:
     mission: Mapping[str, Any]
     solar: SolarModel
     files: Mapping[str, InputFile]
-
-    def of_aircraft(self, aircraft: Mapping[str, Any]) -> RunInputs:
-        """Return the same inputs with an aircraft that a command has made of them."""
-        return dataclasses.replace(self, aircraft=aircraft)
 
 
 @dataclass(frozen=True)
