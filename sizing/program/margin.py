@@ -75,8 +75,15 @@ def least_margin(
         more = surplus(trial.reached)
         return 0.0 if 0.0 <= more <= tolerance else more
 
-    if excess(ends[1]) > 0.0:
-        brentq(excess, *ends, xtol=tolerance / 2.0)
+    # Far beyond what is enough a sizing may find a design that is good for nothing.
+    short = ends[0]
+    for part in (0.25, 0.5, 1.0):
+        margin = ends[0] + part * (ends[1] - ends[0])
+        if excess(margin) > 0.0:
+            brentq(excess, short, margin, xtol=tolerance / 2.0)
+        if excess(margin) >= 0.0:
+            break
+        short = margin
     return tried
 
 

@@ -36,8 +36,8 @@ DAYS_THAT_CLOSE = "days_that_close"
 # Of the logarithm of what is taken off the sun: from twice a clear sky to a twentieth of it.
 _ENDS = -0.7, 3.0
 _TOLERANCE = 1e-3  # of solar energy: some 0.05 % of a wingspan
-_POWERS = (0.0, 0.25, 0.5)  # of the sun's factor on the battery
-_STEPS = 14 * len(_POWERS)  # that it takes, about
+_POWERS = (0.0, 0.25, 0.5, 1.0)  # of the sun's factor on the battery
+_STEPS = 12 * len(_POWERS)  # that it takes, about
 
 
 def check_survival(objective: Objective, survive: float) -> None:
