@@ -69,11 +69,13 @@ def test_element_without_gain_at_the_lower_end_has_its_root_there():
 
 
 def test_functions_do_not_depend_on_each_other():
-    slopes = np.random.default_rng(3).uniform(0.0, 0.3, 20)
+    rng = np.random.default_rng(3)
+    root, bend = rng.uniform(0.1, 0.9, 20), rng.uniform(1.0, 9.0, 20)
 
     def found(numbers):
         def gain(place, x):
-            return 0.7 * np.exp(-x) - 0.35 - slopes[numbers[place]] * x
+            of = numbers[place]
+            return np.tanh(bend[of] * (root[of] - x)) / bend[of]
 
         zeros = np.zeros(len(numbers))
         return falling_root(gain, zeros, zeros + 1.0, zeros + 1e-3)
