@@ -16,7 +16,7 @@ import click
 from click.core import ParameterSource
 
 from missions.files.errors import printable
-from missions.files.writing import to_json, write_files_atomically
+from missions.files.writing import write_files_atomically
 from sizing.results.result import Result
 from studies.cli.command import CommandOptions, check_outputs
 from studies.cli.files import DEFAULT_MISSION, Case, mission_beside
@@ -25,7 +25,7 @@ from studies.output import gridded
 from studies.output.figures.drawing import to_bytes
 from studies.output.formats import GRID_FORMATS, IMAGE_FORMATS, format_of, table_bytes
 from studies.output.run_folder import RunInputs, write_run_folder
-from studies.output.terminal import show, tell_line
+from studies.output.terminal import print_json, show, tell_line
 from studies.render.tables import SUMMARY, Line, Summary, Table
 from studies.report import pdf
 
@@ -182,11 +182,6 @@ def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any
         return data
 
     return content
-
-
-def print_json(record: Any) -> None:
-    """Print a record as strict JSON."""
-    click.echo(to_json(record, indent=2))
 
 
 def refuse_to_overwrite(option: str, path: str | None, source: str | None) -> None:

@@ -46,19 +46,13 @@ _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitu
 class Inputs:
     """Settings as files: what is computed from, and what is saved.
 
-    ``aircraft_file``, ``mission_file``: data of their files. ``solar``: model and correction.
+    ``files``: data of both by ``aircraft`` and ``mission``. ``solar``: model and correction.
     """
 
     aircraft: Aircraft
     mission: Mission
-    aircraft_file: Document
-    mission_file: Document
+    files: dict[str, Document]
     solar: SolarModel
-
-    @property
-    def files(self) -> dict[str, Document]:
-        """Return the texts of the two files by ``aircraft`` and ``mission``."""
-        return {"aircraft": self.aircraft_file, "mission": self.mission_file}
 
 
 class Session:
@@ -166,12 +160,15 @@ class Session:
             of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
         of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
         try:
-            aircraft_file = with_overrides(self._files[0], of_aircraft)
-            mission_file = with_overrides(self._files[1], of_mission)
-            aircraft, mission = validate(aircraft_file, Aircraft), validate(mission_file, Mission)
+            files = {
+                "aircraft": with_overrides(self._files[0], of_aircraft),
+                "mission": with_overrides(self._files[1], of_mission),
+            }
+            aircraft = validate(files["aircraft"], Aircraft)
+            mission = validate(files["mission"], Mission)
         except InputError as error:
             raise RefusedError(_refusals(error, settings), "contradiction") from None
-        return Inputs(aircraft, mission, aircraft_file, mission_file, settings.solar)
+        return Inputs(aircraft, mission, files, settings.solar)
 
     def _at_point(self, settings: Settings) -> dict[str, Any]:
         """Return values that move the mission to a point; none where it is there already."""
@@ -258,8 +255,10 @@ class Session:
             kind: InputFile(f"{document.source}, as explored", None)
             for kind, document in made.files.items()
         }
-        inputs = RunInputs(made.aircraft_file.data, made.mission_file.data, made.solar, files)
-        return ReportTask(made.aircraft, made.mission, inputs)
+        aircraft, mission = (document.data for document in made.files.values())
+        return ReportTask(
+            made.aircraft, made.mission, RunInputs(aircraft, mission, made.solar, files)
+        )
 
     def saved(self, settings: Settings) -> dict[str, Any]:
         """Return the files, names for them, and the command that analyses them."""

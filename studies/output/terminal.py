@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from missions.files.errors import printable
+from missions.files.writing import to_json
 from sizing.results.result import Result
 from studies.render.layout import RULE
 from studies.render.tables import Emphasis, Summary, Table
@@ -41,6 +42,11 @@ def show(shown: Result | Summary | Table) -> None:
     summary = shown.summary() if isinstance(shown, Result) else shown
     for line, emphasis in summary.styled_lines(line_width()):
         tell_line(line, emphasis)
+
+
+def print_json(record: Any) -> None:
+    """Print a record as strict JSON."""
+    click.echo(to_json(record, indent=2))
 
 
 def tell_line(text: str, emphasis: Emphasis = "plain") -> None:

@@ -380,7 +380,8 @@ class Report(ModelOptions, JsonOptions, MassOptions):
         """Write a report on an aircraft and a mission."""
         from missions.weather.files import load_weather
         from studies.cli.files import load_flyable
-        from studies.cli.outputs import check_report, name_written, print_json
+        from studies.cli.outputs import check_report, name_written
+        from studies.output.terminal import print_json
 
         check_report(self.out_file, with_pdf=self.with_pdf)
         case = load_flyable(self)

@@ -6,7 +6,7 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -60,7 +60,7 @@ class List(CommandOptions):
             from studies.output.catalogues import catalogue_record, catalogue_table  # pydantic
 
             if self.as_json:
-                _print_json(catalogue_record(catalogue))
+                terminal.print_json(catalogue_record(catalogue))
             else:
                 terminal.show(catalogue_table(catalogue))
             return
@@ -74,19 +74,13 @@ class List(CommandOptions):
         records = shipped.shipped_records()
         every["weather"] = {name: shipped.record_description(name) for name in records}
         if self.as_json:
-            _print_json(every)
+            terminal.print_json(every)
             return
         for kind, entries in every.items():
             terminal.tell_line(_HEADINGS[kind], "strong")
             grid = Grid(None, list(entries.items()), (False, False))
             for line in grid.lines(terminal.line_width() - 2):
                 terminal.tell_line(f"  {line}")
-
-
-def _print_json(record: Any) -> None:
-    from missions.files.writing import to_json
-
-    click.echo(to_json(record, indent=2))
 
 
 @command(
@@ -211,10 +205,11 @@ class Schema(CommandOptions):
         """Print or write the schema of a kind of file."""
         from missions.files.writing import to_json, write_text_atomically
         from studies.exchange.schema import file_schema
+        from studies.output.terminal import print_json
 
         record = file_schema(self.kind)
         if self.out_file is None:
-            _print_json(record)
+            print_json(record)
             return
         write_text_atomically(self.out_file, to_json(record, indent=2) + "\n")
         click.echo(f"written to {self.out_file}")
