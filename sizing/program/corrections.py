@@ -24,6 +24,7 @@ from sizing.program.climbing import Profile, power_beyond_floor
 from sizing.program.intervals import (
     Day,
     day_means,
+    held_back,
     light_at_heights,
     nodes_of,
     reserve_nodes,
@@ -44,6 +45,9 @@ from sizing.program.variables import SOLAR_TECHNOLOGY, scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
+# Excess time above the required one that is aimed at: steps leave so much between simulator and
+# program.
+CUSHION_H = 5e-4
 _NEVER = -10.0  # logarithm of what is far from its limit
 # For second derivatives: its square is far above what root finders leave.
 _WIDE_STEP = 0.02
@@ -75,15 +79,11 @@ class Linearisation:
 class Scenario:
     """What a search knows of a scenario.
 
-    ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
-    more a night takes, relative. ``way_h``: what must be left on the way to a landing. ``nodes``:
-    of its intervals; None where they are to be laid anew, and the shift with them. ``clock_h``: of
-    these. ``profile``: heights that are flown.
+    ``margin``: by how much more a night takes, relative. ``nodes``: of its intervals, ``clock_h``:
+    of these; climbs keep them. ``profile``: heights that are flown.
     """
 
-    shift_h: float = 0.0
-    margin: float = FIRST_MARGIN
-    way_h: float = 0.0
+    margin: float = 0.0
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
     profile: Profile | None = None
@@ -115,11 +115,13 @@ def linearised(
     values: Values,
     perf: Performance,
     known: Mapping[int, Scenario],
+    excess_h: FloatArray,
 ) -> Linearisation:
     """Return light and load of a design in scenarios, from its flight and its neighbours'.
 
     ``perf``: of :func:`neighbours`, in all scenarios of the task. ``known``: what is known of the
-    scenarios that make the blocks, in their order.
+    scenarios that make the blocks, in their order. ``excess_h``: of the design in every scenario,
+    with climbs at its best heights.
     """
     task = task.eased(values)
     nominal_w = np.asarray(perf.nominal_load_w)
@@ -129,7 +131,9 @@ def linearised(
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     blocks, charges = [], []
     for number, scenario in known.items():
-        block, path = _block(task, values, perf, number, scenario, nominal_w[:, number])
+        block, path = _block(
+            task, values, perf, number, scenario, nominal_w[:, number], float(excess_h[number])
+        )
         blocks.append(block)
         charges.append(np.clip(path, *INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
@@ -245,15 +249,17 @@ def _block(
     number: int,
     scenario: Scenario,
     nominal_w: FloatArray,
+    excess_h: float,
 ) -> tuple[BlockData, FloatArray]:
     """Data of one scenario, and the state of charge at its nodes."""
     battery, time_h = task.aircraft.battery, task.day.time_h
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
     ends_h = None if task.window_h is None else task.window_h[number]
     day = day_of(task, perf, number)
+    store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
     path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    if laid_anew := scenario.nodes is None:
+    if scenario.nodes is None or task.mission.climb is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
     scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
@@ -275,28 +281,34 @@ def _block(
         mean_light = light_at_heights(
             at_heights, scenario.nodes, scenario.share(), mean_light
         ).ravel(order="F")
+    limit_h = means.hours
+    if perf.cycle.sufficient[0, number]:
+        limit_h, turned_away_w = held_back(store, path[scenario.nodes], means)
+        load_w = load_w + turned_away_w
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.
         closes = np.broadcast_to(perf.cycle.perpetual, (len(load), task.count))[:, number]
         load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
     reserve = reserve_nodes(day, scenario.nodes, nominal_w[0])
-    beyond_h = np.zeros(len(nominal_w))  # at a landing, which is a node, there is nothing
+    shift_h, way_h = np.zeros(len(nominal_w)), 0.0
     if ends_h is None:
-        beyond_h = _beyond_h(perf, day, number, scenario.nodes[reserve], nominal_w)
-    if laid_anew:
-        scenario.shift_h = float(beyond_h[0])
+        shift_h = _beyond_h(perf, day, number, scenario.nodes[reserve], nominal_w, excess_h)
+    else:  # of a landing, which is a node, the program knows all
+        hours = full_wh * out_of / nominal_w[0]
+        way_h = hours * float(path[scenario.nodes].min() - path.min())
     block = BlockData(
         hours=means.hours,
+        limit_h=limit_h,
         light_w_per_m2=mean_light,
         load=load[0, :-1],
         nominal=load[0, -1],
         light_slope=_slopes(task, light),
         load_slope=_slopes(task, load),
-        shift_h=scenario.shift_h,
-        shift_slope_h=_derivatives(task, beyond_h[:, np.newaxis]).ravel(),
+        shift_h=shift_h[0] + CUSHION_H,
+        shift_slope_h=_derivatives(task, shift_h[:, np.newaxis]).ravel(),
         reserve=reserve.astype(float),
-        way_h=scenario.way_h,
+        way_h=way_h + CUSHION_H,
         margin=scenario.margin,
         continuous=float(task.continuous),
         lowest_w_per_m2=task.continuous * light[0, -1],
@@ -307,21 +319,29 @@ def _block(
 
 
 def _beyond_h(
-    perf: Performance, day: Day, number: int, nodes: IntArray, nominal_w: FloatArray
+    perf: Performance,
+    day: Day,
+    number: int,
+    nodes: IntArray,
+    nominal_w: FloatArray,
+    excess_h: float,
 ) -> FloatArray:
     """Excess time of designs at the nodes of a morning beyond that of their flights [h].
 
-    The program knows the charge at nodes alone, of which the least is not that at equal power. Zero
-    where the day of any design does not close.
+    The program knows the charge at nodes alone, of which the least is not that at equal power.
+    ``excess_h``: of the first design. Zero for it where its day does not close, and as for it where
+    that of another does not.
     """
     shape = (len(nominal_w), *perf.cycle.status.shape[1:])
-    excess_h = np.broadcast_to(perf.cycle.excess_time_h, shape)[:, number]
-    if not (np.isfinite(excess_h) & (excess_h > 0.0)).all():
+    hours = np.broadcast_to(perf.cycle.excess_time_h, shape)[:, number]
+    closes = np.isfinite(hours) & (hours > 0.0)
+    if not closes[0]:
         return np.zeros(len(nominal_w))
     steps = perf.cycle.energy_wh.shape[-1] - 1
     energy_wh = np.broadcast_to(perf.cycle.energy_wh, (*shape, steps + 1))[:, number]
     least_wh = energy_wh[:, (day.first + nodes) % steps].min(axis=-1)
-    return np.asarray(least_wh * perf.store.discharge_efficiency / nominal_w - excess_h)
+    beyond_h = least_wh * perf.store.discharge_efficiency / nominal_w - hours
+    return np.where(closes, beyond_h, beyond_h[0]) + hours[0] - excess_h
 
 
 def _path(

@@ -16,6 +16,7 @@ from solar.types import BoolArray, FloatArray, IntArray
 # limit holds back count as 1: little bends the charge by light, and nothing by night.
 _FAR = 0.2
 _DARK = 1e-3
+_ROUNDING = 1e-9  # of a state of charge
 
 
 class Day(NamedTuple):
@@ -108,10 +109,11 @@ def nodes_of(
     surplus = into * positive_part_wh(net[:-1], net[1:], np.diff(day.time_h))
     held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
     throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
+    throttled = np.concatenate([throttled, throttled + np.where(held[throttled], 1, -1)])
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
     nodes = {0, steps, equal_power_step(day, nominal_w)}
     for steps_there in (edges, turns, throttled):
-        if len(nodes) + len(steps_there) <= form.intervals // 2:
+        if len(nodes) + len(steps_there) <= form.intervals:
             nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
     least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
@@ -152,6 +154,31 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     hours = np.diff(day.time_h[nodes])
     equal = np.where(gain > 0.0, gain / into, gain * out_of)
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
+
+
+def held_back(store: Store, soc: FloatArray, means: DayMeans) -> tuple[FloatArray, FloatArray]:
+    """Return for what part of the intervals a charge limit charges [h], and what it turns away [W].
+
+    ``soc``: state of charge of the batch's first at the nodes. Where the limit holds back in a part
+    of an interval alone, the nearer of power and limit gives what the flight charges.
+    """
+    hours, none = means.hours, np.zeros(len(means.hours))
+    if store.clock is None:
+        return hours, none
+    full_wh, gained = store.battery_energy_wh[0], np.diff(soc)
+    into, out_of = (
+        float(np.ravel(value)[0])
+        for value in (store.charge_efficiency, store.discharge_efficiency)
+    )
+    surplus_w = (means.light_w - means.load_w)[0]
+    power_w = full_wh * np.where(gained > 0.0, gained / into, gained * out_of) / hours
+    by_power = np.where(surplus_w > 0.0, into * surplus_w, surplus_w / out_of) * hours / full_wh
+    by_limit = store.clock.after(soc[:-1], hours) - soc[:-1]
+    in_part = (gained < np.minimum(by_power, by_limit) - _ROUNDING) & (soc[1:] < 1.0 - _ROUNDING)
+    of_power = in_part & ((by_power < by_limit) | (gained <= 0.0))
+    needed_h = -np.diff(store.clock.hours_to_full(soc))
+    limit_h = np.where(in_part & ~of_power, needed_h, hours)
+    return limit_h, np.where(of_power, surplus_w - power_w, none)
 
 
 def light_at_heights(

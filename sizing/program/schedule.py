@@ -294,6 +294,7 @@ def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: flo
     level_w = floor_w * design.steady + design.constant_w
     return BlockData(
         hours=hours,
+        limit_h=hours,
         light_w_per_m2=around.light_w.ravel(order="F"),
         load=(around.means.load_w - beyond_w) / level_w,
         nominal=nominal_w / level_w,

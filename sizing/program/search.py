@@ -36,9 +36,6 @@ from solar.types import FloatArray
 
 MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are few
 _MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
-# Excess time above the required one that is aimed at: by so much the simulator's number varies
-# from round to round.
-_CUSHION_H = 5e-4
 _TOLERANCE = 3e-4  # of the objective: a search ends where no more is left to gain
 _NEAR = 0.15  # relative change of a design within which its linearisation and its nodes hold
 # Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; from
@@ -133,7 +130,9 @@ class Search:
             if self._ends(judged):
                 break
             self._learn_from(judged)
-            point = linearised(self.task, judged.values, judged.perf, self._known)
+            point = linearised(
+                self.task, judged.values, judged.perf, self._known, judged.excess_h
+            )
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
@@ -289,8 +288,8 @@ class Search:
     def _learn_from(self, judged: JudgedDesign) -> None:
         """Correct what the program requires, and exchange its scenarios."""
         if judged.solution is not None:
-            for block, number in enumerate(self._blocks):
-                self._correct(judged, judged.solution, block, number)
+            for number in self._blocks:
+                self._correct(judged, judged.solution, number)
         if not self._blocks:
             order = np.argsort(judged.excess_h, kind="stable")
             self._blocks = [int(n) for n in order[:MOST_BLOCKS]]
@@ -301,28 +300,14 @@ class Search:
         for number in self._blocks:
             self.scenarios.setdefault(number, Scenario())
 
-    def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
-        """Correct the goal of one scenario by what the simulator finds for the last solution."""
-        task, scenario = self.task, self.scenarios[number]
+    def _correct(self, judged: JudgedDesign, solution: Solution, number: int) -> None:
+        """Correct by how much more a night takes, where a day does not close that should."""
         # A day along the program's heights that does not close tells how much it lacks.
-        simulated_h = float(np.asarray(judged.perf.cycle.excess_time_h)[0, number])
-        if simulated_h > 0.0:
-            simulated_h = float(judged.excess_h[number])
-        scenario.shift_h = solution.shift_h(block)
-        far = solution.largest_change > _NEAR
-        if far and scenario.profile is None:
-            scenario.nodes = None
-        if task.window_h is not None:
-            simulated_h, way_h = _left_h(judged.perf, number)
-            if way_h < 0.0 or solution.excess_multiplier(block, on_way=True) > LACKING:
-                scenario.way_h = max(scenario.way_h + _CUSHION_H - way_h, 0.0)
-        if task.continuous and simulated_h > 0.0:
-            return
-        if simulated_h > 0.0 and math.isfinite(simulated_h):
-            scenario.shift_h += solution.planned_h(block) - simulated_h + _CUSHION_H
-            scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
-        elif solution.violation <= LACKING and not far:
-            scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
+        scenario = self.scenarios[number]
+        if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
+            scenario.margin /= 2.0
+        elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
+            scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
 
 
 def _left_h(perf: Performance, number: int) -> tuple[float, float]:

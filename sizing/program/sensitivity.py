@@ -153,7 +153,8 @@ def _linearised(
 ) -> Linearisation:
     """Light and load of a design and its neighbours, at heights that are known."""
     profiles = {n: it.profile for n, it in known.items() if it.profile is not None}
-    return linearised(task, dict(designs[0]), simulate(task, designs, profiles), known)
+    perf = simulate(task, designs, profiles)
+    return linearised(task, dict(designs[0]), perf, known, np.asarray(perf.cycle.excess_time_h)[0])
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:

@@ -153,20 +153,6 @@ class Solution:
         power_w = self.values["payload_power_w"] - self.linearisation.values["payload_power_w"]
         return max(abs(power_w) / self.linearisation.load_w, *self._changes(sizes))
 
-    def planned_h(self, block: int) -> float:
-        """Excess time of a block in the program, less what its night lacks [h]."""
-        kept = self._of("excess_time", block)
-        kept[kept] = self.linearisation.blocks[block].reserve > 0.0
-        beyond_h = self._rows[kept] / -self._rows_by_hour[kept]
-        reserve_h = self.excess_time_h + float(beyond_h.min())
-        night_h = self.linearisation.blocks[block].hours[np.diff(self._charge(block)) < 0.0].sum()
-        return float(reserve_h - self.lack[block] * (night_h + reserve_h))
-
-    def shift_h(self, block: int) -> float:
-        """Excess time of the program beyond that of the simulator, as the program has it [h]."""
-        data = self.linearisation.blocks[block]
-        return float(data.shift_h + data.shift_slope_h @ self.step)
-
     @property
     def step(self) -> FloatArray:
         """Return the change from the design before, in the program's variables."""

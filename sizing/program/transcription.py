@@ -71,7 +71,7 @@ FASTEST = math.log(3.0)  # airspeed over the design's own: rated powers end long
 _OFF = 1e3  # beyond any row of order one: a row that is not required
 # Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
 # multiplier of a cost of order one, so that none is missed for a gain.
-PRICE = 100.0
+PRICE = 1000.0
 _BUDGET = 10.0  # of the price, for requirements on the design: next to none can be missed
 FULLER = 1e-6  # of the cost: charges that nothing holds are as high as they can be
 
@@ -86,12 +86,13 @@ EFFICIENCY_FACTOR = "airframe.propulsion.efficiency_factor"
 class BlockData(NamedTuple):
     """Data of one scenario; arrays of the intervals, or numbers.
 
-    ``hours``: length of the intervals. ``light_w_per_m2``: mean specific power. ``load``: mean load
+    ``hours``: length of the intervals. ``limit_h``: what of it the charge limit alone needs for what
+    is charged, where it holds back for a part of it. ``light_w_per_m2``: mean specific power. ``load``: mean load
     over that of the design in level flight. ``nominal``: nominal load, likewise. ``light_slope``,
     ``load_slope``: derivative of the logarithm of light and load by the design variables.
     ``shift_h``: excess time of the program beyond that of the simulator, with its derivative
     ``shift_slope_h`` by the design variables. ``reserve``: 1 at the nodes where it must be left.
-    ``way_h``: what must be left at all nodes, as the charge is lower in between. ``margin``: by how
+    ``way_h``: what must be left at all other nodes, as the charge is lower in between. ``margin``: by how
     much more a night takes, relative. ``continuous``: 1 where the sun must carry the nominal load
     at all times, with ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it
     begins with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the
@@ -99,6 +100,7 @@ class BlockData(NamedTuple):
     """
 
     hours: Any
+    limit_h: Any
     light_w_per_m2: Any
     load: Any
     nominal: Any
@@ -509,10 +511,10 @@ def day_rows(
     rows.append((Constraint("discharge"), (1.0 + block.margin) * net / out_of - gain))
     if not isinstance(limit, NoChargeLimit):
         clock = charge_clock(limit, charge / full)
-        rows.append((Constraint("charge_limit"), block.hours - (clock[1:] - clock[:-1])))
+        rows.append((Constraint("charge_limit"), block.limit_h - (clock[1:] - clock[:-1])))
     rows.append((Constraint("battery_capacity"), full - charge))
     shift_h = block.shift_h + ca.dot(block.shift_slope_h, moved)
-    required_h = block.reserve * (unknown.excess_h + shift_h) + block.way_h
+    required_h = block.reserve * (unknown.excess_h + shift_h) + (1.0 - block.reserve) * block.way_h
     required = required_h * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
     sun = (sun_w + lack_w) / nominal_w - 1.0 - CONTINUOUS_MARGIN
@@ -603,7 +605,7 @@ def _weights(places: Any, count: int) -> Any:
 def block_symbols(count: int, form: Form) -> BlockData:
     """Return the data of a scenario as symbols, for so many design variables."""
     sizes = dict.fromkeys(BlockData._fields, 1)
-    sizes |= dict.fromkeys(("hours", "load"), form.intervals)
+    sizes |= dict.fromkeys(("hours", "limit_h", "load"), form.intervals)
     sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}
     sizes |= dict.fromkeys(("light_slope", "load_slope"), (form.intervals + 1) * count)
     sizes |= {"reserve": form.intervals + 1, "shift_slope_h": count}
