@@ -38,8 +38,8 @@ MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are f
 _MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
 _TOLERANCE = 3e-4  # of the objective: a search ends where no more is left to gain
 _NEAR = 0.15  # relative change of a design within which its linearisation and its nodes hold
-# Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; from
-# the third on halved by every step that is shorter or turns back, so that rounds end.
+# Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; half
+# of a step that turns back.
 _REACH = 0.5
 
 
@@ -137,9 +137,8 @@ class Search:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
             reach = solution.linearisation.reach
-            if number > 1 and last is not None:
-                goes_on = solution.is_limited and float(solution.step @ last.step) > 0.0
-                reach = reach if goes_on else reach / 2.0
+            if last is not None and float(solution.step @ last.step) < 0.0:
+                reach = min(reach, solution.stride) / 2.0
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal

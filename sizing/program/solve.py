@@ -139,9 +139,14 @@ class Solution:
         return [abs(math.log(a / b)) for b, a in pairs if a > 0.0 and b > 0.0]
 
     @property
+    def stride(self) -> float:
+        """Largest change of what is moved, as a logarithm."""
+        return max(self._changes(self.task.moved), default=0.0)
+
+    @property
     def is_limited(self) -> bool:
         """Whether a size changes by as much as it may."""
-        return max(self._changes(self.task.moved), default=0.0) > 0.99 * self.linearisation.reach
+        return self.stride > 0.99 * self.linearisation.reach
 
     @property
     def largest_change(self) -> float:
