@@ -23,6 +23,7 @@ from sizing.performance import Performance
 from sizing.program.climbing import Profile, power_beyond_floor
 from sizing.program.intervals import (
     Day,
+    Held,
     day_means,
     held_back,
     light_at_heights,
@@ -281,10 +282,10 @@ def _block(
         mean_light = light_at_heights(
             at_heights, scenario.nodes, scenario.share(), mean_light
         ).ravel(order="F")
-    limit_h = means.hours
+    held = Held.nowhere(means.hours)
     if perf.cycle.sufficient[0, number]:
-        limit_h, turned_away_w = held_back(store, path[scenario.nodes], means)
-        load_w = load_w + turned_away_w
+        held = held_back(store, path[scenario.nodes], means)
+        load_w = load_w + held.turned_away_w
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.
@@ -299,7 +300,8 @@ def _block(
         way_h = hours * float(path[scenario.nodes].min() - path.min())
     block = BlockData(
         hours=means.hours,
-        limit_h=limit_h,
+        limit_h=held.limit_h,
+        most=held.most,
         light_w_per_m2=mean_light,
         load=load[0, :-1],
         nominal=load[0, -1],

@@ -156,29 +156,53 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
 
 
-def held_back(store: Store, soc: FloatArray, means: DayMeans) -> tuple[FloatArray, FloatArray]:
-    """Return for what part of the intervals a charge limit charges [h], and what it turns away [W].
+class Held(NamedTuple):
+    """How a battery holds back what a flight charges; arrays with the intervals last.
 
-    ``soc``: state of charge of the batch's first at the nodes. Where the limit holds back in a part
-    of an interval alone, the nearer of power and limit gives what the flight charges.
+    ``limit_h``: hours for which the charge limit charges, less than those of the interval where
+    that is in part. ``turned_away_w``: power that is not taken, where the power charges for most of
+    it. ``most``: highest state of charge at the nodes: below 1 where a full battery gives some back
+    before the node.
     """
-    hours, none = means.hours, np.zeros(len(means.hours))
-    if store.clock is None:
-        return hours, none
+
+    limit_h: FloatArray
+    turned_away_w: FloatArray
+    most: FloatArray
+
+    @classmethod
+    def nowhere(cls, hours: FloatArray) -> Held:
+        """Return that of a battery that takes all it is given."""
+        return cls(hours, np.zeros(len(hours)), np.ones(len(hours) + 1))
+
+
+def held_back(store: Store, soc: FloatArray, means: DayMeans) -> Held:
+    """Return how a battery holds back what the batch's first charges.
+
+    ``soc``: its state of charge at the nodes. With this the rows of the program hold for its
+    flight as equations, and the nearest of power, limit and capacity tells how they change.
+    """
+    hours, needed_h = means.hours, means.hours
     full_wh, gained = store.battery_energy_wh[0], np.diff(soc)
     into, out_of = (
-        float(np.ravel(value)[0])
-        for value in (store.charge_efficiency, store.discharge_efficiency)
+        float(np.ravel(value)[0]) for value in (store.charge_efficiency, store.discharge_efficiency)
     )
     surplus_w = (means.light_w - means.load_w)[0]
-    power_w = full_wh * np.where(gained > 0.0, gained / into, gained * out_of) / hours
     by_power = np.where(surplus_w > 0.0, into * surplus_w, surplus_w / out_of) * hours / full_wh
-    by_limit = store.clock.after(soc[:-1], hours) - soc[:-1]
-    in_part = (gained < np.minimum(by_power, by_limit) - _ROUNDING) & (soc[1:] < 1.0 - _ROUNDING)
-    of_power = in_part & ((by_power < by_limit) | (gained <= 0.0))
-    needed_h = -np.diff(store.clock.hours_to_full(soc))
-    limit_h = np.where(in_part & ~of_power, needed_h, hours)
-    return limit_h, np.where(of_power, surplus_w - power_w, none)
+    limited = np.ones(len(hours))
+    if store.clock is not None:
+        limited = store.clock.after(soc[:-1], hours)
+        needed_h = -np.diff(store.clock.hours_to_full(soc))
+    most = np.minimum(by_power, limited - soc[:-1])
+    in_part = (gained < most - _ROUNDING) & (soc[1:] < 1.0 - _ROUNDING)
+    is_full = in_part & (limited > 1.0 - _ROUNDING)
+    of_power = in_part & ~is_full & ((most == by_power) | (gained <= 0.0))
+    of_limit = in_part & ~is_full & ~of_power
+    power_w = full_wh * np.where(gained > 0.0, gained / into, gained * out_of) / hours
+    return Held(
+        np.where(of_limit, needed_h, hours),
+        np.where(of_power, surplus_w - power_w, 0.0),
+        np.append(1.0, np.where(is_full, soc[1:], 1.0)),
+    )
 
 
 def light_at_heights(

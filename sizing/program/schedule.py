@@ -295,6 +295,7 @@ def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: flo
     return BlockData(
         hours=hours,
         limit_h=hours,
+        most=np.ones(len(hours) + 1),
         light_w_per_m2=around.light_w.ravel(order="F"),
         load=(around.means.load_w - beyond_w) / level_w,
         nominal=nominal_w / level_w,

@@ -130,9 +130,7 @@ class Search:
             if self._ends(judged):
                 break
             self._learn_from(judged)
-            point = linearised(
-                self.task, judged.values, judged.perf, self._known, judged.excess_h
-            )
+            point = linearised(self.task, judged.values, judged.perf, self._known, judged.excess_h)
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)

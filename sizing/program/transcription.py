@@ -86,8 +86,8 @@ EFFICIENCY_FACTOR = "airframe.propulsion.efficiency_factor"
 class BlockData(NamedTuple):
     """Data of one scenario; arrays of the intervals, or numbers.
 
-    ``hours``: length of the intervals. ``limit_h``: what of it the charge limit alone needs for what
-    is charged, where it holds back for a part of it. ``light_w_per_m2``: mean specific power. ``load``: mean load
+    ``hours``: length of the intervals. ``limit_h``: for how much of it the charge limit charges.
+    ``most``: highest state of charge at the nodes. ``light_w_per_m2``: mean specific power. ``load``: mean load
     over that of the design in level flight. ``nominal``: nominal load, likewise. ``light_slope``,
     ``load_slope``: derivative of the logarithm of light and load by the design variables.
     ``shift_h``: excess time of the program beyond that of the simulator, with its derivative
@@ -101,6 +101,7 @@ class BlockData(NamedTuple):
 
     hours: Any
     limit_h: Any
+    most: Any
     light_w_per_m2: Any
     load: Any
     nominal: Any
@@ -512,7 +513,7 @@ def day_rows(
     if not isinstance(limit, NoChargeLimit):
         clock = charge_clock(limit, charge / full)
         rows.append((Constraint("charge_limit"), block.limit_h - (clock[1:] - clock[:-1])))
-    rows.append((Constraint("battery_capacity"), full - charge))
+    rows.append((Constraint("battery_capacity"), full * block.most - charge))
     shift_h = block.shift_h + ca.dot(block.shift_slope_h, moved)
     required_h = block.reserve * (unknown.excess_h + shift_h) + (1.0 - block.reserve) * block.way_h
     required = required_h * nominal_w / unit_wh
@@ -608,7 +609,7 @@ def block_symbols(count: int, form: Form) -> BlockData:
     sizes |= dict.fromkeys(("hours", "limit_h", "load"), form.intervals)
     sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}
     sizes |= dict.fromkeys(("light_slope", "load_slope"), (form.intervals + 1) * count)
-    sizes |= {"reserve": form.intervals + 1, "shift_slope_h": count}
+    sizes |= dict.fromkeys(("most", "reserve"), form.intervals + 1) | {"shift_slope_h": count}
     return BlockData(**{name: ca.SX.sym(name, size) for name, size in sizes.items()})
 
 
