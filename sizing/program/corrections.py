@@ -33,7 +33,6 @@ from sizing.program.intervals import (
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
-    FIRST_MARGIN,
     INSIDE,
     LEVELS,
     RESERVE_SCALE_H,

@@ -12,10 +12,7 @@ from sizing.day.march import ChargingDay
 from sizing.program.transcription import Form, lagrange
 from solar.types import BoolArray, FloatArray, IntArray
 
-# Weights in the length of an interval, where steps within half an hour of those in which the charge
-# limit holds back count as 1: little bends the charge by light, and nothing by night.
-_FAR = 0.2
-_DARK = 1e-3
+_CLOSE, _DARK = 5.0, 1e-3  # weights in the length of an interval: nothing bends the charge by night
 _ROUNDING = 1e-9  # of a state of charge
 
 
@@ -96,33 +93,28 @@ def nodes_of(
 ) -> IntArray:
     """Return the ends of the intervals on the time axis of a day.
 
-    They lie where light begins and ends, where power is equal, and where the charge limit begins
-    to hold back; the rest halve the longest interval of light, again and again, of climbs
-    those of night as well. They are close in some steps, and on a flight that lands where the
-    charge is least.
+    They lie where light begins and ends, where power is equal, and around the steps in which the
+    battery begins and ceases to hold back; the rest halve the longest interval of light, again and
+    again, of climbs those of night as well. They are close in some steps.
     """
     steps = len(day.time_h) - 1
     net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
     light = (solar[:-1] > 0.0) | (solar[1:] > 0.0)
+    edges = np.flatnonzero(light[1:] != light[:-1]) + 1
     turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
     turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
     surplus = into * positive_part_wh(net[:-1], net[1:], np.diff(day.time_h))
     held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
-    throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
-    throttled = np.concatenate([throttled, throttled + np.where(held[throttled], 1, -1)])
-    edges = np.flatnonzero(light[1:] != light[:-1]) + 1
+    changes = np.flatnonzero(held[1:] != held[:-1]) + 1
+    # In the step itself the battery holds back for a part.
+    changes = np.concatenate([changes, changes + np.where(held[changes], 1, -1)])
     nodes = {0, steps, equal_power_step(day, nominal_w)}
-    for steps_there in (edges, turns, throttled):
+    for steps_there in (edges, turns, changes):
         if len(nodes) + len(steps_there) <= form.intervals:
             nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
-    least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
-    an_hour = round(1.0 / float(np.diff(day.time_h).max())) + 1
-    near = np.convolve(held | least, np.ones(an_hour), "same") > 0.0
-    near |= close
-    elsewhere = np.where(light | form.climbs, _FAR, _DARK)
-    weight = np.where(near, 1.0, elsewhere) if light.any() else np.ones(steps)
-    length = np.concatenate([[0.0], np.cumsum(weight)])
+    weight = np.where(light | form.climbs, 1.0, _DARK) if light.any() else np.ones(steps)
+    length = np.concatenate([[0.0], np.cumsum(np.where(close, _CLOSE, 1.0) * weight)])
     while len(ends) < form.intervals + 1:
         spans = np.where(np.diff(ends) > 1, np.diff(length[ends]), -1.0)
         i = int(np.argmax(spans))

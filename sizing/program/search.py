@@ -274,7 +274,7 @@ class Search:
         if not judged.accepted:
             return False
         excess_h = float(judged.excess_h.min()) - task.required_h
-        to_gain = excess_h * solution.cost_of_hour()
+        to_gain = excess_h * solution.cost_of_hour() + self.scenarios[judged.worst].margin
         if task.window_h is not None:
             to_gain += _left_h(judged.perf, judged.worst)[1] * solution.cost_of_hour(on_way=True)
         settled = task.continuous or (not task.maximises_excess and to_gain < _TOLERANCE)

@@ -87,16 +87,16 @@ class BlockData(NamedTuple):
     """Data of one scenario; arrays of the intervals, or numbers.
 
     ``hours``: length of the intervals. ``limit_h``: for how much of it the charge limit charges.
-    ``most``: highest state of charge at the nodes. ``light_w_per_m2``: mean specific power. ``load``: mean load
-    over that of the design in level flight. ``nominal``: nominal load, likewise. ``light_slope``,
-    ``load_slope``: derivative of the logarithm of light and load by the design variables.
-    ``shift_h``: excess time of the program beyond that of the simulator, with its derivative
-    ``shift_slope_h`` by the design variables. ``reserve``: 1 at the nodes where it must be left.
-    ``way_h``: what must be left at all other nodes, as the charge is lower in between. ``margin``: by how
-    much more a night takes, relative. ``continuous``: 1 where the sun must carry the nominal load
-    at all times, with ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it
-    begins with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the
-    place is held. Light is by heights as well, fastest.
+    ``most``: highest state of charge at the nodes. ``light_w_per_m2``: mean specific power, by
+    heights as well, fastest. ``load``: mean load over that of the design in level flight.
+    ``nominal``: nominal load, likewise. ``light_slope``, ``load_slope``: derivative of the
+    logarithm of light and load by the design variables. ``shift_h``: excess time of the program
+    beyond that of the simulator, with its derivative ``shift_slope_h`` by the design variables.
+    ``reserve``: 1 at the nodes where it must be left. ``way_h``: what must be left at all other
+    nodes, as the charge is lower in between. ``margin``: by how much more a night takes, relative.
+    ``continuous``: 1 where the sun must carry the nominal load at all times, with
+    ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it begins with a full
+    battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the place is held.
     """
 
     hours: Any
