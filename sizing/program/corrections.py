@@ -79,10 +79,12 @@ class Linearisation:
 class Scenario:
     """What a search knows of a scenario.
 
-    ``margin``: by how much more a night takes, relative. ``nodes``: of its intervals, ``clock_h``:
+    ``bias_h``: excess time that the last program had beyond its simulated flight. ``margin``: by
+    how much more a night takes, relative. ``nodes``: of its intervals, ``clock_h``:
     of these; climbs keep them. ``profile``: heights that are flown.
     """
 
+    bias_h: float = CUSHION_H
     margin: float = 0.0
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
@@ -306,7 +308,7 @@ def _block(
         nominal=load[0, -1],
         light_slope=_slopes(task, light),
         load_slope=_slopes(task, load),
-        shift_h=shift_h[0] + CUSHION_H,
+        shift_h=shift_h[0] + scenario.bias_h,
         shift_slope_h=_derivatives(task, shift_h[:, np.newaxis]).ravel(),
         reserve=reserve.astype(float),
         way_h=way_h + CUSHION_H,
@@ -342,7 +344,7 @@ def _beyond_h(
     energy_wh = np.broadcast_to(perf.cycle.energy_wh, (*shape, steps + 1))[:, number]
     least_wh = energy_wh[:, (day.first + nodes) % steps].min(axis=-1)
     beyond_h = least_wh * perf.store.discharge_efficiency / nominal_w - hours
-    return np.where(closes, beyond_h, beyond_h[0]) + hours[0] - excess_h
+    return np.asarray(np.where(closes, beyond_h, beyond_h[0]) + hours[0] - excess_h)
 
 
 def _path(

@@ -20,6 +20,7 @@ from sizing.design import NO_FLIGHT_W, picked, variables_of
 from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import (
+    CUSHION_H,
     Linearisation,
     Scenario,
     linearised,
@@ -274,7 +275,8 @@ class Search:
         if not judged.accepted:
             return False
         excess_h = float(judged.excess_h.min()) - task.required_h
-        to_gain = excess_h * solution.cost_of_hour() + self.scenarios[judged.worst].margin
+        to_gain = excess_h * solution.cost_of_hour()
+        to_gain += max(scenario.margin for scenario in self._known.values())
         if task.window_h is not None:
             to_gain += _left_h(judged.perf, judged.worst)[1] * solution.cost_of_hour(on_way=True)
         settled = task.continuous or (not task.maximises_excess and to_gain < _TOLERANCE)
@@ -285,8 +287,8 @@ class Search:
     def _learn_from(self, judged: JudgedDesign) -> None:
         """Correct what the program requires, and exchange its scenarios."""
         if judged.solution is not None:
-            for number in self._blocks:
-                self._correct(judged, judged.solution, number)
+            for block, number in enumerate(self._blocks):
+                self._correct(judged, judged.solution, block, number)
         if not self._blocks:
             order = np.argsort(judged.excess_h, kind="stable")
             self._blocks = [int(n) for n in order[:MOST_BLOCKS]]
@@ -297,13 +299,18 @@ class Search:
         for number in self._blocks:
             self.scenarios.setdefault(number, Scenario())
 
-    def _correct(self, judged: JudgedDesign, solution: Solution, number: int) -> None:
-        """Correct by how much more a night takes, where a day does not close that should."""
+    def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
+        """Correct what the last solution promised of a scenario, and its flight does not hold."""
         # A day along the program's heights that does not close tells how much it lacks.
-        scenario = self.scenarios[number]
+        scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
+        far = solution.largest_change > _NEAR
+        if far:
+            scenario.bias_h = CUSHION_H
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin /= 2.0
-        elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
+            if math.isfinite(simulated_h) and self.task.window_h is None and not far:
+                scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H
+        elif solution.violation <= LACKING and not far:
             scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
 
 

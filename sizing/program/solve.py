@@ -158,6 +158,12 @@ class Solution:
         power_w = self.values["payload_power_w"] - self.linearisation.values["payload_power_w"]
         return max(abs(power_w) / self.linearisation.load_w, *self._changes(sizes))
 
+    def planned_h(self, block: int) -> float:
+        """Excess time of a block in the program [h]."""
+        kept = self._of("excess_time", block)
+        kept[kept] = self.linearisation.blocks[block].reserve > 0.0
+        return self.excess_time_h + float((self._rows[kept] / -self._rows_by_hour[kept]).min())
+
     @property
     def step(self) -> FloatArray:
         """Return the change from the design before, in the program's variables."""
