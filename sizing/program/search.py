@@ -303,14 +303,12 @@ class Search:
         """Correct what the last solution promised of a scenario, and its flight does not hold."""
         # A day along the program's heights that does not close tells how much it lacks.
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
-        far = solution.largest_change > _NEAR
-        if far:
-            scenario.bias_h = CUSHION_H
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin /= 2.0
-            if math.isfinite(simulated_h) and self.task.window_h is None and not far:
+            if scenario.profile is not None and math.isfinite(simulated_h):
+                # Its flight is known along the last heights, and the program chooses new ones.
                 scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H
-        elif solution.violation <= LACKING and not far:
+        elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
             scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
 
 
