@@ -33,6 +33,7 @@ from sizing.program.intervals import (
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
+    FIRST_MARGIN,
     INSIDE,
     LEVELS,
     RESERVE_SCALE_H,
@@ -85,7 +86,7 @@ class Scenario:
     """
 
     bias_h: float = CUSHION_H
-    margin: float = 0.0
+    margin: float = FIRST_MARGIN
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
     profile: Profile | None = None

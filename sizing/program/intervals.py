@@ -12,7 +12,10 @@ from sizing.day.march import ChargingDay
 from sizing.program.transcription import Form, lagrange
 from solar.types import BoolArray, FloatArray, IntArray
 
-_CLOSE, _DARK = 5.0, 1e-3  # weights in the length of an interval: nothing bends the charge by night
+# Weights in the length of an interval, where steps within half an hour of those in which the charge
+# limit holds back count as 1: little bends the charge by light, and nothing by night.
+_FAR = 0.2
+_DARK = 1e-3
 _ROUNDING = 1e-9  # of a state of charge
 
 
@@ -95,7 +98,7 @@ def nodes_of(
 
     They lie where light begins and ends, where power is equal, and around the steps in which the
     battery begins and ceases to hold back; the rest halve the longest interval of light, again and
-    again, of climbs those of night as well. They are close in some steps.
+    again, of climbs those of night as well. They are close near these, and in some steps.
     """
     steps = len(day.time_h) - 1
     net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
@@ -113,8 +116,11 @@ def nodes_of(
         if len(nodes) + len(steps_there) <= form.intervals:
             nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
-    weight = np.where(light | form.climbs, 1.0, _DARK) if light.any() else np.ones(steps)
-    length = np.concatenate([[0.0], np.cumsum(np.where(close, _CLOSE, 1.0) * weight)])
+    an_hour = round(1.0 / float(np.diff(day.time_h).max())) + 1
+    near = (np.convolve(held, np.ones(an_hour), "same") > 0.0) | close
+    elsewhere = np.where(light | form.climbs, _FAR, _DARK)
+    weight = np.where(near, 1.0, elsewhere) if light.any() else np.ones(steps)
+    length = np.concatenate([[0.0], np.cumsum(weight)])
     while len(ends) < form.intervals + 1:
         spans = np.where(np.diff(ends) > 1, np.diff(length[ends]), -1.0)
         i = int(np.argmax(spans))

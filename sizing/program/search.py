@@ -137,7 +137,7 @@ class Search:
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
             reach = solution.linearisation.reach
             if last is not None and float(solution.step @ last.step) < 0.0:
-                reach = min(reach, solution.stride) / 2.0
+                reach = max(min(reach, solution.stride) / 2.0, _NEAR**2)
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -304,7 +304,7 @@ class Search:
         # A day along the program's heights that does not close tells how much it lacks.
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
-            scenario.margin /= 2.0
+            scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
             if scenario.profile is not None and math.isfinite(simulated_h):
                 # Its flight is known along the last heights, and the program chooses new ones.
                 scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H

@@ -60,7 +60,7 @@ CLIMBING_INTERVALS = 40  # of heights, which change all day
 INSIDE = (0.01, 0.99)  # where heights and charges start: interior points start inside bounds
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
 # that returns any less lets the battery run empty over many days.
-FIRST_MARGIN = 2e-4
+FIRST_MARGIN = 2e-5
 LONGEST_H = 1e4  # of an excess time that is as long as possible
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
 CONTINUOUS_MARGIN = 1e-5  # of the load: at equality rounding decides whether the battery is needed
