@@ -278,7 +278,8 @@ class Search:
         to_gain = excess_h * solution.cost_of_hour()
         to_gain += max(scenario.margin for scenario in self._known.values())
         if task.window_h is not None:
-            to_gain += _left_h(judged.perf, judged.worst)[1] * solution.cost_of_hour(on_way=True)
+            on_way_h = _least_left_h(judged.perf, judged.worst)
+            to_gain += on_way_h * solution.cost_of_hour(on_way=True)
         settled = task.continuous or (not task.maximises_excess and to_gain < _TOLERANCE)
         if near and not solution.is_limited and judged.worst in self._blocks and settled:
             return True
@@ -312,12 +313,9 @@ class Search:
             scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
 
 
-def _left_h(perf: Performance, number: int) -> tuple[float, float]:
-    """Return how long the charge at the landing lasts, and the least on the way, or what lacks."""
-    cycle, store = perf.cycle, perf.store
-    nominal_w = np.broadcast_to(perf.nominal_load_w, cycle.status.shape)[0, number]
-    full_wh = np.ravel(store.battery_energy_wh)[0]
-    lowest_wh = cycle.minimum_state_of_charge[0, number] * full_wh * store.discharge_efficiency
-    lacking_wh = cycle.energy_budget.unserved_wh[0, number]
-    landing_wh = cycle.energy_wh[0, number, -1] * store.discharge_efficiency
-    return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
+def _least_left_h(perf: Performance, number: int) -> float:
+    """Return how long the least charge of a flight that lands would last [h]."""
+    nominal_w = np.broadcast_to(perf.nominal_load_w, perf.cycle.status.shape)[0, number]
+    full_wh = np.ravel(perf.store.battery_energy_wh)[0]
+    least_wh = perf.cycle.minimum_state_of_charge[0, number] * full_wh
+    return float(least_wh * perf.store.discharge_efficiency / nominal_w)
