@@ -41,7 +41,6 @@ from sizing.program.result import (
 from sizing.program.search import Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
-from sizing.program.variables import WIND
 from solar.types import FloatArray, IntArray
 
 _STRIDE = 16  # cells between those that start from no neighbour; a power of two
@@ -288,7 +287,7 @@ class _Cells:
         for place, (cell, perf) in enumerate(self._simulated(designs, profiles).items()):
             task = self.tasks[cell]
             good = task.is_enough(perf.cycle.excess_time_h) & meets_requirements(
-                task.simulated_aircraft, perf.design, wind_m_per_s=task.held[WIND]
+                task.simulated_aircraft, perf.design, wind_m_per_s=task.conditions.wind_m_per_s
             )
             highest[place] = np.where(good, merit_of(first.objective, perf), -np.inf).max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0

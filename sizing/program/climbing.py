@@ -38,11 +38,7 @@ class Profile(NamedTuple):
 def simulate(
     task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]
 ) -> Performance:
-    """Simulate designs in all scenarios; climbs along profiles, at the floor where there is none.
-
-    What is freed has the value of the first design.
-    """
-    task = task.eased(designs[0])
+    """Simulate designs in all scenarios; climbs along profiles, else at the floor."""
     if task.mission.climb is None:
         aircraft, variables = task.simulated_aircraft, task.stacked(designs)
         return performance_of_designs(aircraft, task.mission, variables, task.solar, day=task.day)

@@ -32,7 +32,6 @@ from sizing.program.intervals import (
 )
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
-    EFFICIENCY_FACTOR,
     FIRST_MARGIN,
     INSIDE,
     LEVELS,
@@ -42,7 +41,7 @@ from sizing.program.transcription import (
     limits_of_parts,
     power_surface,
 )
-from sizing.program.variables import SOLAR_TECHNOLOGY, scales_of
+from sizing.program.variables import scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
@@ -126,7 +125,6 @@ def linearised(
     scenarios that make the blocks, in their order. ``excess_h``: of the design in every scenario,
     with climbs at its best heights.
     """
-    task = task.eased(values)
     nominal_w = np.asarray(perf.nominal_load_w)
     nominal_w = np.broadcast_to(nominal_w, (nominal_w.shape[0], task.count))
     ordered_w = np.sort(nominal_w[0])  # a median by hand: NumPy's imports masked arrays
@@ -188,7 +186,6 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     names = limits_of_parts(task.aircraft)
     if not names:
         return None
-    task = task.eased(values)
     design, count = perf.design, len(task.variables)
     if len(np.ravel(design.total_mass_kg)) == 1:  # without its neighbours
         designs = task.stacked(neighbours(task, values))
@@ -198,7 +195,6 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     count_of = len(design.total_mass_kg)
     logs = np.log(np.stack([np.broadcast_to(row, count_of) for row in every], 1))
-    logs[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
     if task.beyond_limits:
         logs[:, 2:] = _NEVER
     places = [task.names.index(name) for name in task.moved]
@@ -267,7 +263,6 @@ def _block(
     scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
-    area = area * values.get(SOLAR_TECHNOLOGY, 1.0)  # of freed modules, as the program has it
     level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
     if task.mission.holds_station or task.mission.climb is not None:
         level_w = nominal_w  # as fast as the wind of the scenario

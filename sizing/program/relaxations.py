@@ -26,9 +26,9 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.program.reasons import least_mission
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.program.variables import WIND
 from sizing.relaxed_flight import Direction, Relaxation, rounded
 
+_WIND = "mission.wind_m_per_s"
 _SPACE = "design_space"
 _LATITUDE = "mission.latitude_deg"
 # A structure lighter than half of today's is no relaxation.
@@ -84,7 +84,7 @@ def _least_change(
 ) -> Relaxation | None:
     """Return the first value with which there is a design; None if there is none."""
     key, values, required_h = candidate.key, candidate.values, result.required_excess_time_h
-    if key == WIND:
+    if key == _WIND:
         mission = mission.in_wind(candidate.present)
 
     @cache
@@ -150,7 +150,7 @@ def _numbers(
             factor = _FURTHEST if limit.end == "maximum" else 1.0 / _FURTHEST
             yield f"{_SPACE}.{limit.key}", limit.quantity, limit.value, factor * limit.value
     if "airspeed_above_wind" in in_the_way:
-        yield WIND, WIND, float(mission.strongest_wind_m_per_s), 0.0
+        yield _WIND, _WIND, float(mission.strongest_wind_m_per_s), 0.0
 
 
 def _values(present: float, furthest: float) -> list[float]:

@@ -224,9 +224,8 @@ class Search:
         promising = bool(self.profiles) if solution is None else solution.violation <= LACKING
         if promising and task.mission.climb is not None and not task.is_enough(excess_h):
             # Heights of the program are no more than a proposal: the best for the design count.
-            it = task.eased(values)
             climbs = fly(
-                it.simulated_aircraft, it.mission, it.solar, picked(perf.design, 0), it.day
+                task.simulated_aircraft, task.mission, task.solar, picked(perf.design, 0), task.day
             )
             excess_h = np.maximum(excess_h, climbs.cycle.excess_time_h)
         judged = JudgedDesign(
@@ -234,7 +233,7 @@ class Search:
             perf=perf,
             excess_h=excess_h,
             merit=task.merit(values, perf, float(excess_h.min())),
-            accepted=bool(task.is_enough(excess_h)) and task.meets(values, perf),
+            accepted=bool(task.is_enough(excess_h)) and task.meets(perf),
             solution=solution,
             profiles=self.profiles,
             climbs=climbs,

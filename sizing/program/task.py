@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -15,13 +15,11 @@ from sizing.day.light import SolarDay, SolarModel
 from sizing.design import DesignVariables, FlightConditions
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
-from sizing.parameters import with_parameter
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import merit_of
 from sizing.program.transcription import LEVELS, Form
 from sizing.program.variables import (
-    SOLAR_TECHNOLOGY,
     TOTAL_MASS,
     TOTAL_OVER_BATTERY_MASS,
     USER_OBJECTIVE,
@@ -42,11 +40,8 @@ class SizingTask:
     ``objective``: or one of the user's own, which answers as an objective does. ``day``: light in
     the scenarios of the mission. ``required_h``: excess time of every scenario. ``continuous``:
     whether the sun must carry the nominal load at all times, instead of the battery. ``bounds``: of
-    variables, in their unit, that replace their own. ``freed``: technology, limits, payload, a
-    bound or the wind that is free besides the design: by its name the key of its parameter, and
-    what one of the variable is of it. ``beyond_limits``: whether the propulsion's parts may do more
-    than their limits. ``own_cost``: weights of variables in what is minimised, instead of the
-    objective's.
+    variables, in their unit, that replace their own. ``beyond_limits``: whether the
+    propulsion's parts may do more than their limits.
     """
 
     aircraft: Aircraft
@@ -57,9 +52,7 @@ class SizingTask:
     required_h: float
     continuous: bool = False
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    freed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     beyond_limits: bool = False
-    own_cost: Mapping[str, float] | None = None
 
     @property
     def count(self) -> int:
@@ -75,36 +68,23 @@ class SizingTask:
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
         """Variables of the program, with the bounds of this task."""
-        every = chosen_variables(self.aircraft, eased=bool(self.freed))
-        return tuple(self._bounded(v) for v in every)
-
-    def _bounded(self, variable: Variable) -> Variable:
-        if variable.name in self.bounds:
-            low, high = self.bounds[variable.name]
-        elif variable.role in (Role.design, Role.objective) or variable.name in self.free_names:
-            return variable
-        else:
-            low = high = self.held[variable.name]
-        return variable._replace(minimum=low, maximum=high)
+        ends = {name: (value, value) for name, value in self.held.items()}
+        ends |= dict.fromkeys(self.free_names, (0.0, math.inf)) | {**self.bounds}
+        return tuple(
+            v._replace(minimum=ends[v.name][0], maximum=ends[v.name][1]) if v.name in ends else v
+            for v in chosen_variables(self.aircraft)
+        )
 
     @cached_property
     def free_names(self) -> frozenset[str]:
-        """Names of what is free besides the variables of the design."""
-        payload = () if self.objective.payload_key is None else (self.objective.variable,)
-        return frozenset((*payload, *self.freed))
+        """Names of the payload that is free."""
+        return frozenset({self.objective.variable} if self.objective.payload_key else ())
 
-    @cached_property
+    @property
     def held(self) -> dict[str, float]:
-        """Values of variables that are not free."""
-        mission = self.mission
-        wind = mission.wind_to_beat_m_per_s(mission.strongest_wind_m_per_s)
-        eased = chosen_variables(self.aircraft, eased=bool(self.freed))
-        relative = {v.name: 1.0 for v in eased if v.role in (Role.technology, Role.limit)}
-        return relative | {
-            "payload_mass_kg": mission.payload.mass_kg,
-            "payload_power_w": mission.payload.power_w,
-            "mission.wind_m_per_s": float(wind),
-        }
+        """Payload of the mission, which is held where it is not free."""
+        payload = self.mission.payload
+        return {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
 
     @cached_property
     def names(self) -> list[str]:
@@ -114,13 +94,8 @@ class SizingTask:
     @cached_property
     def moved(self) -> list[str]:
         """Names of the design variables that the simulator is asked to move."""
-        return [
-            v.name
-            for v in self.variables
-            if v.name in DesignVariables._fields
-            and v.minimum < v.maximum
-            and (v.role is Role.design or v.name in self.free_names)
-        ]
+        designs = DesignVariables._fields
+        return [v.name for v in self.variables if v.name in designs and v.minimum < v.maximum]
 
     @cached_property
     def conditions(self) -> FlightConditions:
@@ -134,7 +109,7 @@ class SizingTask:
             1 if ends_h is None else max(math.ceil(float(np.ptp(ends_h, axis=1).max()) / 24.0), 1)
         )
         climbs = mission.climb is not None
-        return Form(blocks, bool(self.freed), mission.holds_station, climbs, days)
+        return Form(blocks, mission.holds_station, climbs, days)
 
     @cached_property
     def heights(self) -> tuple[Mission, ...]:
@@ -175,8 +150,7 @@ class SizingTask:
     @property
     def maximises_excess(self) -> bool:
         """Whether the excess time itself is to be as long as possible."""
-        longest = self.objective is Objective.max_excess_time and self.own_cost is None
-        return longest and not self.continuous
+        return self.objective is Objective.max_excess_time and not self.continuous
 
     @property
     def has_continuous_sun(self) -> bool:
@@ -195,8 +169,6 @@ class SizingTask:
 
         Excess time is unlimited with continuous solar power: the lightest design is as good as any.
         """
-        if self.own_cost is not None:
-            return self.own_cost
         longest = self.objective is Objective.max_excess_time
         return (Objective.min_mass if longest and self.continuous else self.objective).cost
 
@@ -216,17 +188,6 @@ class SizingTask:
         """Values of a design, each within its bounds: the solver may step slightly over."""
         variables = self.variables
         return {v.name: min(max(float(values[v.name]), v.minimum), v.maximum) for v in variables}
-
-    def eased(self, values: Values) -> SizingTask:
-        """The same for aircraft, mission and light with the values of what is freed."""
-        aircraft, mission, day = self.aircraft, self.mission, self.day
-        for name, (key, scale) in self.freed.items():
-            aircraft, mission = with_parameter(aircraft, mission, key, scale * values[name])
-            if name == SOLAR_TECHNOLOGY:
-                day = day.scaled(values[name])
-        if not self.freed:
-            return self
-        return replace(self, aircraft=aircraft, mission=mission, day=day)
 
     def stacked(self, designs: list[Values]) -> DesignVariables:
         """Return the variables of a list of designs as arrays."""
@@ -250,8 +211,6 @@ class SizingTask:
 
     def merit(self, values: Values, perf: Performance, worst_excess_h: float) -> float:
         """Return the objective of the first of simulated designs, the larger the better."""
-        if self.own_cost is not None:
-            return -sum(weight * values[name] for name, weight in self.own_cost.items())
         if self.objective is Objective.max_excess_time:
             return worst_excess_h
         return float(merit_of(self.objective, perf)[0])
@@ -261,9 +220,8 @@ class SizingTask:
         worst_h = excess_h.min(axis=-1)
         return np.asarray((worst_h > 0.0) & (worst_h >= self.required_h))
 
-    def meets(self, values: Values, perf: Performance) -> bool:
+    def meets(self, perf: Performance) -> bool:
         """Return whether a design, the first of a batch, keeps every requirement on itself."""
-        it = self.eased(values)
-        aircraft = it.aircraft if self.beyond_limits else it.simulated_aircraft
+        aircraft = self.aircraft if self.beyond_limits else self.simulated_aircraft
         met = meets_requirements(aircraft, perf.design)
         return bool(np.ravel(met)[0])

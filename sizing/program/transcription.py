@@ -43,14 +43,10 @@ from sizing.limits import MASS_BUDGET, DesignInFlight, design_requirements
 from sizing.mass_budget import level_flight, parametric_design
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
-    SOLAR_TECHNOLOGY,
     TOTAL_MASS,
     USER_OBJECTIVE,
-    WIND,
     Constraint,
-    Role,
     chosen_variables,
-    eased_row,
 )
 from sizing.propulsion.chain import Propulsion, chain_of_numbers
 from solar.types import FloatArray
@@ -80,7 +76,6 @@ _NUMBERS_OF_A_KIND = (
     "airframe.propulsion.motor.speed_constant_rpm_per_v",
 )
 _POLAR = "airframe.aerodynamics."
-EFFICIENCY_FACTOR = "airframe.propulsion.efficiency_factor"
 
 
 class BlockData(NamedTuple):
@@ -154,13 +149,12 @@ IPOPT: dict[str, Any] = {
 class Form(NamedTuple):
     """What a program of a kind of aircraft has.
 
-    ``blocks``: scenarios. ``eased``: whether technology, limits and wind are variables. ``holds``:
+    ``blocks``: scenarios. ``holds``:
     whether the place is held against the wind. ``climbs``: whether the height varies.
     ``days``: those that a flight begins, of 24 h each.
     """
 
     blocks: int
-    eased: bool = False
     holds: bool = False
     climbs: bool = False
     days: int = 1
@@ -295,7 +289,7 @@ def build_program(aircraft: Aircraft, form: Form) -> Program:
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
     """Build the program of a kind of aircraft; ``limits`` is the order of its limits."""
-    chosen, technology = chosen_variables(kind, eased=form.eased), numbers_taken_out(kind)
+    chosen, technology = chosen_variables(kind), numbers_taken_out(kind)
     sizes = {
         "weights": len(chosen) + 1,
         "conditions": len(FlightConditions._fields) * form.levels,
@@ -373,28 +367,20 @@ def _design_symbols(
     kind: Aircraft, form: Form, x: Any, data: dict[str, Any]
 ) -> tuple[DesignSymbols, Rows]:
     """Return the design as symbols, and the requirements on it."""
-    chosen, technology = chosen_variables(kind, eased=form.eased), numbers_taken_out(kind)
+    chosen, technology = chosen_variables(kind), numbers_taken_out(kind)
     values = {v.name: v.from_program(x[i], data["scales"][i]) for i, v in enumerate(chosen)}
-    relative = {v.name: values[v.name] for v in chosen if v.role is Role.technology}
-    numbers = enumerate(technology)
-    aircraft = all_replaced(
-        kind, {key: data["technology"][i] * relative.get(key, 1.0) for i, key in numbers}
-    )
+    aircraft = all_replaced(kind, {key: data["technology"][i] for i, key in enumerate(technology)})
     named = {"aspect_ratio": aircraft.airframe.aspect_ratio} | values
     fields = DesignVariables._fields
     variables = DesignVariables(**{name: v for name, v in named.items() if name in fields})
-    airs = []
-    for level in ca.horzsplit(ca.reshape(data["conditions"], -1, form.levels)):
-        air = FlightConditions(*ca.vertsplit(level)).with_payload_of(variables)
-        airs.append(air._replace(wind_m_per_s=values.get(WIND, air.wind_m_per_s)))
-    chain, rows = _parts_symbols(kind, x, relative, data)
+    levels = ca.horzsplit(ca.reshape(data["conditions"], -1, form.levels))
+    airs = [FlightConditions(*ca.vertsplit(air)).with_payload_of(variables) for air in levels]
+    chain, rows = _parts_symbols(kind, x, data)
     design = parametric_design(aircraft, airs[0], variables, values[TOTAL_MASS], chain)
-    bounds = kind.design_space.limit_rows()
-    for row in design_requirements(aircraft, design):
-        value = row.value
-        if row.name in bounds and row.name in values:
-            value = eased_row(value, bounds[row.name].end, values[row.name])
-        rows.append((Constraint(row.name, equation=row.name == MASS_BUDGET), value))
+    rows += [
+        (Constraint(row.name, equation=row.name == MASS_BUDGET), row.value)
+        for row in design_requirements(aircraft, design)
+    ]
     if USER_OBJECTIVE in values:
         space: Any = kind.design_space
         it = DesignInFlight(aircraft, design)
@@ -404,7 +390,7 @@ def _design_symbols(
     surface = ca.reshape(data["surface"], form.levels, -1) if chain is not None else 0.0
     assert design.chain is not None
     symbols = DesignSymbols(
-        area_m2=variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
+        area_m2=variables.module_area_m2,
         full_wh=design.battery_energy_wh,
         log_power_w=ca.log(powers) + surface,
         airspeed_m_per_s=speeds,
@@ -418,16 +404,14 @@ def _design_symbols(
     return symbols, rows
 
 
-def _parts_symbols(
-    kind: Aircraft, x: Any, relative: dict[str, Any], data: dict[str, Any]
-) -> tuple[Propulsion | None, Rows]:
+def _parts_symbols(kind: Aircraft, x: Any, data: dict[str, Any]) -> tuple[Propulsion | None, Rows]:
     """Return a propulsion at its operating point, and rows of the limits of its parts."""
     if (parts := kind.propulsion_by_parts) is None:
         return None, []
     moved = x - data["centre"]
     parts_now = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
     bent = ca.bilin(ca.reshape(data["bend"], x.shape[0], -1), moved, moved) / 2.0
-    efficiency = parts_now[0] * ca.exp(bent) * relative.get(EFFICIENCY_FACTOR, 1.0)
+    efficiency = parts_now[0] * ca.exp(bent)
     used = zip(limits_of_parts(kind), ca.vertsplit(parts_now[2:]), strict=True)
     rows = [(Constraint(name), 1.0 - share) for name, share in used]
     return chain_of_numbers(parts, efficiency, parts_now[1]), rows

@@ -11,15 +11,12 @@ import casadi as ca
 import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design_space import LimitEnd, Range
-from sizing.parameters import build_scales, catalogue, parameter_value, unit
+from sizing.design_space import Range
+from sizing.parameters import unit
 from solar.types import FloatArray
 
 TOTAL_MASS = "total_mass_kg"
 WORST_EXCESS = "worst_excess_time_h"
-# Technology to which the power of the modules is proportional.
-SOLAR_TECHNOLOGY = "modules.efficiency_stc"
-WIND = "mission.wind_m_per_s"
 USER_OBJECTIVE = "own_objective"  # value of an objective that is a function of the user's
 # Of a guess; Sky-Sailor, AtlantikSolar 2 and SoLong have 2.3, 2.4 and 2.3.
 TOTAL_OVER_BATTERY_MASS = 2.3
@@ -29,11 +26,8 @@ class Role(Enum):
     """What a variable of the program is."""
 
     design = auto()
-    payload = auto()  # held at the mission's value unless it is freed
-    technology = auto()  # relative to the aircraft's own value, held there unless it is freed
-    limit = auto()  # of the design space, likewise
+    payload = auto()  # held at the mission's value unless it is the objective
     objective = auto()  # equal to the user's own, where there is one
-    wind = auto()  # held at the mission's value unless it is freed
 
 
 class Variable(NamedTuple):
@@ -79,11 +73,8 @@ def scales_of(variables: Sequence[Variable], values: Mapping[str, float]) -> Flo
     return np.array([max(abs(values[v.name]), v.least) for v in variables])
 
 
-def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variable, ...]:
-    """Every variable of the design that may be freed, with the widest bounds it has.
-
-    ``eased``: with technology, limits and wind.
-    """
+def chosen_variables(aircraft: Aircraft) -> tuple[Variable, ...]:
+    """Every variable of the design that may be free, with the widest bounds it has."""
     space = aircraft.design_space
     assert isinstance(aircraft.airframe, ParametricAirframe)
     # No bound that nobody has set: mass and payload end where the mass budget or the sun ends them.
@@ -116,23 +107,4 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
                 USER_OBJECTIVE, "1", *ends, Role.objective, linear=True, least=user_objective.scale
             )
         )
-    if not eased:
-        return tuple(always)
-    always += [
-        Variable(key, "1", 1e-3, 1e3, Role.technology)
-        for key, row in catalogue().items()
-        if row.kind == "technology"
-        and row.relaxable
-        and parameter_value(aircraft, None, key)
-        and not build_scales(aircraft, key)
-    ]
-    always += [Variable(name, "1", 1e-3, 1e3, Role.limit) for name in space.limit_rows()]
-    always.append(Variable(WIND, unit(WIND), 0.0, math.inf, Role.wind, linear=True, least=10.0))
     return tuple(always)
-
-
-def eased_row(value: Any, end: LimitEnd, relative: Any) -> Any:
-    """Row of a limit, relative to it, where the limit is multiplied by a factor."""
-    if end == "minimum":
-        return (value + 1.0) / relative - 1.0
-    return 1.0 - (1.0 - value) / relative
