@@ -55,8 +55,9 @@ INTERVALS = 22  # of a day at one height: the charge bends at few places, where 
 CLIMBING_INTERVALS = 40  # of heights, which change all day
 INSIDE = (0.01, 0.99)  # where heights and charges start: interior points start inside bounds
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
-# that returns any less lets the battery run empty over many days.
-FIRST_MARGIN = 2e-5
+# that returns any less lets the battery run empty over many days. In 98 of 100 days steps of five
+# minutes err by less than this in it.
+FIRST_MARGIN = 1e-4
 LONGEST_H = 1e4  # of an excess time that is as long as possible
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
 CONTINUOUS_MARGIN = 1e-5  # of the load: at equality rounding decides whether the battery is needed
