@@ -78,18 +78,21 @@ def balanced_temperature_c(
     air_c = np.asarray(around.ambient_c, float)
     air_k = air_c + ZERO_CELSIUS_K
     # Temperature in common light; the radiation is a polynomial of the difference from it.
-    warmer_k = thermal.absorptance * _COMMON_LIGHT / (convected + 4.0 * radiating * air_k**3)
+    warmer_k = (
+        thermal.absorptance * _COMMON_LIGHT / (convected + 4.0 * radiating * air_k * air_k**2)
+    )
     kelvin = air_k + warmer_k
+    square = kelvin**2  # NumPy's higher powers take many times as long as products
     down, up = long_wave_w_per_m2(around.relative_pressure)
-    unlit = thermal.emissivity * (down + share * up) - radiating * kelvin**4 - convected * warmer_k
+    unlit = thermal.emissivity * (down + share * up) - radiating * square**2 - convected * warmer_k
     electric = np.asarray(electric_at_25_c, float)
     reflected = share * thermal.underside_absorptance * around.albedo
-    second, third, fourth = (radiating * c for c in (6.0 * kelvin**2, 4.0 * kelvin, 1.0))
+    second, third, fourth = (radiating * c for c in (6.0 * square, 4.0 * kelvin, 1.0))
     # Excess of heat at that temperature, and its derivative. In place: computed very often.
     left = thermal.absorptance * np.asarray(light_w_per_m2, float) + unlit
     left = left + reflected * np.asarray(level_light_w_per_m2, float)
     left = left - cell.temperature_efficiency(air_c + warmer_k) * electric
-    root = (convected + 4.0 * radiating * kelvin**3) - per_k * electric
+    root = (convected + 4.0 * radiating * square * kelvin) - per_k * electric
     # The root of the parabola that stays finite without bend.
     change = np.maximum(root * root + (4.0 * second) * left, 0.0)
     change = 2.0 * left / (root + np.sqrt(change))

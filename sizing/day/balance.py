@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from sizing.day.battery import Store
 from solar.types import BoolArray, FloatArray, IntArray
 
-_POINTS_AT_ONCE = 16384
 _LEAST = 1e-300  # keeps zero over zero at zero
 
 
@@ -115,15 +114,15 @@ class PowerBalance:
             raise ValueError("time_h must increase strictly")
         if len(net) != len(time):
             raise ValueError(f"the time axis of the power has length {len(net)}, not {len(time)}")
-        surplus, deficit = np.empty((2, len(hours), net.shape[1]))
-        for rows in blocks(len(hours), max(1, _POINTS_AT_ONCE // max(net.shape[1], 1))):
-            # As :func:`positive_part_wh`, of both signs.
-            above = np.maximum(net[rows.start : rows.stop + 1], 0.0)
-            below = above - net[rows.start : rows.stop + 1]
-            above, below = above[:-1] + above[1:], below[:-1] + below[1:]
-            twice = np.maximum(2.0 * (above + below), _LEAST)
-            for part, side in ((above, surplus), (below, deficit)):
-                side[rows] = part * part / twice * hours[rows, np.newaxis]
+        gain_wh = net[:-1] + net[1:]
+        gain_wh *= hours[:, np.newaxis] / 2.0
+        surplus = np.maximum(gain_wh, 0.0)
+        deficit = np.subtract(surplus, gain_wh, out=gain_wh)  # in place: memory takes the time
+        below = net < 0.0
+        row, cell = np.divmod(np.flatnonzero(below[:-1] != below[1:]), net.shape[1])
+        left, right = net[row, cell], net[row + 1, cell]  # of intervals in which the sign changes
+        surplus[row, cell] = positive_part_wh(left, right, hours[row])
+        deficit[row, cell] = positive_part_wh(-left, -right, hours[row])
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
     def interval(self, number: IntArray, cells: IntArray) -> Interval:

@@ -107,18 +107,19 @@ def first_repetition(day: ChargingDay, store: Store) -> tuple[DayRun, IntArray]:
     The energy after a cycle never falls, and rises by at most as much, when that before it rises
     (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
     from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
-    passes through an empty battery, and from there one day leads to the fixed point. Any other
-    cycle is marched from a full battery at nightfall; most fill it again within the day. The few
-    that are left are searched for by :func:`repeated_wh`.
+    passes through an empty battery, and from there one day leads to the fixed point: it is marched
+    from a battery that holds at nightfall all that could be stored. Any other cycle is marched from
+    a full battery at nightfall; most fill it again within the day. The few that are left are
+    searched for by :func:`repeated_wh`.
 
     Start and end agree to 1e-11 of the battery's energy.
     """
     full = store.battery_energy_wh
-    storable = store.charge_efficiency * day.total_surplus_wh * store.discharge_efficiency
-    at_nightfall = np.maximum(day.nightfall_deficit_wh, 0.0)
-    full_at_nightfall = np.maximum(day.midnight_wh(store, full, at_nightfall), 0.0)
-    loses = storable < day.cumulative_deficit_wh[-1]
-    run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
+    storable = store.charge_efficiency * day.total_surplus_wh
+    loses = storable * store.discharge_efficiency < day.cumulative_deficit_wh[-1]
+    at_nightfall_wh = np.where(loses, np.minimum(storable, full), full)
+    settled_wh = np.maximum(day.nightfall_deficit_wh, 0.0)
+    run = day.run(store, np.maximum(day.midnight_wh(store, at_nightfall_wh, settled_wh), 0.0))
     return run, np.flatnonzero(np.abs(run.end_wh - run.start_wh) > _SETTLED * full)
 
 

@@ -137,18 +137,19 @@ class EqualPower(NamedTuple):
     always_above: BoolArray
 
 
-def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
-    """Return first rise and last fall of a net power through zero.
+def equal_power(time_h: FloatArray, solar_w: FloatArray, nominal_w: FloatArray) -> EqualPower:
+    """Return first rise and last fall of solar power through the nominal load.
 
-    ``net_w``: solar power less the nominal load at the nodes, ``(time, element)`` [W]. NaN where
-    there is no such instant: the power is then always, or never, enough.
+    ``solar_w``: at the nodes, ``(time, element)`` [W]. NaN where there is no such instant: the
+    power is then always, or never, enough.
     """
-    below, columns = net_w < 0.0, np.arange(net_w.shape[1])
+    below, columns = solar_w < nominal_w, np.arange(solar_w.shape[1])
     rise, rises = _marked_row(below[:-1] > below[1:])
     fall, falls = _marked_row(below[:-1] < below[1:], last=True)
 
     def crossing(row: IntArray) -> tuple[FloatArray, FloatArray]:
-        fraction = crossing_fraction(net_w[row, columns], net_w[row + 1, columns])
+        left, right = (solar_w[node, columns] - nominal_w for node in (row, row + 1))
+        fraction = crossing_fraction(left, right)
         return fraction, time_h[row] + fraction * (time_h[row + 1] - time_h[row])
 
     (fraction, morning_h), (_, evening_h) = crossing(rise), crossing(fall)
@@ -182,7 +183,7 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
     balance, store, nominal = run.day.balance, run.store, cells.nominal_w
     lands = cells.in_flight is not None
     day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
-    equal = equal_power(cells.time_h[day], (cells.solar_w - nominal)[day])
+    equal = equal_power(cells.time_h[day], cells.solar_w[day], nominal)
     nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     missing_h, unserved = _unserved(run)
     if climbs:
@@ -289,7 +290,8 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
 
 def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
-    into_store = sum_over_time(run.after_charge_wh - np.maximum(run.drained_wh, 0.0))
+    before = np.maximum(run.drained_wh, 0.0)
+    into_store = sum_over_time(np.subtract(run.after_charge_wh, before, out=before))
     stored = run.end_wh - run.start_wh
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
@@ -308,4 +310,6 @@ def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
     """Return the integral over the time in flight by the trapezoidal rule."""
     halves = cells.of_flight(np.diff(cells.time_h)[:, np.newaxis] / 2.0)
     weights = np.pad(halves, ((1, 0), (0, 0))) + np.pad(halves, ((0, 1), (0, 0)))
-    return sum_over_time(weights * power_w)
+    alike = power_w.strides[1] == 0  # in all elements
+    sums = sum_over_time(weights * (power_w[:, :1] if alike else power_w))
+    return np.broadcast_to(sums, power_w.shape[1:])

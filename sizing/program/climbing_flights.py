@@ -65,8 +65,7 @@ class ClimbFlights:
     @cached_property
     def dawn_h(self) -> tuple[FloatArray, FloatArray]:
         """Morning's and evening's equal power at the lowest altitude, NaN where there is none."""
-        net_w = self.floor.solar_w - self.levels.nominal_load_w[:, np.newaxis]
-        equal = equal_power(self.time_h, net_w.T)
+        equal = equal_power(self.time_h, self.floor.solar_w.T, self.levels.nominal_load_w)
         return equal.morning_h, equal.evening_h
 
     def part(self, i: int, window: Window) -> Part:

@@ -235,7 +235,7 @@ def test_equal_power_is_of_the_nominal_load_which_is_the_least_load_by_default()
 def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall():
     time = np.array([0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0])
     net = np.array([-1.0, -1.0, 3.0, -1.0, 1.0, -3.0, -1.0])
-    found = equal_power(time, net[:, np.newaxis])
+    found = equal_power(time, net[:, np.newaxis], np.zeros(1))
     # Straight lines by hand: -1 to 3 over 4 h is zero after 1 h, 1 to -3 after 1 h.
     assert float(found.morning_h[0]) == pytest.approx(5.0, abs=1e-12)
     assert float(found.evening_h[0]) == pytest.approx(17.0, abs=1e-12)
