@@ -37,7 +37,7 @@ from solar.types import FloatArray
 
 MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are few
 _MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
-_TOLERANCE = 3e-4  # of the objective: a search ends where no more is left to gain
+_TOLERANCE = 5e-4  # of the objective: a search ends where no more is left to gain
 _NEAR = 0.15  # relative change of a design within which its linearisation and its nodes hold
 # Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; half
 # of a step that turns back.
@@ -275,7 +275,7 @@ class Search:
             return False
         excess_h = float(judged.excess_h.min()) - task.required_h
         to_gain = excess_h * solution.cost_of_hour()
-        to_gain += max(scenario.margin for scenario in self._known.values())
+        to_gain += max(scenario.margin for scenario in self._known.values()) - FIRST_MARGIN
         if task.window_h is not None:
             on_way_h = _least_left_h(judged.perf, judged.worst)
             to_gain += on_way_h * solution.cost_of_hour(on_way=True)
@@ -303,6 +303,8 @@ class Search:
         """Correct what the last solution promised of a scenario, and its flight does not hold."""
         # A day along the program's heights that does not close tells how much it lacks.
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
+        if scenario.profile is None and solution.largest_change > _NEAR:
+            scenario.nodes = None
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
             if scenario.profile is not None and math.isfinite(simulated_h):
