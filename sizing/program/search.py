@@ -106,6 +106,7 @@ class Search:
     _blocks: list[int] = field(default_factory=list)
     _rounds_without_gain: int = 0
     _violation: float = math.inf
+    _turns_back: bool = False
 
     def run(self) -> Search:
         """Search until program and simulator agree."""
@@ -136,7 +137,8 @@ class Search:
                 reach = min(reach, _REACH)
             last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
             reach = solution.linearisation.reach
-            if last is not None and float(solution.step @ last.step) < 0.0:
+            self._turns_back = last is not None and float(solution.step @ last.step) < 0.0
+            if self._turns_back:
                 reach = max(min(reach, solution.stride) / 2.0, _NEAR**2)
             values = solution.values
         if self.best is not None:
@@ -307,8 +309,9 @@ class Search:
             scenario.nodes = None
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
-            if scenario.profile is not None and math.isfinite(simulated_h):
-                # Its flight is known along the last heights, and the program chooses new ones.
+            to_and_fro = scenario.profile is not None or self._turns_back
+            if to_and_fro and self.task.window_h is None and math.isfinite(simulated_h):
+                # Of the last heights, or on the other side of a bend, more is known than of these.
                 scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H
         elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
             scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
