@@ -258,7 +258,7 @@ def _block(
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
     path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    if scenario.nodes is None:
+    if scenario.nodes is None or task.mission.climb is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
     scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
