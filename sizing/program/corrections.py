@@ -80,14 +80,16 @@ class Scenario:
     """What a search knows of a scenario.
 
     ``bias_h``: excess time that the last program had beyond its simulated flight. ``margin``: by
-    how much more a night takes, relative. ``nodes``: of its intervals, ``clock_h``:
-    of these; climbs keep them. ``profile``: heights that are flown.
+    how much more a night takes, relative. ``nodes``: of its intervals, ``clock_h``: of these,
+    ``held``: how the battery holds back in them; None where a flight is to tell. ``profile``:
+    heights that are flown.
     """
 
     bias_h: float = CUSHION_H
     margin: float = FIRST_MARGIN
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
+    held: Held | None = None
     profile: Profile | None = None
 
     def share(self) -> FloatArray:
@@ -258,7 +260,7 @@ def _block(
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
     path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    if scenario.nodes is None or task.mission.climb is None:
+    if scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
     scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
@@ -279,10 +281,11 @@ def _block(
         mean_light = light_at_heights(
             at_heights, scenario.nodes, scenario.share(), mean_light
         ).ravel(order="F")
-    held = Held.nowhere(means.hours)
-    if perf.cycle.sufficient[0, number]:
-        held = held_back(store, path[scenario.nodes], means)
-        load_w = load_w + held.turned_away_w
+    if scenario.held is None:
+        scenario.held = Held.nowhere(means.hours)
+        if perf.cycle.sufficient[0, number]:
+            scenario.held = held_back(store, path[scenario.nodes], means)
+    load_w = load_w + scenario.held.turned_away_w
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.
@@ -297,8 +300,8 @@ def _block(
         way_h = hours * float(path[scenario.nodes].min() - path.min())
     block = BlockData(
         hours=means.hours,
-        limit_h=held.limit_h,
-        most=held.most,
+        limit_h=scenario.held.limit_h,
+        most=scenario.held.most,
         light_w_per_m2=mean_light,
         load=load[0, :-1],
         nominal=load[0, -1],

@@ -37,8 +37,8 @@ from solar.types import FloatArray
 
 MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are few
 _MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
-_TOLERANCE = 5e-4  # of the objective: a search ends where no more is left to gain
-_NEAR = 0.15  # relative change of a design within which its linearisation and its nodes hold
+_TOLERANCE = 3e-4  # of the objective: a search ends where no more is left to gain
+_NEAR = 0.15  # relative change of a design within which its linearisation holds
 # Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; half
 # of a step that turns back.
 _REACH = 0.5
@@ -305,7 +305,8 @@ class Search:
         """Correct what the last solution promised of a scenario, and its flight does not hold."""
         # A day along the program's heights that does not close tells how much it lacks.
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
-        if scenario.profile is None and solution.largest_change > _NEAR:
+        scenario.held = None
+        if scenario.profile is None:  # heights are those at the nodes
             scenario.nodes = None
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)

@@ -139,7 +139,7 @@ def _optimum(result: SizingResult, purpose: str) -> tuple[Solution, float]:
     task, point = solution.task, solution.linearisation
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
-    known = {number: replace(it, nodes=None) for number, it in point.known.items()}
+    known = {number: replace(it, nodes=None, held=None) for number, it in point.known.items()}
     if task.mission.climb is not None:
         for block, scenario in enumerate(known.values()):
             assert scenario.clock_h is not None
@@ -189,6 +189,7 @@ def _lagrangian(
         now._replace(
             light_slope=then.light_slope,
             load_slope=then.load_slope,
+            shift_h=then.shift_h,
             shift_slope_h=then.shift_slope_h,
         )
         for now, then in zip(moved_point.blocks, point.blocks, strict=True)
