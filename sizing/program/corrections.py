@@ -135,7 +135,7 @@ def linearised(
     blocks, charges = [], []
     for number, scenario in known.items():
         block, path = _block(
-            task, values, perf, number, scenario, nominal_w[:, number], float(excess_h[number])
+            task, perf, number, scenario, nominal_w[:, number], float(excess_h[number])
         )
         blocks.append(block)
         charges.append(np.clip(path, *INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
@@ -245,7 +245,6 @@ def _surface(task: SizingTask, design: Design) -> FloatArray:
 
 def _block(
     task: SizingTask,
-    values: Values,
     perf: Performance,
     number: int,
     scenario: Scenario,

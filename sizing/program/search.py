@@ -135,8 +135,8 @@ class Search:
             point = linearised(self.task, judged.values, judged.perf, self._known, judged.excess_h)
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
-            last, solution = solution, self._solved(replace(point, reach=reach), judged, solution)
-            reach = solution.linearisation.reach
+            solution = self._solved(replace(point, reach=reach), judged, solution)
+            reach, last = solution.linearisation.reach, judged.solution
             self._turns_back = last is not None and float(solution.step @ last.step) < 0.0
             if self._turns_back:
                 reach = max(min(reach, solution.stride) / 2.0, _NEAR**2)
