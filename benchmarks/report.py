@@ -66,8 +66,8 @@ infeasible cell takes some times a feasible one, while IPOPT searches the peer's
 feasible point until it stops. Its limit is 150 iterations and 1 s for each cell, which determines
 most of its time in infeasible ones; its user could penalise requirements too.""",
     "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. Work is
-done once (the half of a day that mirrors the other, sums that several metrics need, deficits of
-the night in one step), in blocks of cells that fit the processor's cache.""",
+done once (half a day of sun, whose mirror is the other half, sums that several metrics need,
+deficits of the night in one step), in blocks of cells that fit the processor's cache.""",
 }
 
 

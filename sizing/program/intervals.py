@@ -179,17 +179,14 @@ def held_back(store: Store, soc: FloatArray, means: DayMeans) -> Held:
     ``soc``: its state of charge at the nodes. With this the rows of the program hold for its
     flight as equations, and the nearest of power, limit and capacity tells how they change.
     """
-    hours, needed_h = means.hours, means.hours
+    hours = means.hours
     full_wh, gained = store.battery_energy_wh[0], np.diff(soc)
     into, out_of = (
         float(np.ravel(value)[0]) for value in (store.charge_efficiency, store.discharge_efficiency)
     )
     surplus_w = (means.light_w - means.load_w)[0]
     by_power = np.where(surplus_w > 0.0, into * surplus_w, surplus_w / out_of) * hours / full_wh
-    limited = np.ones(len(hours))
-    if store.clock is not None:
-        limited = store.clock.after(soc[:-1], hours)
-        needed_h = -np.diff(store.clock.hours_to_full(soc))
+    limited = store.clock.after(soc[:-1], hours)
     most = np.minimum(by_power, limited - soc[:-1])
     in_part = (gained < most - _ROUNDING) & (soc[1:] < 1.0 - _ROUNDING)
     is_full = in_part & (limited > 1.0 - _ROUNDING)
@@ -197,7 +194,7 @@ def held_back(store: Store, soc: FloatArray, means: DayMeans) -> Held:
     of_limit = in_part & ~is_full & ~of_power
     power_w = full_wh * np.where(gained > 0.0, gained / into, gained * out_of) / hours
     return Held(
-        np.where(of_limit, needed_h, hours),
+        np.where(of_limit, -np.diff(store.clock.hours_to_full(soc)), hours),
         np.where(of_power, surplus_w - power_w, 0.0),
         np.append(1.0, np.where(is_full, soc[1:], 1.0)),
     )

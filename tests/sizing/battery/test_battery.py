@@ -84,8 +84,10 @@ def test_rate_equals_the_scalar_formula(limit, soc):
     assert float(charge_rate_per_h(limit, soc)) == pytest.approx(rate_per_h(limit, soc), rel=1e-9)
 
 
-def test_no_limit_has_no_rate_and_no_clock():
-    assert ChargeClock.of(NoChargeLimit()) is None
+def test_no_limit_has_no_rate_and_charges_at_once():
+    clock = ChargeClock.of(NoChargeLimit())
+    assert clock.after(np.array([0.0, 0.3]), 1e-6) == pytest.approx([1.0, 1.0])
+    assert clock.hours_to_full(np.array([0.0, 0.3])) == pytest.approx([0.0, 0.0])
     with pytest.raises(ValueError, match="no finite charge rate"):
         charge_rate_per_h(NoChargeLimit(), 0.5)
 
