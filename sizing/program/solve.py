@@ -262,13 +262,11 @@ def solve(
     iterations, stats = 0, {"success": False}
     with program.lock:
         if active_set is not None:
-            near, held = start, np.zeros(len(equation))
+            held = np.zeros(len(equation))
             if before is not None and before.program is program:
-                near, held = before.x.copy(), before.row_multipliers
-                near[parts["design"]], near[parts["excess"]] = centre, excess_h
-                near[parts["charge"]] *= before.linearisation.load_w / point.load_w
+                held = before.row_multipliers
             answer, stats = active_set.solve(
-                program, {**ends, "x0": np.clip(near, low, high)}, held
+                program, {**ends, "x0": np.clip(start, low, high)}, held
             )
             iterations += stats["iter_count"]
         if not stats["success"]:
