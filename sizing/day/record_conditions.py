@@ -95,11 +95,8 @@ class WeatherDays:
         """
         mission, days, hours = self.mission, self.light.day_of_year, self.light.time_solar_h
         light = clear_daylight(mission, mission.latitudes()[0], days, hours)
-        light, warmer_k = (
-            light._replace(irradiance=sky, clearness=1.0),
-            mission.module_temperature_c(),
-        )
-        warmer_k -= float(mission.air_state().temperature_c)
+        light = light._replace(irradiance=sky, clearness=1.0)
+        warmer_k = mission.module_temperature_c() - float(mission.air_state().temperature_c)
         air = self.ambient_c, self.ambient_c + warmer_k
         power = power_at_instants(self.aircraft, mission, self.solar, light, *air)
         return np.asarray(power[self.axis.nodes])

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sizing.day.balance import positive_part_wh
+from sizing.day.battery import Store
 from sizing.design import Design
 from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
@@ -257,7 +258,7 @@ def _block(
     ends_h = None if task.window_h is None else task.window_h[number]
     day = day_of(task, perf, number)
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
-    path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
+    path = _path(task, perf, day, number, store)
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
@@ -345,15 +346,15 @@ def _beyond_h(
     return np.asarray(np.where(closes, beyond_h, beyond_h[0]) + hours[0] - excess_h)
 
 
-def _path(
-    task: SizingTask, perf: Performance, day: Day, number: int, shape: tuple[int, ...]
-) -> FloatArray:
-    """State of charge over a day that repeats itself, or over a flight from its launch."""
-    store = perf.store.flat(shape[:2]).select(np.array([0]))
+def _path(task: SizingTask, perf: Performance, day: Day, number: int, store: Store) -> FloatArray:
+    """State of charge over a day that repeats itself, or over a flight from its launch.
+
+    ``store``: battery of the first design.
+    """
     if task.window_h is not None:
         return day.path(store, 1.0)
-    charge = np.broadcast_to(perf.cycle.energy_wh, shape)[0, number]
-    steps = shape[-1] - 1
+    charge = perf.cycle.energy_wh[0, number]
+    steps = len(charge) - 1
     at = (day.first + np.arange(steps + 1)) % steps
     return np.asarray(charge[at] / float(store.battery_energy_wh[0]))
 

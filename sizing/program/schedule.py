@@ -22,6 +22,7 @@ from sizing.day.metrics import Cycle
 from sizing.program.intervals import (
     Day,
     DayMeans,
+    Held,
     day_means,
     light_at_heights,
     nodes_of,
@@ -292,10 +293,11 @@ def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: flo
     beyond_w = (np.exp(design.log_power_w @ middle) - floor_w) * design.steady
     beyond_w = beyond_w + climb_w / (3600.0 * hours)
     level_w = floor_w * design.steady + design.constant_w
+    held = Held.nowhere(hours)
     return BlockData(
         hours=hours,
-        limit_h=hours,
-        most=np.ones(len(hours) + 1),
+        limit_h=held.limit_h,
+        most=held.most,
         light_w_per_m2=around.light_w.ravel(order="F"),
         load=(around.means.load_w - beyond_w) / level_w,
         nominal=nominal_w / level_w,

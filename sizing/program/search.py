@@ -303,18 +303,18 @@ class Search:
 
     def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
         """Correct what the last solution promised of a scenario, and its flight does not hold."""
-        # A day along the program's heights that does not close tells how much it lacks.
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
         scenario.held = None
         if scenario.profile is None:  # heights are those at the nodes
             scenario.nodes = None
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
-            to_and_fro = scenario.profile is not None or self._turns_back
-            if to_and_fro and self.task.window_h is None and math.isfinite(simulated_h):
-                # Of the last heights, or on the other side of a bend, more is known than of these.
+            # The derivatives are those of other heights, or of the other side of a bend.
+            elsewhere = scenario.profile is not None or self._turns_back
+            if elsewhere and self.task.window_h is None and math.isfinite(simulated_h):
                 scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H
         elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
+            # A day along the program's heights that does not close shows how much it lacks.
             scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
 
 

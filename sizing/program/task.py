@@ -40,8 +40,8 @@ class SizingTask:
     ``objective``: or one of the user's own, which answers as an objective does. ``day``: light in
     the scenarios of the mission. ``required_h``: excess time of every scenario. ``continuous``:
     whether the sun must carry the nominal load at all times, instead of the battery. ``bounds``: of
-    variables, in their unit, that replace their own. ``beyond_limits``: whether the
-    propulsion's parts may do more than their limits.
+    variables, in their unit, that replace their own. ``beyond_limits``: whether the propulsion's
+    parts may do more than their limits.
     """
 
     aircraft: Aircraft
@@ -69,7 +69,7 @@ class SizingTask:
     def variables(self) -> tuple[Variable, ...]:
         """Variables of the program, with the bounds of this task."""
         ends = {name: (value, value) for name, value in self.held.items()}
-        ends |= dict.fromkeys(self.free_names, (0.0, math.inf)) | {**self.bounds}
+        ends |= dict.fromkeys(self.free_names, (0.0, math.inf)) | dict(self.bounds)
         return tuple(
             v._replace(minimum=ends[v.name][0], maximum=ends[v.name][1]) if v.name in ends else v
             for v in chosen_variables(self.aircraft)
@@ -80,7 +80,7 @@ class SizingTask:
         """Names of the payload that is free."""
         return frozenset({self.objective.variable} if self.objective.payload_key else ())
 
-    @property
+    @cached_property
     def held(self) -> dict[str, float]:
         """Payload of the mission, which is held where it is not free."""
         payload = self.mission.payload

@@ -150,9 +150,8 @@ IPOPT: dict[str, Any] = {
 class Form(NamedTuple):
     """What a program of a kind of aircraft has.
 
-    ``blocks``: scenarios. ``holds``:
-    whether the place is held against the wind. ``climbs``: whether the height varies.
-    ``days``: those that a flight begins, of 24 h each.
+    ``blocks``: scenarios. ``holds``: whether the place is held against the wind. ``climbs``:
+    whether the height varies. ``days``: those that a flight begins, of 24 h each.
     """
 
     blocks: int

@@ -173,9 +173,9 @@ def figure_of(draw: str | Callable[..., Figure], *arguments: Any, **options: Any
         with warnings.catch_warnings(record=True) as caught:
             warnings.filterwarnings("always", message=_COLLAPSED)
             data = to_bytes(figure, format_of(path, IMAGE_FORMATS) or "png")
-        others = [one for one in caught if not str(one.message).startswith(_COLLAPSED)]
-        for one in others:
-            warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+        others = [it for it in caught if not str(it.message).startswith(_COLLAPSED)]
+        for it in others:
+            warnings.warn_explicit(it.message, it.category, it.filename, it.lineno)
         if len(others) < len(caught):
             what = "the figure is too small for its axes and texts"
             tell_error(f"solar-uav: {path}: {what}: give a larger --figure-size, or --no-title")

@@ -56,13 +56,19 @@ def test_small_figures_have_smaller_type_and_their_title_above_the_axes():
     assert 4.0 < min(sizes) < 8.0
 
 
-def test_a_drawing_in_the_place_of_axes_stays_there():
-    figure = Figure(figsize=(7.0, 2.8))
+def drawn_on_the_right(*size_in):
+    """Axes on the left of a figure, and the part of it where those on the right were."""
+    figure = Figure(figsize=size_in)
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
     plot_cycle(analyse(AS2, shipped_mission()), ax=right)
     figure.savefig(io.BytesIO(), format="png")
     (part,) = figure.subfigs
+    return left, part
+
+
+def test_a_drawing_in_the_place_of_axes_stays_there():
+    left, part = drawn_on_the_right(7.0, 2.8)
     (legend,) = part.legends
     assert legend.get_window_extent().x0 >= left.get_window_extent().x1
     lowest = min(axes.get_tightbbox().y0 for axes in part.axes)
@@ -71,12 +77,7 @@ def test_a_drawing_in_the_place_of_axes_stays_there():
 
 def test_type_of_a_drawing_in_the_place_of_axes_fits_it():
     """Ticks are labelled when they are drawn, after the drawing's settings have gone."""
-    figure = Figure(figsize=(8.0, 2.5))
-    FigureCanvasAgg(figure)
-    left, right = figure.subplots(1, 2)
-    plot_cycle(analyse(AS2, shipped_mission()), ax=right)
-    figure.savefig(io.BytesIO(), format="png")
-    (part,) = figure.subfigs
+    left, part = drawn_on_the_right(8.0, 2.5)
     labels = [text for axes in part.axes for text in (axes.yaxis.label, *axes.get_yticklabels())]
     (size,) = {text.get_fontsize() for text in labels}
     assert size == pytest.approx(2.6 * 2.5)
