@@ -24,6 +24,7 @@ from sizing.day.module_power import (
     convection_in_flight,
     convection_of,
     modelled_power,
+    path_troubles,
     specific_power,
     surroundings,
     surroundings_in_flight,
@@ -65,6 +66,14 @@ class SolarModel:
     def needs_path(self) -> bool:
         """Return whether module surfaces and a flight path are needed."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"
+
+    def path_troubles(
+        self, aircraft: Aircraft, mission: Mission, scenarios: Scenarios | None = None
+    ) -> list[str | None]:
+        """Return :func:`sizing.day.module_power.path_troubles`; none for models without a path."""
+        if self.needs_path:
+            return path_troubles(aircraft, mission, scenarios)
+        return [None] * (1 if scenarios is None else len(scenarios))
 
     def latitudes_with_wind_deg(self, mission: Mission) -> tuple[float, float]:
         """Return the ends of the latitudes for which all winds of a flight are known [deg]."""

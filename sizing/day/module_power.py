@@ -171,15 +171,15 @@ def path_troubles(
 
     ``scenarios``: of which each has its own wind; left out, the strongest wind alone.
     """
-    winds = [mission]
-    if scenarios is not None and mission.wind_statistics is not None:
-        speeds = mission.winds_on_path_m_per_s(scenarios).tolist()
-        winds = [mission.in_wind(speed) for speed in speeds]
+    winds, each = [mission], np.zeros(1, int)
+    if scenarios is not None:
+        speeds, each = np.unique(mission.winds_on_path_m_per_s(scenarios), return_inverse=True)
+        winds = [mission.in_wind(speed) for speed in speeds.tolist()]
     troubles = [
         None if there.flight_path is None else path_trouble(there.flight_path, there.wind)
         for there in _on_paths(aircraft, mission, winds)
     ]
-    return troubles if scenarios is None or len(troubles) > 1 else troubles * len(scenarios)
+    return [troubles[place] for place in each]
 
 
 def surroundings(mission: Mission, convection: float) -> Surroundings:

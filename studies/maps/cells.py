@@ -16,7 +16,6 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import ENDS, Status
-from sizing.day.module_power import path_troubles
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective
@@ -68,9 +67,8 @@ def fixed_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
 
 def _cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
     """Compute metrics of cells; blank where the wind is too strong for the model's path."""
-    if not configuration.solar.needs_path:
-        return _metrics_of(configuration, cells)
-    troubles = path_troubles(configuration.aircraft, configuration.mission, scenarios_of(cells))
+    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
+    troubles = solar.path_troubles(aircraft, mission, scenarios_of(cells))
     able = np.array([trouble is None for trouble in troubles])
     if able.all():
         return _metrics_of(configuration, cells)
@@ -80,7 +78,7 @@ def _cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDAr
         _metrics_of(configuration, cells[able]) if able.any() else {},
         {
             "status": np.full(len(windy), Status.infeasible, np.int8),
-            "wind": _known_winds(configuration.mission, scenarios_of(windy)),
+            "wind": _known_winds(mission, scenarios_of(windy)),
         },
     )
 

@@ -22,9 +22,8 @@ from missions.mission import Mission, Scenarios
 from missions.mission.scenarios import SOLSTICES
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
-from sizing.day.module_power import path_troubles
 from sizing.performance import performance
-from solar.names import MODELS, ModelName
+from solar.names import ModelName
 from solar.types import FloatArray
 
 _STRIDE, _FAR_STRIDE = 8, 32
@@ -146,10 +145,10 @@ class _CachedSunlight(Sunlight):
         if lacking:
             none = np.zeros(len(self.time_h))
             known.update(((*place, day), none) for day in lacking)
-            if MODELS[model].needs_path:  # a day whose wind is too strong for it has no power
-                where = self._year.scenarios(lacking)
-                troubles = path_troubles(self.aircraft, there, where)
-                lacking = [d for d, why in zip(lacking, troubles, strict=True) if why is None]
+            # A day whose wind is too strong for the model's path has no power.
+            where = self._year.scenarios(lacking)
+            troubles = SolarModel(model).path_troubles(self.aircraft, there, where)
+            lacking = [d for d, why in zip(lacking, troubles, strict=True) if why is None]
         if lacking:
             days = Sunlight(self.aircraft, there, self._year.scenarios(lacking))
             powers = days._in_flow(model, there, convection)

@@ -11,7 +11,7 @@ from missions.flight_path import largest_wind_m_per_s
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
-from sizing.day.module_power import on_path, path_troubles
+from sizing.day.module_power import on_path
 from sizing.design import DesignVariables
 from sizing.mass_budget import parametric_design
 from sizing.performance import Performance, performance_of_designs
@@ -39,7 +39,7 @@ def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
     """
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     scenarios = scenarios_of(cells)
-    troubles = path_troubles(aircraft, mission, scenarios) if solar.needs_path else []
+    troubles = solar.path_troubles(aircraft, mission, scenarios)
     windy = np.array([trouble is not None for trouble in troubles], bool)
     if windy.any():
         calm = sized_cells(configuration, cells[~windy]) if not windy.all() else {}

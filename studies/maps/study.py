@@ -194,8 +194,7 @@ def prepare(
     slow = goal is not None or solar.needs_path or endurance or climbs
     north_deg, days = _grid(latitudes, days, slow=slow)
     cells = np.array(np.meshgrid(north_deg, days, indexing="ij"), float).reshape(2, -1).T
-    wind_matters = goal is not None or solar.needs_path or mission.holds_station
-    if wind_matters and mission.wind_statistics is not None:
+    if goal is not None or solar.needs_path or mission.holds_station:
         mission.scenario_winds_m_per_s(scenarios_of(cells))  # refuses cells without a wind
     coordinates = {
         "latitude": Labelled(

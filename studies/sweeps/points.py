@@ -19,7 +19,6 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.heights import ClimbLimitError, climb_limits
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
-from sizing.day.module_power import path_troubles
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import (
@@ -157,9 +156,7 @@ def _reason_not_to_fly(
             climb_limits(aircraft, measured_design(aircraft, mission))
         except ClimbLimitError as error:
             return "climb", str(error)
-    if not solar.needs_path:
-        return None
-    (trouble,) = path_troubles(aircraft, mission)
+    (trouble,) = solar.path_troubles(aircraft, mission)
     return None if trouble is None else (gridded.TOO_WINDY, f"flight path: {trouble}")
 
 

@@ -327,7 +327,7 @@ def _point_time_s(
     mission: Mission, axes: Sequence[Axis], solar: SolarModel, resize: Objective | None
 ) -> float:
     scenarios = len(mission.scenarios())
-    day_s = scenarios * _SCENARIO_ON_PATH_S if solar.needs_path else 0.0
+    day_s = scenarios * solar.needs_path * _SCENARIO_ON_PATH_S
     if resize is not None:
         return _SIZING_S + day_s
     batched = any(axis.design_variable is not None for axis in axes)
