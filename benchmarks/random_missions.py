@@ -25,11 +25,10 @@ from sizing.limits import meets_requirements
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import cross_check
-from sizing.program.objectives import Objective
+from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 from sizing.program.size import size_aircraft
 from sizing.program.start import grid_of
 
-_OBJECTIVES = [o for o in Objective if not o.of_range]
 _GRID_STEP_H = 0.25
 
 
@@ -54,7 +53,7 @@ def random_case(seed: int) -> tuple[Aircraft, Mission, Objective, float]:
         lift = Range(minimum=0.35, maximum=highest)
         space = space.model_copy(update={"lift_coefficient": lift})
     aircraft = aircraft.model_copy(update={"design_space": space})
-    objective = _OBJECTIVES[int(rng.integers(len(_OBJECTIVES)))]
+    objective = SINGLE_OBJECTIVES[int(rng.integers(len(SINGLE_OBJECTIVES)))]
     return aircraft, mission, objective, float(rng.choice([0.0, 1.0, 3.0, 6.0, 10.0]))
 
 

@@ -16,9 +16,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
-from sizing.program.objectives import Objective
+from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 
-_SINGLE = [o for o in Objective if not o.of_range]
 _RANGES = [o for o in Objective if o.of_range]
 _RANGE_SHARE, _EDGE_SHARE = 0.06, 0.12
 _AIRFOILS = ("sd7037", "mh114", "e214")
@@ -70,10 +69,10 @@ def wild_problem(seed: int, number: int, *, climb: bool = False) -> WildProblem:
     tags += own
     mission, own = _mission(draw, scale)
     tags += own
-    objective = draw.one_of(_RANGES if draw.chance(_RANGE_SHARE) else _SINGLE)
+    objective = draw.one_of(_RANGES if draw.chance(_RANGE_SHARE) else SINGLE_OBJECTIVES)
     edge = not objective.of_range and draw.chance(_EDGE_SHARE)
     if edge:
-        objective = draw.one_of([o for o in _SINGLE if o is not Objective.max_excess_time])
+        objective = draw.one_of([o for o in SINGLE_OBJECTIVES if o.of_design])
         tags.append("edge")
     required_h = draw.choice({0.0: 0.2, 1.0: 0.15, 4.0: 0.15, 8.0: 0.1, -1.0: 0.3, 60.0: 0.1})
     if required_h < 0.0:
@@ -86,7 +85,7 @@ def wild_problem(seed: int, number: int, *, climb: bool = False) -> WildProblem:
         mission, own = _climbing(draw, mission)
         tags += own
         if objective.of_range:
-            objective = draw.one_of(_SINGLE)
+            objective = draw.one_of(SINGLE_OBJECTIVES)
     return WildProblem(number, aircraft, mission, objective, required_h, solar, tuple(tags))
 
 

@@ -28,7 +28,7 @@ from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import neighbours
 from sizing.program.cross_check import random_factors
-from sizing.program.objectives import Objective
+from sizing.program.objectives import Objective, refuse_range
 from sizing.program.reasons import missed_by, violations
 from sizing.program.result import (
     ABSOLUTE_TOLERANCE_H,
@@ -127,8 +127,7 @@ def size_cells(
         )
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    if objective.of_range:
-        raise ValueError(f"{objective.value} is a range of days or latitudes: use widest_range")
+    refuse_range(objective, "use widest_range")
     count = len(scenarios) // scenarios_per_cell
 
     def each(values: ArrayLike | None, otherwise: float) -> list[float]:

@@ -50,8 +50,8 @@ class Objective(StrEnum):
 
     @property
     def cost(self) -> dict[str, float]:
-        """Weights of the program's variables in what it minimises; none for a range."""
-        return {} if self.of_range else {self.variable: self.weight}
+        """Weights of the program's variables in what it minimises."""
+        return {self.variable: self.weight}
 
     @property
     def unit(self) -> str:
@@ -86,8 +86,15 @@ class Objective(StrEnum):
 
 
 OBJECTIVE_NAMES = tuple(objective.value for objective in Objective)
-# Those that a map or a trade study can have in every cell, and the short name of one.
-RESIZE_NAMES = (*(it.value for it in Objective if not it.of_range), "max_payload")
+# Those of a single program, which a map or a trade study can have in every cell.
+SINGLE_OBJECTIVES = tuple(objective for objective in Objective if not objective.of_range)
+RESIZE_NAMES = (*(objective.value for objective in SINGLE_OBJECTIVES), "max_payload")
+
+
+def refuse_range(objective: Objective, why: str) -> None:
+    """Refuse a range, for which nothing is known of a single program."""
+    if objective.of_range:
+        raise ValueError(f"{objective.value} counts days or degrees: {why}")
 
 
 class SizingStatus(IntEnum):

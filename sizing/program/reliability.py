@@ -27,7 +27,7 @@ from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
 from sizing.parameters import with_parameter
 from sizing.program.margin import MarginCase, Trial, best_of, least_margin
-from sizing.program.objectives import Objective
+from sizing.program.objectives import Objective, refuse_range
 from sizing.program.result import SizingResult, Violation
 from sizing.program.whole_cells import without_whole_cells
 from sizing.uncertainty.inputs import (
@@ -72,10 +72,7 @@ def check_reliability(
     """Refuse what no design can be sized for."""
     if not 0.0 < required < 1.0:
         raise ValueError(f"the reliability must be above 0 and below 1 (got {required:g})")
-    if objective.of_range:
-        raise ValueError(
-            f"{objective.value} counts days or degrees: no reliability can be asked of it"
-        )
+    refuse_range(objective, "no reliability can be asked of it")
     inputs = uncertain_inputs(without_whole_cells(aircraft), mission, solar)
     of_files = [it for it in inputs.inputs if it.key != SOLAR_MODEL]
     if not of_files:

@@ -16,7 +16,7 @@ from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance
 from sizing.program.climbing import Profile
 from sizing.program.corrections import Scenario
-from sizing.program.objectives import Objective
+from sizing.program.objectives import Objective, refuse_range
 from sizing.program.reasons import least_mission, limits_of, missed_by, violations
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
 from sizing.program.search import Search
@@ -47,8 +47,7 @@ def size_aircraft(
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    if objective.of_range:
-        raise ValueError(f"{objective.value} is a range of days or latitudes: use widest_range")
+    refuse_range(objective, "use widest_range")
     required_h = mission.required_excess_time_h
     if required_excess_time_h is not None:
         required_h = required_excess_time_h

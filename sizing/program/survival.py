@@ -25,7 +25,7 @@ from sizing.day.record import weather_run
 from sizing.day.record_conditions import WeatherDays
 from sizing.mass_budget import design_of
 from sizing.program.margin import MarginCase, Trial, best_of, least_margin
-from sizing.program.objectives import Objective
+from sizing.program.objectives import Objective, refuse_range
 from sizing.program.reliability import with_design
 from sizing.program.result import SizingResult, Violation
 from solar.types import BoolArray
@@ -46,12 +46,10 @@ def check_survival(objective: Objective, survive: float) -> None:
         raise ValueError(
             f"the share of days that close must be above 0 and at most 1 (got {survive:g})"
         )
+    why = f"no share of days can be asked of it; allowed: {', '.join(OBJECTIVES)}"
+    refuse_range(objective, why)
     if objective not in OBJECTIVES:
-        what = "counts days or degrees" if objective.of_range else "is that of a repeated clear day"
-        raise ValueError(
-            f"{objective.value} {what}: no share of days can be asked of it; allowed: "
-            f"{', '.join(OBJECTIVES)}"
-        )
+        raise ValueError(f"{objective.value} is that of a repeated clear day: {why}")
 
 
 def in_the_record(mission: Mission) -> Mission:

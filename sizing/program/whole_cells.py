@@ -26,7 +26,7 @@ from sizing.layout.cells import Wing
 from sizing.layout.strings import Strings
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import all_replaced
-from sizing.program.objectives import Objective
+from sizing.program.objectives import Objective, refuse_range
 from sizing.program.result import SizingResult, Violation
 from sizing.program.size import size_aircraft
 from sizing.roots import bisect
@@ -126,8 +126,7 @@ def size_whole_cells(
     numbers of cells count that divide into strings within the window of their MPPT. Raises
     :class:`ValueError` without a layout or a pack, and for an objective that is a range.
     """
-    if objective.of_range:
-        raise ValueError(f"{objective.value} is a range of days or latitudes: no whole cells")
+    refuse_range(objective, "no whole cells")
     sizing = partial(size_aircraft, mission=mission, objective=objective, solar=solar)
     return _Search(aircraft, partial(sizing, required_excess_time_h=required_excess_time_h)).run()
 

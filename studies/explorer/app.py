@@ -18,7 +18,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from missions.files.writing import to_json
-from sizing.program.objectives import Objective
+from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 from studies.explorer.security import Guard, error_body
 from studies.explorer.session import Session
 from studies.explorer.settings import AnsweredError, Refusal, RefusedError, shown
@@ -120,7 +120,7 @@ class Explorer:
     async def _size(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
         """Return the best design for the point or the whole mission."""
         _only(body, "settings", "objective", "scenarios")
-        names = tuple(objective.value for objective in Objective if not objective.of_range)
+        names = tuple(objective.value for objective in SINGLE_OBJECTIVES)
         objective = Objective(
             _one_of({"objective": Objective.min_mass.value} | body, "objective", names)
         )

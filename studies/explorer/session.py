@@ -27,7 +27,7 @@ from sizing.day.light import SolarModel
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX
-from sizing.program.objectives import Objective
+from sizing.program.objectives import SINGLE_OBJECTIVES
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.numbers import finite
 from solar._version import __version__
@@ -100,8 +100,7 @@ class Session:
                 "label": f"{'largest' if entry.maximised else 'least'} {entry.label}",
                 "unit": "" if entry.unit == "1" else entry.unit,
             }
-            for entry in Objective
-            if not entry.of_range
+            for entry in SINGLE_OBJECTIVES
         ]
         return {
             "version": __version__,

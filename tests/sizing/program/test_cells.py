@@ -11,7 +11,7 @@ from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs
 from sizing.program.cells import _Cells, size_cells
-from sizing.program.objectives import Objective
+from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
 from sizing.program.task import SizingTask
@@ -39,7 +39,7 @@ def at(mission, cell):
     return mission.model_copy(update={"latitude_deg": place, "dates": on})
 
 
-@pytest.mark.parametrize("objective", [o for o in Objective if not o.of_range])
+@pytest.mark.parametrize("objective", SINGLE_OBJECTIVES)
 def test_cells_are_sized_as_one_by_one(aircraft, mission, objective):
     found = size_cells(aircraft, mission, CELLS, objective)
     feasible = 0
