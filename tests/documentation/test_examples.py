@@ -29,9 +29,7 @@ FEWER = {
     "span_for_a_season.py": ("SHARES = (0.5, 0.7, 0.8, 0.9, 0.95, 0.99)", "SHARES = (0.5, 0.95)"),
 }
 COUPLED = "openmdao_component.py"  # needs OpenMDAO
-TELLING = [
-    ("size_an_aircraft.py", r"of 4 h\n.*: optimal\nwingspan +\d\.\d+ m(.*\n)+on a circle"),
-]
+TELLING = [("size_an_aircraft.py", r"of 4 h\n.*: optimal\nwingspan +\d\.\d+ m(.*\n)+on a circle")]
 # Studies that draw a figure into a file if they are given one.
 DRAWING = [
     ("compare_models.py", r"Sized with uncorrected CDM, .* \(sized with corrected FM: a span of "),

@@ -71,11 +71,7 @@ CASES = {
         ],
         set(),
     ),
-    "ceiling": (
-        "cli.md",
-        [f"{AS2} --step 4000", f"{AS2} CLIMB --step 4000 --highest 5000"],
-        set(),
-    ),
+    "ceiling": ("cli.md", [f"{AS2} --step 4000", f"{AS2} CLIMB --step 4000 --highest 5000"], set()),
     "sweep": (
         "cli.md",
         [

@@ -15,13 +15,7 @@ import missions
 import sizing
 import studies
 from missions import dates
-from missions.dates import (
-    date_code,
-    date_label,
-    day_of_year,
-    days_in_range,
-    month_and_day,
-)
+from missions.dates import date_code, date_label, day_of_year, days_in_range, month_and_day
 
 NEW_YEAR = date(2015, 1, 1)  # of a year of 365 days
 ALL_DAYS = range(1, 366)

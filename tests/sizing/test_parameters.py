@@ -9,14 +9,7 @@ from missions.library import load_mission
 from sizing.design import DesignVariables
 from sizing.library import load_aircraft
 from sizing.limits import QUANTITIES
-from sizing.parameters import (
-    MISSION_PREFIX,
-    catalogue,
-    label,
-    parameter,
-    parameter_value,
-    unit,
-)
+from sizing.parameters import MISSION_PREFIX, catalogue, label, parameter, parameter_value, unit
 
 # How names end in this software, and the unit that this stands for.
 _ENDINGS = {

@@ -104,11 +104,7 @@ def test_shading_by_the_tail_takes_direct_light_alone():
     sun = np.array([-np.cos(0.24), 0.0, -np.sin(0.24)])
     plain, none, lost = (
         full_model(NOON, sun, LEVEL, modules.geometry, modules, 20.0, shading=shading)
-        for shading in (
-            None,
-            Shading(modules.tail),
-            Shading(modules.tail, proportional_losses),
-        )
+        for shading in (None, Shading(modules.tail), Shading(modules.tail, proportional_losses))
     )
     assert none.specific_power_w_per_m2 == plain.specific_power_w_per_m2
     assert lost.specific_power_w_per_m2 < plain.specific_power_w_per_m2

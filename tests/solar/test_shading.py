@@ -125,10 +125,7 @@ def test_shadow_of_the_vertical_tail_under_a_slanting_sun(aft_m, azimuth_deg):
     # Sun 30 degrees off the tail: at each chordwise position the shadow is chord * tan(30) wide,
     # and it reaches beyond the wing.
     fin = t_tail(
-        vertical_height_m=1.0,
-        vertical_chord_m=0.1,
-        vertical_aft_m=aft_m,
-        horizontal_height_m=50.0,
+        vertical_height_m=1.0, vertical_chord_m=0.1, vertical_aft_m=aft_m, horizontal_height_m=50.0
     )
     result = shaded_area(level_wing(), fin, sun_from(45.0, azimuth_deg))
     assert result == pytest.approx([REAR * 0.1 * np.tan(np.radians(30.0))], abs=ROUNDING)

@@ -28,8 +28,7 @@ def test_no_quantity_is_declared_twice():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
-    [(2.0, "2.00 m/s"), (math.inf, "unlimited"), (math.nan, "-"), (None, "-")],
+    ("value", "text"), [(2.0, "2.00 m/s"), (math.inf, "unlimited"), (math.nan, "-"), (None, "-")]
 )
 def test_a_unit_stands_behind_numbers_alone(value, text):
     assert LOSS.fact(value) == ("loss", text)

@@ -29,12 +29,7 @@ SMALL_WINGS = (
 
 def mission(**changes):
     """Return a plain day in July at AtlantikSolar's airfield, changed."""
-    plain = {
-        "name": "test",
-        "latitude_deg": 47.6,
-        "dates": {"on": "07-15"},
-        "altitude_m": 536.0,
-    }
+    plain = {"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}, "altitude_m": 536.0}
     return Mission.model_validate(plain | changes)
 
 

@@ -5,10 +5,7 @@ from importlib import resources
 
 import pytest
 
-from benchmarks.validation.structures import (
-    build_ratio,
-    published_structures,
-)
+from benchmarks.validation.structures import build_ratio, published_structures
 from missions.library import load_mission
 from sizing.design import variables_of
 from sizing.library import load_aircraft

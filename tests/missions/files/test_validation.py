@@ -572,10 +572,7 @@ def test_copy_with_values_of_records_inside_records():
             "legs.7.speed_m_s: legs is a list and takes an index from 0 to 1 (got '7')",
         ),
         ({"name.x": 1.0}, "name.x: name is the single value 'AS-2' and has no keys"),
-        (
-            {"window": {"start_h": 5.0, "end_h": 4.0}},
-            "window: the window ends before it starts",
-        ),
+        ({"window": {"start_h": 5.0, "end_h": 4.0}}, "window: the window ends before it starts"),
     ],
 )
 def test_copy_with_values_is_checked(values, message):

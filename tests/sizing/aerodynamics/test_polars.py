@@ -13,10 +13,7 @@ from pydantic import ValidationError
 from source_tree import ROOT
 
 from benchmarks.validation.make_polars import default_grid, main
-from benchmarks.validation.power_curve import (
-    AS2,
-    power_tables,
-)
+from benchmarks.validation.power_curve import AS2, power_tables
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar

@@ -132,12 +132,7 @@ def test_clock_of_the_rule_in_closed_form():
     assert float(clock.hours_to_full(np.asarray(0.0))) == pytest.approx(expected, abs=1e-5)
 
 
-@given(
-    limit=limits,
-    start=socs,
-    first=st.floats(0.0, 5.0),
-    second=st.floats(0.0, 5.0),
-)
+@given(limit=limits, start=socs, first=st.floats(0.0, 5.0), second=st.floats(0.0, 5.0))
 def test_two_steps_are_one_step(limit, start, first, second):
     clock = ChargeClock.of(limit)
     soc = np.asarray(start)

@@ -215,11 +215,7 @@ MPP = {"mpp_voltage_v": 0.6, "mpp_current_a": 5.0}
             PACK | {"typical_energy_wh": 10.0},
             "must be at most typical_energy_wh, which is 10",
         ),
-        (
-            BatteryEntry,
-            PACK | {"typical_mass_kg": 0.051},
-            "must be at most mass_kg, which is 0.05",
-        ),
+        (BatteryEntry, PACK | {"typical_mass_kg": 0.051}, "must be at most mass_kg, which is 0.05"),
         (
             PropellerEntry,
             {"diameter_m": 0.3, "pitch_m": 0.2, "measured_efficiency": 0.7},

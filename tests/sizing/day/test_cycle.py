@@ -7,11 +7,7 @@ import numpy as np
 import pytest
 from plain_days import TIME, battery, rate_per_h, sun
 
-from sizing.battery.battery import (
-    NoChargeLimit,
-    RuleChargeLimit,
-    TableChargeLimit,
-)
+from sizing.battery.battery import NoChargeLimit, RuleChargeLimit, TableChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.metrics import Status, equal_power

@@ -38,10 +38,7 @@ def atlantiksolar(voltage=VOLTAGE, **parts):
     return own
 
 
-AIRCRAFT = {
-    "atlantiksolar": atlantiksolar(),
-    "twin-boom": sizing.load_aircraft("twin-boom-design"),
-}
+AIRCRAFT = {"atlantiksolar": atlantiksolar(), "twin-boom": sizing.load_aircraft("twin-boom-design")}
 
 
 def rough(all_day=0.0, thermal=0.0):

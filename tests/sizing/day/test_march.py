@@ -9,12 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from step_by_step import balance_of, march
 
-from sizing.battery.battery import (
-    Battery,
-    NoChargeLimit,
-    RuleChargeLimit,
-    TableChargeLimit,
-)
+from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit, TableChargeLimit
 from sizing.day.balance import PowerBalance, crossing_fraction, positive_part_wh, ramp_fraction
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle

@@ -12,10 +12,7 @@ from sizing.layout.cells import CellLayout, LayoutError, Wing
 
 SUNPOWER = {"cell_span_m": 0.125, "cell_chord_m": 0.125}
 # Modules of AS-2: 20 cells in each central row and 12 in each outer one (docs/shading.md).
-AS2_BAYS = [
-    {"outboard": 0.4528, "cells": [10, 10]},
-    {"inboard": 0.4528, "cells": [12, 12]},
-]
+AS2_BAYS = [{"outboard": 0.4528, "cells": [10, 10]}, {"inboard": 0.4528, "cells": [12, 12]}]
 
 
 def laid(base="atlantiksolar-design", area_m2=1.35, **layout):

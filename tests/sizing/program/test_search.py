@@ -69,11 +69,7 @@ CASES = {
 
 def size(case):
     return size_aircraft(
-        case.plane,
-        case.mission,
-        case.objective,
-        case.solar,
-        required_excess_time_h=case.required_h,
+        case.plane, case.mission, case.objective, case.solar, required_excess_time_h=case.required_h
     )
 
 
@@ -143,11 +139,7 @@ def test_wing_loading_and_mass_limits_are_kept():
 
 @pytest.mark.parametrize("objective", SINGLE_OBJECTIVES)
 def test_result_does_not_depend_on_the_starting_design(objective):
-    starts = (
-        (5.65, 2.918, 1.35),
-        (2.1, 0.3, 0.12),
-        (9.0, 0.5, 0.2),
-    )
+    starts = ((5.65, 2.918, 1.35), (2.1, 0.3, 0.12), (9.0, 0.5, 0.2))
     found = []
     for span, battery, area in starts:
         plane = aircraft(
@@ -177,12 +169,7 @@ def test_result_does_not_depend_on_the_starting_design(objective):
             None,
             "energy_balance",
         ),
-        (
-            {"latitude_deg": 80.0, "dates": {"on": "12-21"}},
-            MIN_SPAN,
-            1.0,
-            "energy_balance",
-        ),
+        ({"latitude_deg": 80.0, "dates": {"on": "12-21"}}, MIN_SPAN, 1.0, "energy_balance"),
     ],
     ids=["payload", "60 h", "wind", "winter", "polar night"],
 )

@@ -41,10 +41,7 @@ aircraft = partial(builders.aircraft, "atlantiksolar-design")
 
 @pytest.mark.parametrize(
     ("objective", "key"),
-    [
-        (Objective.max_payload_mass, "mass_kg"),
-        (Objective.max_payload_power, "power_w"),
-    ],
+    [(Objective.max_payload_mass, "mass_kg"), (Objective.max_payload_power, "power_w")],
 )
 def test_largest_payload_is_carried_and_a_little_more_is_not(objective, key):
     plane = aircraft("design_space.wingspan_m.maximum=5.65")

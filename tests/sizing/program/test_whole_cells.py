@@ -161,11 +161,7 @@ def test_strings_leave_numbers_of_cells_out():
         "mpp_voltage_v": 0.63,
         "open_circuit_voltage_v": 0.73,
         "mpp_current_a": 5.9,
-        "mppt": {
-            "minimum_voltage_v": 9.0,
-            "maximum_voltage_v": 16.0,
-            "maximum_current_a": 7.0,
-        },
+        "mppt": {"minimum_voltage_v": 9.0, "maximum_voltage_v": 16.0, "maximum_current_a": 7.0},
     }
     layout = WHOLE_CELLS | {"bays": [{"cells": [18, 18]}], "strings": strings}
     cells = sized(plane(layout)).whole_cells

@@ -14,11 +14,7 @@ from missions.air import gust_speed_fraction
 from sizing.aircraft import Propulsion
 from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
 from sizing.structures.assessment import assess
-from sizing.structures.loads import (
-    Station,
-    StructureInputs,
-    stations,
-)
+from sizing.structures.loads import Station, StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.torsion import WingTorsion
 

@@ -8,12 +8,7 @@ from missions.uncertainty import Normal
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import MISSION_PREFIX, parameter_value
-from sizing.uncertainty.inputs import (
-    SOLAR_MODEL,
-    UncertainInput,
-    UncertainInputs,
-    uncertain_inputs,
-)
+from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInput, UncertainInputs, uncertain_inputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
 
 DESIGN = {

@@ -427,10 +427,7 @@ def test_closed_pipe_ends_quietly(tmp_path):
     assert b"Exception" not in said
 
 
-STOPPED = {
-    "SIGINT": "solar-uav: stopped by Ctrl-C",
-    "SIGTERM": "solar-uav: stopped by SIGTERM",
-}
+STOPPED = {"SIGINT": "solar-uav: stopped by Ctrl-C", "SIGTERM": "solar-uav: stopped by SIGTERM"}
 
 
 @pytest.mark.parametrize(

@@ -56,10 +56,7 @@ def test_sampled_days_are_those_of_the_whole_year(latitude):
 
 @pytest.mark.parametrize(
     ("model", "avionics_w"),
-    [
-        (SolarModel("CDM"), 18.75),
-        pytest.param(SolarModel("FM"), 17.75, marks=pytest.mark.long),
-    ],
+    [(SolarModel("CDM"), 18.75), pytest.param(SolarModel("FM"), 17.75, marks=pytest.mark.long)],
 )
 def test_two_windows_between_the_tropics_are_both_found(model, avionics_w):
     """At the equator the sun is highest at the equinoxes: the solstices are the dark seasons."""

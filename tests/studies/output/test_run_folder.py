@@ -83,10 +83,7 @@ def test_the_record_of_a_run(run, tmp_path):
             "source": f"{DESIGN} (shipped)",
             "sha256": hashlib.sha256(shipped).hexdigest(),
         },
-        "mission": {
-            "source": "field.yaml",
-            "sha256": hashlib.sha256(FIELD.encode()).hexdigest(),
-        },
+        "mission": {"source": "field.yaml", "sha256": hashlib.sha256(FIELD.encode()).hexdigest()},
     }
     assert record.keys() >= {"version", "python", "libraries", "model", "correction"}
     assert record["libraries"].keys() >= {"numpy", "casadi"}

@@ -91,10 +91,7 @@ def test_a_margin_is_the_sizing_of_a_mission_that_has_it(design, objective):
     guarded = both.with_margin
     margins = {"uncertainty_margins.solar_model_sigmas": 1.0}
     alone = sizing.size(
-        design,
-        missions.load_mission("rafz-july", margins),
-        objective,
-        required_excess_time_h=2.0,
+        design, missions.load_mission("rafz-july", margins), objective, required_excess_time_h=2.0
     )
     # Two ways to the same optimum, to the tolerance of the search.
     assert guarded.result.objective_value == pytest.approx(alone.result.objective_value, rel=2e-3)

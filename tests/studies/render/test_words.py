@@ -24,10 +24,7 @@ def aircraft():
         ),
         ("battery_capacity (45° N, 15 Aug)", "battery capacity for the night at 45° N, 15 Aug"),
         ("module_coverage", "modules over wing area (airframe.maximum_module_coverage)"),
-        (
-            "wingspan_m at its maximum",
-            "wingspan at its maximum (design_space.wingspan_m.maximum)",
-        ),
+        ("wingspan_m at its maximum", "wingspan at its maximum (design_space.wingspan_m.maximum)"),
         ("wingspan_m at its bound", "wingspan at its bound (design_space.wingspan_m)"),
         (
             "total_mass_kg at its maximum",

@@ -44,11 +44,7 @@ def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it():
         "motor": "maxon-re40-148867",
         "controller": {"resistance_ohm": 0.02},
     }
-    voltage = {
-        "cells_in_series": 6,
-        "state_of_charge": [0.0, 1.0],
-        "cell_voltage_v": [3.0, 4.2],
-    }
+    voltage = {"cells_in_series": 6, "state_of_charge": [0.0, 1.0], "cell_voltage_v": [3.0, 4.2]}
     changes = {"airframe.propulsion": parts, "battery.voltage": voltage}
     craft = load_aircraft("atlantiksolar-design", changes)
     assert "2 propellers of 0.66 m diameter" in Drawing(craft).notes[-1]

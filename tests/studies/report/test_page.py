@@ -1,13 +1,7 @@
 """The report in a browser: it asks for nothing, fits any window, can be read by all, and prints."""
 
 import pytest
-from browser_pages import (
-    DESKTOP,
-    PHONE,
-    accessibility_problems,
-    sheets,
-    too_wide,
-)
+from browser_pages import DESKTOP, PHONE, accessibility_problems, sheets, too_wide
 from builders import AS2, DESIGN, SKY_SAILOR, mission, shipped_mission
 
 from sizing.results.sizing import size

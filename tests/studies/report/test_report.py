@@ -205,8 +205,7 @@ def test_uncertain_inputs_are_reported_where_a_file_has_them():
 
 def test_command_writes_the_page_of_the_folder_of_a_sizing(run, tmp_path):
     sized = run(
-        *("size", "sky-sailor", "-m", "rafz-july", "--out", "sized"),
-        *("--sensitivities", "--json"),
+        *("size", "sky-sailor", "-m", "rafz-july", "--out", "sized"), *("--sensitivities", "--json")
     )
     assert sized.code == 0, sized.err
     told = run("report", "sized", "--out", "report.html")
@@ -328,11 +327,7 @@ def test_a_sizing_ends_with_the_same_by_each_class_of_building():
     section = sizing_section(dataclasses.replace(subject, sizing=study.to_dict()))
     assert section is not None
     rows = section.blocks[-1].rows
-    assert [row[0] for row in rows] == [
-        "record (this file)",
-        "careful",
-        "ordinary",
-    ]
+    assert [row[0] for row in rows] == ["record (this file)", "careful", "ordinary"]
 
 
 def test_a_design_on_the_edge_has_no_margins():

@@ -7,13 +7,7 @@ import missions
 import sizing
 from sizing.performance import performance
 from studies.output.gridded import to_table
-from studies.sweeps.results import (
-    SweepResult,
-    best_first,
-    pareto_table,
-    point_names,
-    sorted_by,
-)
+from studies.sweeps.results import SweepResult, best_first, pareto_table, point_names, sorted_by
 from studies.sweeps.study import sweep
 
 MISSION = missions.load_mission("rafz-july")
