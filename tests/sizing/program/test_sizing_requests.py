@@ -458,6 +458,7 @@ def test_wind_and_limits_in_the_way_are_told(key, requested, direction, unit):
     assert not sizing(short)[2].feasible
 
 
+BAND = {"to_deg": 50.0, "count": 3}
 MIDNIGHT_SUN = {"latitude_deg": 85.0, "dates": {"on": "07-15"}}
 
 
@@ -548,33 +549,27 @@ def relaxed(plane, flight, key):
     return found
 
 
-def test_the_nearest_latitude_that_helps_is_told():
-    def at(place):
-        return mission(latitude_deg=place, dates={"on": "10-01"})
+@pytest.mark.parametrize(
+    ("key", "place", "date", "present", "direction", "back"),
+    [
+        ("", lambda here: here, "10-01", 64.0, "at most", 0.25),
+        # In northern summer the nights are longest at the southern end.
+        (".from_deg", lambda here: BAND | {"from_deg": here}, "06-21", -20.0, "at least", -0.25),
+    ],
+    ids=["nearest latitude", "end of a band"],
+)
+def test_the_latitude_that_holds_back_is_moved(key, place, date, present, direction, back):
+    def at(latitude_deg):
+        return mission(latitude_deg=place(latitude_deg), dates={"on": date})
 
-    def sized(place):
-        return size_aircraft(aircraft(*SMALL_WINGS), at(place), Objective.max_excess_time)
+    def sized(latitude_deg):
+        return size_aircraft(aircraft(*SMALL_WINGS), at(latitude_deg), Objective.max_excess_time)
 
-    found = relaxed(aircraft(*SMALL_WINGS), at(64.0), "mission.latitude_deg")
-    assert (found.direction, found.present) == ("at most", 64.0)
+    found = relaxed(aircraft(*SMALL_WINGS), at(present), f"mission.latitude_deg{key}")
+    assert (found.direction, found.present) == (direction, present)
     assert sized(found.value).feasible
     # One step back towards the mission's latitude there is no design.
-    assert not sized(found.value + 0.25).feasible
-
-
-def test_the_end_of_a_band_that_holds_back_is_moved():
-    # In northern summer the nights are longest at the southern end.
-    def over(from_deg):
-        band = {"from_deg": from_deg, "to_deg": 50.0, "count": 3}
-        return mission(latitude_deg=band, dates={"on": "06-21"})
-
-    def sized(from_deg):
-        return size_aircraft(aircraft(*SMALL_WINGS), over(from_deg), Objective.max_excess_time)
-
-    found = relaxed(aircraft(*SMALL_WINGS), over(-20.0), "mission.latitude_deg.from_deg")
-    assert (found.direction, found.present) == ("at least", -20.0)
-    assert sized(found.value).feasible
-    assert not sized(found.value - 0.25).feasible
+    assert not sized(found.value + back).feasible
 
 
 def test_a_relaxed_value_has_three_digits_on_the_safe_side():

@@ -240,15 +240,6 @@ def test_a_record_tells_the_cold_of_its_days():
     assert f"unheated {closes} instead of {before} days close" in noted[BATTERY].text
 
 
-def test_a_record_of_the_ground_is_refused_in_thin_air(run, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "300")
-    call = ("analyse", "atlantiksolar-as2", "--weather", "colorado-2023")
-    high = run(*call, "--set", "mission.altitude_m=12000")
-    assert high.code == 2
-    assert "a flight through a record is below 12000 m" in high.err
-    assert len(high.err.strip().splitlines()) == 1
-
-
 def test_the_error_of_the_sun_is_not_told_as_known_high_up():
     known, unknown = (
         str(analyse(DESIGN, mission(altitude_m=h, dates={"on": "06-21"}))) for h in (8999.0, 9001.0)

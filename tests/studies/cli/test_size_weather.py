@@ -31,21 +31,6 @@ def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     assert again["total_mass_kg"] == pytest.approx(written["total_mass_kg"], rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("space", "said"),
-    [
-        ("", "flights through a weather record keep their altitude: leave out climb"),
-        (", design_space: {ceiling_m: {minimum: 1, maximum: 9}}", "are not chosen by size"),
-    ],
-)
-def test_no_climbs_in_a_record(run, record, space, said):
-    climb = ("--set", f"mission.climb={{ceiling_m: 3000{space}}}")
-    done = run("size", DESIGN, *JULY, *climb, "--weather", record, "--survive", "0.5")
-    assert done.code == 2
-    assert said in " ".join(done.err.split())
-    assert len(done.err.strip().splitlines()) == 1
-
-
 def test_a_record_without_a_day_of_the_season(run, record):
     dates = ("-m", "rafz-july", *PLACE, "--set", "mission.dates={from: 12-30, to: 01-02}")
     done = run("size", DESIGN, *dates, "--weather", record, "--survive", "0.5")

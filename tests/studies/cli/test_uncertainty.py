@@ -33,6 +33,3 @@ def test_mistakes_name_file_and_line(run, tmp_path):
     done = run("uncertainty", str(path))
     assert done.code == 2
     assert f"wide.yaml:{line}:5: uncertainty.inputs.modules.efficiency_stc" in done.err
-    bare = run("uncertainty", "atlantiksolar-as2", "--no-model-error")
-    assert bare.code == 2
-    assert "has an uncertain input" in bare.err

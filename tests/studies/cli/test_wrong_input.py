@@ -94,6 +94,7 @@ FILES = {
     "latin.yaml": "name: caf\xe9\n",
     "flight.csv": "time_s\n",
     "mp.yaml": "name: mp\n",
+    "bare.yaml": "name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n",
     "climb.yaml": "name: climb\nlatitude_deg: 47.6\ndates: {on: 06-21}\naltitude_m: 536\n"
     "climb:\n  ceiling_m: 3536\n",
 }
@@ -101,6 +102,9 @@ POLAR_NIGHT = "--set mission.latitude_deg=85 --set 'mission.dates={on: 12-21}'"
 LAUNCH = "'mission.launch={date: 07-01, time_local: 10:00, duration_h: 20}'"
 CLIMB_POWER = "airframe.propulsion.climb_power_ratio"
 COLORADO = "--weather colorado-2023"
+IN_COLORADO = "--set mission.latitude_deg=40.53 --set mission.altitude_m=2300"
+CLIMB = "--set 'mission.climb={{ceiling_m: 3000{}}}'"
+CHOSEN = ", design_space: {ceiling_m: {minimum: 1, maximum: 9}}"
 WINDS = "--set 'mission.wind={percentile: 95}'"
 HOLDING = (
     f"{WINDS} --set mission.altitude_m=12000 --set mission.air={{}} --set mission.dates.on=07-01"
@@ -123,6 +127,7 @@ STRINGS = (
     "mppt: {minimum_voltage_v: 9, maximum_voltage_v: 16, maximum_current_a: 7}}"
 )
 WRONG_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:inf", "0:9:1e-320"]
+NO_OBJECTIVES = ("fun", "longest_season")
 LETTERS = "a name has letters, digits, '-', '_' and '.', at most 64 of them"
 DEVICES = ("CON", "nul.yaml", "Aux", "com1", "LPT9.v2.yml", "prn.2")
 # Calls by what they begin with: the rest, and a part of the message.
@@ -195,6 +200,7 @@ REFUSALS = {
         ("--weather none.epw", "none.epw: there is no such file"),
         ("--weather colorado", "there is no such file, and none is shipped but colorado-2023"),
         ("--weather=", "'': there is no such file"),
+        (f"{COLORADO} --set mission.altitude_m=12000", "a flight through a record is below 12000"),
         (f"-m rafz-july {COLORADO}", "km from the mission rafz-july; allowed: up to 1000 km"),
         (f"--latitude 10 {COLORADO}", "a weather record has its own place"),
         (f"--date 06-21 {COLORADO}", "own days: give --date or --weather"),
@@ -281,6 +287,11 @@ REFUSALS = {
         (f"{COLORADO} --survive 0.5 --required-excess-time 2", "time is of repeated clear days"),
         (f"{COLORADO} --survive 0.5 --objective longest_season", "longest_season counts days or"),
         (f"{COLORADO} --survive 0.5", "set the mission's latitude_deg"),
+        (
+            f"{COLORADO} --survive 0.5 {IN_COLORADO} {CLIMB.format('')}",
+            "keep their altitude",
+        ),
+        (f"{COLORADO} --survive 0.5 {IN_COLORADO} {CLIMB.format(CHOSEN)}", "not chosen by size"),
         ("--dpi 300", "--dpi is of the figure: give --out too"),
     ],
     f"size {DESIGN} -m central-europe-summer --required-excess-time 3 --whole-cells": [
@@ -352,7 +363,32 @@ REFUSALS = {
         ("", "Missing option '--out'"),
         ("--out report.txt", "must end in .html or .pdf"),
     ],
-    f"compare {AS2}": [("--dpi 300", "--dpi is of the figure: give --plot or --out too")],
+    f"compare {AS2}": [
+        ("--dpi 300", "--dpi is of the figure: give --plot or --out too"),
+        ("--models CAM,XM", "'XM' is not one of CDM, CAM, VM, FM"),
+        ("--models ''", "'' is not one of CDM, CAM, VM, FM"),
+        ("--corrections all", "'all' is not one of none, report, loiter"),
+        *[(f"--objective {name}", f"'{name}' is not one of 'max_") for name in NO_OBJECTIVES],
+        *[(f"--required-excess-time {hours}", "--required-excess-time") for hours in ("nan", -1)],
+        ("--out x --csv y.csv", "give --out, or --table and --plot, not both"),
+        ("--table a.png", "'a.png' must end in .csv, .parquet, .xlsx"),
+        ("--table ''", "needs the name of a file"),
+        ("--plot figure.doc", "must end in .png, .svg, .pdf"),
+        ("--models FM -m bare.yaml", "--models FM needs a flight path"),
+        ("--set mission.latitude_deg=89 --set 'mission.dates={on: 12-21}'", "polar night"),
+    ],
+    "compare": [
+        ("sky-sailor --models CAM,VM", "modules: --models VM needs the module surfaces"),
+        ("sky-sailor --corrections loiter", "--corrections loiter needs the module"),
+        ("atlantiksolar-as3", f"did you mean '{AS2}'"),
+    ],
+    f"verify {AS2} flight.csv": [
+        ("--timezone Nowhere/Town", "must be UTC, an offset like +02:00"),
+        ("--column power=P", "no such quantity"),
+        ("--filter nan", "must be a number of seconds"),
+        ("--window 9:8", "must be a:b in solar hours"),
+    ],
+    "uncertainty": [(f"{AS2} --no-model-error", "has an uncertain input")],
     f"map {DESIGN}": [
         (f"-m climb.yaml --resize min_mass --set {CLIMB_POWER}=1", "allowed: above 1 (got 1)"),
         (f"{HOLDING} {POLAR}", "latitude_deg -88 to 88 (got"),

@@ -571,21 +571,6 @@ def test_result_prints_itself_and_reads_its_own_log(log_file):
         verify(aircraft(), log_file, windows=["9:8"])
 
 
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        (["--timezone", "Nowhere/Town"], "must be UTC, an offset like +02:00"),
-        (["--column", "power=P"], "no such quantity"),
-        (["--filter", "nan"], "must be a number of seconds"),
-        (["--window", "9:8"], "must be a:b in solar hours"),
-    ],
-)
-def test_command_refuses_wrong_options(log_file, options, expected):
-    result = run(log_file, *options)
-    assert result.exit_code == 2
-    assert expected in " ".join(result.output.split()).replace("│ ", "")
-
-
 def test_command_names_mistakes_in_the_map(log_file, tmp_path):
     file = tmp_path / "map.yaml"
     file.write_text("columns:\n  solar_power_w: P\ntimezone: 25\n")

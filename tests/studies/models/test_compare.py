@@ -2,7 +2,6 @@
 
 import json
 from itertools import product
-from pathlib import Path
 
 import pytest
 
@@ -241,47 +240,6 @@ def test_no_design_at_all_ends_with_1(run):
     record = result.json()
     assert record["cases"][0]["design"]["status"] == "infeasible"
     assert record["cases"][0]["design"]["violated_requirements"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--models", "CAM,XM"], "'XM' is not one of CDM, CAM, VM, FM"),
-        (["--models", ""], "'' is not one of CDM, CAM, VM, FM"),
-        (["--corrections", "all"], "'all' is not one of none, report, loiter"),
-        (["--objective", "fun"], "'fun' is not one of"),
-        (["--objective", "longest_season"], "'longest_season' is not one of 'max_excess_time'"),
-        (["--required-excess-time", "nan"], "--required-excess-time"),
-        (["--required-excess-time", "-1"], "--required-excess-time"),
-        (["--out", "x", "--csv", "y.csv"], "give --out, or --table and --plot, not both"),
-        (["--table", "a.png"], "'a.png' must end in .csv, .parquet, .xlsx"),
-        (["--table", ""], "needs the name of a file"),
-        (["--plot", "figure.doc"], "must end in .png, .svg, .pdf"),
-    ],
-)
-def test_wrong_options_end_with_2(run, arguments, said):
-    result = run("compare", AS2, *arguments)
-    assert (result.code, result.out) == (2, "")
-    assert said in result.err
-    assert not list(Path().iterdir())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["sky-sailor", "--models", "CAM,VM"], "modules: --models VM needs the module surfaces"),
-        (["sky-sailor", "--corrections", "loiter"], "--corrections loiter needs the module"),
-        ([AS2, "--models", "FM", "-m", "bare.yaml"], "--models FM needs a flight path"),
-        ([AS2, "--set", "mission.latitude_deg=89.0", "--set", "mission.dates={on: 12-21}"], "polar night"),  # noqa: E501
-        ([AS2, "--set", "battery.mas_kg=1"], "did you mean 'mass_kg'"),
-        (["atlantiksolar-as3"], "did you mean 'atlantiksolar-as2'"),
-    ],
-)  # fmt: skip
-def test_wrong_input_is_named_with_exit_code_2(arguments, said, tmp_path, run):
-    (tmp_path / "bare.yaml").write_text("name: bare\nlatitude_deg: 45.0\ndates: {on: 06-21}\n")
-    outcome = run("compare", *arguments)
-    assert (outcome.code, "Traceback" in outcome.err) == (2, False)
-    assert said in outcome.err
 
 
 def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path, run):
