@@ -298,8 +298,8 @@ class Aircraft(FileRecord):
         """Text of every file named by the aircraft, by path; see :func:`texts_as_read`."""
         texts = user_entries(self.modules, "cell") | user_entries(self.battery, "cell")
         texts |= user_entries(self.modules, "mppt_board")
-        propulsion = getattr(self.airframe, "propulsion", None)
-        if propulsion is not None and isinstance(propulsion.motor, str):
+        propulsion = self.propulsion
+        if isinstance(propulsion.motor, str):
             texts |= user_entries(propulsion, "motor")
         if isinstance(propulsion, OperatingPointPropulsion):
             texts |= propulsion.propeller.texts_read()
@@ -322,9 +322,14 @@ class Aircraft(FileRecord):
         return self.model_copy(update={"airframe": airframe})
 
     @property
+    def propulsion(self) -> AnyPropulsion:
+        """Propulsion of the file; constants that play no part for a measured aircraft."""
+        return getattr(self.airframe, "propulsion", None) or Propulsion()
+
+    @property
     def propulsion_by_parts(self) -> OperatingPointPropulsion | None:
         """Propulsion at its operating point; None for constants and measured aircraft."""
-        propulsion = getattr(self.airframe, "propulsion", None)
+        propulsion = self.propulsion
         return propulsion if isinstance(propulsion, OperatingPointPropulsion) else None
 
     def reading_notes(self) -> list[str]:
@@ -344,12 +349,7 @@ class Aircraft(FileRecord):
         entries = catalogue_values(self.modules, "modules.") + catalogue_values(
             self.battery, "battery."
         )
-        propulsion = getattr(self.airframe, "propulsion", None)
-        if isinstance(propulsion, Propulsion):
-            entries += catalogue_values(propulsion, "airframe.propulsion.")
-        elif isinstance(propulsion, OperatingPointPropulsion):
-            entries += propulsion.catalogue_values()
-        return entries
+        return entries + self.propulsion.catalogue_values()
 
     @model_validator(mode="before")
     @classmethod

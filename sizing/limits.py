@@ -130,13 +130,11 @@ def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
 
     They are empty where limits make operating points infeasible, or there is nothing to choose.
     """
-    propulsion, design = it.aircraft.propulsion_by_parts, it.design
-    if propulsion is None or (propulsion.is_exact and propulsion.is_limited):
-        return {}
+    parts, design = it.aircraft.propulsion_by_parts, it.design
     free = it.aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES)
-    if not (propulsion.is_exact or free):
+    if parts is None or parts.is_limited or not (parts.is_exact or free):
         return {}
-    sized = propulsion.sized(*design.variables.of_propulsion)
+    sized = parts.sized(*design.variables.of_propulsion)
     speed_m_per_s, air = design.airspeed_m_per_s, it.conditions.air
     turns, shaft_w, _ = sized.propeller_state(design.thrust_power_w, speed_m_per_s, air)
     empty_v, _ = bus_voltage_v(it.aircraft)

@@ -225,11 +225,10 @@ def closed_design(
             total = search.mass_kg.reshape(np.shape(arrays.wingspan_m))
             return parametric_design(aircraft, conditions, arrays, total)
 
-    propulsion = aircraft.propulsion_by_parts
-    if propulsion is None or not propulsion.is_exact:
+    if not aircraft.propulsion.is_exact:
         return closed(None)
-    chain = first_chain(propulsion).mapped(lambda value: np.full(np.shape(arrays[0]), value))
-    return _settled(closed, chain)
+    chain = aircraft.propulsion.first_chain()
+    return _settled(closed, chain.mapped(lambda value: np.full(np.shape(arrays[0]), value)))
 
 
 def _impossible_where(design: Design, missing: BoolArray) -> Design:
@@ -239,11 +238,6 @@ def _impossible_where(design: Design, missing: BoolArray) -> Design:
         masses=Masses(*(np.where(missing, np.inf, mass_kg) for mass_kg in design.masses)),
         propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
     )
-
-
-def first_chain(propulsion: OperatingPointPropulsion) -> Propulsion:
-    """Return the chain of parts with which the search of their operating point begins."""
-    return propulsion.with_links(Propulsion().links)
 
 
 def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -> Design:
@@ -281,8 +275,7 @@ def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
         design = measured_design(aircraft, mission)
         loading = float(design.total_mass_kg / design.wing_area_m2)
     else:
-        if (parts := aircraft.propulsion_by_parts) is not None:
-            aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
+        aircraft = aircraft.with_airframe(propulsion=aircraft.propulsion.first_chain())
         design = closed_design(aircraft, mission, variables_of(aircraft))
     known = design.airspeed_m_per_s
     if known is not None and np.isfinite(known):
@@ -348,7 +341,7 @@ def operating_reason(
     if propulsion is None:
         return ""
     variables = variables_of(aircraft) if variables is None else variables
-    chain, reason = first_chain(propulsion), ""
+    chain, reason = propulsion.first_chain(), ""
     for _ in range(_MASS_ROUNDS):
         design = closed_design(aircraft.with_airframe(propulsion=chain), mission, variables)
         if not np.isfinite(design.total_mass_kg):
@@ -366,7 +359,7 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     """Return the operating point of a propulsor of a design of known mass in level flight."""
     propulsion = aircraft.propulsion_by_parts
     assert propulsion is not None
-    usual, mass_kg = first_chain(propulsion), design.total_mass_kg
+    usual, mass_kg = propulsion.first_chain(), design.total_mass_kg
     flight = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
     power_w = flight.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air

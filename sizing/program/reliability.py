@@ -96,9 +96,8 @@ def with_design(aircraft: Aircraft, mission: Mission, design: Design) -> tuple[A
     """Return aircraft and mission with the variables of a design put in, unchecked."""
     chosen = design.variables.mapped(float).chosen()
     aircraft = without_whole_cells(aircraft)
-    if (propulsion := aircraft.propulsion_by_parts) is not None:
-        parts = propulsion.sized(*design.variables.of_propulsion)
-        aircraft = aircraft.with_airframe(propulsion=parts)
+    parts = aircraft.propulsion.sized(*design.variables.of_propulsion)
+    aircraft = aircraft.with_airframe(propulsion=parts)
     for key, name in variable_keys().items():
         if name in chosen and name not in PROPULSION_VARIABLES:
             aircraft, mission = with_parameter(aircraft, mission, key, chosen[name])

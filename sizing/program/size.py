@@ -55,7 +55,7 @@ def size_aircraft(
     task = SizingTask(aircraft, mission, objective, solar, light, required_h, bounds=bounds or {})
     first = None if start is None else task.first_values(start)
     search = best_search(task, first, stop_at_merit)
-    if explain and search.best is None and aircraft.propulsion_by_parts is not None:
+    if explain and search.best is None and aircraft.propulsion.is_limited:
         _check_parts(best_search(replace(task, beyond_limits=True), first))
     result = _explained(search) if explain and search.best is None else _result(search)
     if result.simulated is not None and mission.holds_station:
@@ -93,7 +93,7 @@ def best_search(
 def _check_held(task: SizingTask, perf: Performance) -> None:
     """Refuse parts that cannot hold the wind: a search knows them near the design's airspeed."""
     loads_w = np.asarray(perf.nominal_load_w)
-    if task.aircraft.propulsion_by_parts is not None and np.any(loads_w > NO_FLIGHT_W / 2.0):
+    if task.aircraft.propulsion.is_limited and np.any(loads_w > NO_FLIGHT_W / 2.0):
         wind, mission = np.max(task.winds_m_per_s), task.mission
         raise ImpossibleDesignError(
             f"the propulsion of {task.aircraft.name} cannot hold the wind of {wind:.3g} m/s on "

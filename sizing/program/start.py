@@ -7,7 +7,7 @@ import numpy as np
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables
 from sizing.limits import MASS_BUDGET, design_requirements
-from sizing.mass_budget import closed_design, first_chain
+from sizing.mass_budget import closed_design
 from sizing.program.objectives import Objective
 from sizing.program.task import SizingTask
 from solar.types import FloatArray
@@ -21,9 +21,7 @@ _ROUGHLY = 1e-3  # of masses, of which the grid is far coarser
 def most_promising(task: SizingTask) -> DesignVariables:
     """Return the design of the grid that misses least; of those that miss nothing the best."""
     grid = grid_of(task.aircraft)
-    aircraft = task.aircraft
-    if (parts := aircraft.propulsion_by_parts) is not None:
-        aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
+    aircraft = task.aircraft.with_airframe(propulsion=task.aircraft.propulsion.first_chain())
     with np.errstate(all="ignore"):
         design = closed_design(aircraft, task.conditions, grid, relative_tolerance=_ROUGHLY)
         missed = missed_by(task, design)

@@ -27,7 +27,6 @@ from sizing.program.variables import (
     Variable,
     chosen_variables,
 )
-from sizing.propulsion.chain import UnlimitedPropulsion
 from solar.types import BoolArray, FloatArray
 
 Values = Mapping[str, float]
@@ -142,10 +141,7 @@ class SizingTask:
     @cached_property
     def simulated_aircraft(self) -> Aircraft:
         """Aircraft that designs are simulated with: limits of propulsion parts are rows."""
-        parts = self.aircraft.propulsion_by_parts
-        if parts is None:
-            return self.aircraft
-        return self.aircraft.with_airframe(propulsion=UnlimitedPropulsion.of(parts))
+        return self.aircraft.with_airframe(propulsion=self.aircraft.propulsion.without_limits())
 
     @property
     def maximises_excess(self) -> bool:
@@ -201,10 +197,8 @@ class SizingTask:
         chosen = {name: float(value) for name, value in variables.chosen().items()}
         values: dict[str, float] = {USER_OBJECTIVE: 0.0} | self.held
         values[TOTAL_MASS] = TOTAL_OVER_BATTERY_MASS * chosen["battery_mass_kg"]
-        if (parts := self.aircraft.propulsion_by_parts) is not None:
-            shaft = parts.propeller.diameter_m, parts.propeller.pitch_m, parts.gear.ratio
-            known = (*shaft, parts.motor_constants.speed_constant_rpm_per_v)
-            values |= {n: v for n, v in zip(PROPULSION_VARIABLES, known, strict=True) if v}
+        known = zip(PROPULSION_VARIABLES, self.aircraft.propulsion.sizes, strict=False)
+        values |= {name: float(value) for name, value in known if value}
         values |= {v.name: chosen[v.name] for v in self.variables if v.name in chosen}
         values |= {v.name: v.minimum for v in self.variables if v.name not in values}
         return self.within_bounds(values)

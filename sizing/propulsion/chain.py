@@ -110,6 +110,10 @@ class Propulsion(CatalogueRecord):
     """
 
     _entries: ClassVar[Mapping[str, Kind]] = {"motor": "motors"}
+    # Constants have no operating points, limits or sizes.
+    is_exact: ClassVar[bool] = False
+    is_limited: ClassVar[bool] = False
+    sizes: ClassVar[tuple[Value, ...]] = ()
 
     kind: Literal["constant"] = "constant"
     motor: Text | None = None
@@ -126,6 +130,22 @@ class Propulsion(CatalogueRecord):
     mass_model: _MassModel | None = None
     efficiency_model: _EfficiencyModel | None = None
     _check_rating = model_validator(mode="after")(_with_one_rating)
+
+    def sized(self, *_: Value | None) -> Self:
+        """Return the chain, whose efficiencies are the same at any size."""
+        return self
+
+    def without_limits(self) -> Self:
+        """Return the chain, which has none."""
+        return self
+
+    def first_chain(self) -> Propulsion:
+        """Return the chain with which a search of the operating point begins: it is known."""
+        return self
+
+    def catalogue_values(self) -> list[CatalogueValue]:
+        """Return the values from the catalogue of motors, with their sources."""
+        return catalogue_values(self, "airframe.propulsion.")
 
     def in_level_flight(
         self, power_w: Value, airspeed_m_per_s: Value, density_kg_per_m3: Value
@@ -260,6 +280,21 @@ class OperatingPointPropulsion(Record):
             maximum_tip_mach=self.maximum_tip_mach,
             limited=self.is_limited,
         )
+
+    @property
+    def sizes(self) -> tuple[Value | None, ...]:
+        """Sizes as the file has them, in the order of :meth:`sized`."""
+        shaft = self.propeller.diameter_m, self.propeller.pitch_m, self.gear.ratio
+        return *shaft, self.motor_constants.speed_constant_rpm_per_v
+
+    def without_limits(self) -> UnlimitedPropulsion:
+        """Return these parts without their limits."""
+        fields = {name: getattr(self, name) for name in OperatingPointPropulsion.model_fields}
+        return UnlimitedPropulsion.model_construct(**fields)
+
+    def first_chain(self) -> Propulsion:
+        """Return the chain with which the search of the operating point begins."""
+        return self.with_links(Propulsion().links)
 
     def catalogue_values(self) -> list[CatalogueValue]:
         """Return the values of propeller and motor from catalogues, with their sources."""
@@ -410,12 +445,6 @@ class UnlimitedPropulsion(OperatingPointPropulsion):
     """Parts whose limits are not checked: a program has them as constraints. Not in files."""
 
     is_limited = False
-
-    @classmethod
-    def of(cls, parts: OperatingPointPropulsion) -> UnlimitedPropulsion:
-        """Return these parts without their limits."""
-        fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
-        return cls.model_construct(**fields)
 
 
 def chain_of_numbers(

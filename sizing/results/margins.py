@@ -89,14 +89,16 @@ def _of_parametric(
             "stall_margin", label("stall_margin"), float(flight.stall_margin), least, ""
         )
         yield margin_of_stall._replace(recommended=True)
-    yield from _of_climb(aircraft, mission, design, float(design.rated_power_w))
-    yield from _of_parts(aircraft, design)
+    yield from _of_propulsion(aircraft, mission, design, float(design.rated_power_w))
 
 
-def _of_climb(
+def _of_propulsion(
     aircraft: Aircraft, mission: Mission, design: Design, rated_w: float
 ) -> Iterator[RequirementMargin]:
-    """Yield the climb at the highest altitude: at rated power, and with an empty battery."""
+    """Yield the climb at the highest altitude: at rated power, and with an empty battery.
+
+    Then the limits of parts in level flight with an empty battery.
+    """
     highest_m = mission.ceiling_m
     there = mission.at_altitude(highest_m) if highest_m > mission.altitude_m else mission
     mass_kg = float(design.total_mass_kg)
@@ -125,16 +127,8 @@ def _of_climb(
     name, text = "climb_rate_with_empty_battery_m_per_s", f"climb rate, empty battery, {at}"
     climb = (most - 1.0) * thrust_w / weight_n
     yield _absolute(name, text, climb, 0.0, "m/s")._replace(recommended=True)
-
-
-def _of_parts(aircraft: Aircraft, design: Design) -> Iterator[RequirementMargin]:
-    """Yield the limits of a propulsion's parts in level flight with an empty battery."""
-    if (propulsion := aircraft.propulsion_by_parts) is None:
-        return
-    chosen = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     thrust_w = float(design.thrust_power_w)
     speed, air = float(design.airspeed_m_per_s), design.conditions.air
-    empty_v, _ = bus_voltage_v(aircraft)
     point = chosen.point(thrust_w, speed, air, (empty_v, empty_v))
     yield _at_most("duty", "duty of the controller, empty battery", float(point.duty), 1.0, "")
     mach = chosen.maximum_tip_mach

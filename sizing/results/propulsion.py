@@ -68,11 +68,12 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     The design may be an optimum with the aircraft's technology. An operating point is computed
     anew, at the design's mass.
     """
-    level_w, chain, point = float(design.propulsion_power_w), design.chain, None
+    level_w, chain = float(design.propulsion_power_w), design.chain
+    point = assumed = None
     watts, efficiencies = {"propulsion_w": level_w}, {}
     if chain is not None:
-        thrust_w = level_w * float(chain.efficiency)
-        efficiencies = chain.links
+        assumed = float(chain.efficiency)
+        thrust_w, efficiencies = level_w * assumed, chain.links
         if aircraft.propulsion_by_parts is not None:
             point = level_point(aircraft, mission, design)
             efficiencies = {k: float(getattr(point, f"{v}_efficiency")) for k, v in LINKS.items()}
@@ -93,7 +94,6 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
         "supply_loss_w": supplied_w - consumers_w,
         "heater_w": float(design.constant_power_w) - supplied_w,
     }
-    assumed = None if chain is None else float(chain.efficiency)
     return PowerBudget(watts, efficiencies, point, assumed)
 
 

@@ -167,7 +167,7 @@ class Propagation:
         self._direct: SolarDay | None = None
         self._best = Profiles({}, {}) if profiles is None else profiles
         # A propeller by tables has constant efficiencies here.
-        by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
+        by_table = isinstance(self.aircraft.propulsion, Propulsion)
         self._parts = aircraft.propulsion_by_parts if by_table else None
 
     def flights(
@@ -428,7 +428,7 @@ class Propagation:
         self, aircraft: Aircraft, name: str, factor: FloatArray
     ) -> tuple[str, FloatArray]:
         """Return key and values that apply a factor to a constant efficiency or mass."""
-        parts, chain = self._parts, getattr(aircraft.airframe, "propulsion", None)
+        parts, chain = self._parts, aircraft.propulsion
         assert parts is not None
         assert isinstance(chain, Propulsion)
         if name == _FACTOR:

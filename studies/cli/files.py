@@ -349,8 +349,7 @@ def require_climber(case: Case) -> None:
 
 def require_climb_power(case: Case) -> None:
     """Refuse a parametric aircraft that is sized for climbs without any power for them."""
-    propulsion = getattr(case.aircraft.airframe, "propulsion", None)
-    ratio = getattr(propulsion, "climb_power_ratio", None)
+    ratio = case.aircraft.propulsion.climb_power_ratio
     if case.mission.climb is not None and ratio is not None and ratio <= 1.0:
         message = (
             f"a mission with climb needs more power than level flight takes; allowed: above 1 "
