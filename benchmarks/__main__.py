@@ -14,7 +14,7 @@ from typing import Any
 import click
 
 from benchmarks.against_aerosandbox import map_against_aerosandbox, sizing_against_aerosandbox
-from benchmarks.commands import gallery, start_up, whole_commands
+from benchmarks.commands import start_up, whole_commands
 from benchmarks.day_and_night import one_day
 from benchmarks.map_scaling import (
     full_map,
@@ -32,7 +32,6 @@ from benchmarks.solar_power import module_power
 PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
     start_up,
     whole_commands,
-    gallery,
     module_power,
     one_day,
     sizing_against_aerosandbox,

@@ -1,4 +1,4 @@
-"""What a user waits for: start-up, whole commands and gallery scripts, each in a fresh process.
+"""What a user waits for: start-up and whole commands, each in a fresh process.
 
 Processor time counts the workers that a command starts. Beside it stand its two parts that no
 command can do without: the computing alone, in this process and warm, and the imports alone, all
@@ -26,7 +26,6 @@ from missions.library import load_mission
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 
-_EXAMPLES = Path(__file__).parents[1] / "examples"
 _AS2, _DESIGN, _MISSION = "atlantiksolar-as2", "atlantiksolar-design", "rafz-july"
 _FULL = ("--latitudes", "-90:90:1", "--days", "1:365:1")
 _RESIZED = ("--latitudes", "-70:70:10", "--days", "1:365:15")
@@ -80,18 +79,6 @@ def whole_commands() -> list[dict[str, Any]]:
         Command(("report", _AS2, "--out", "report.html")),
     )
     return [_command_row("whole command", command) for command in commands]
-
-
-def gallery() -> list[dict[str, Any]]:
-    """Every script of the gallery that needs no extra, with its figure."""
-    rows = []
-    for script in sorted(set(_EXAMPLES.glob("*.py")) - {_EXAMPLES / "openmdao_component.py"}):
-        spent = _least([sys.executable, str(script), "figure.png"])
-        rows.append(
-            row("gallery script", f"examples/{script.name}", spent.processor_s, None, None)
-            | {"wall_s": spent.wall_s}
-        )
-    return rows
 
 
 # ---- What the commands compute, without anything around it

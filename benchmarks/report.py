@@ -31,14 +31,6 @@ process, *imports* that of a process that only imports the same modules.
 
 """
 
-_GALLERY = """## Scripts of the gallery
-
-Every script of `examples/` in a fresh process, with its figure, on a machine about three times as
-fast as that of the other tables and before all sizings were one program: `climb_gain.py` and
-`span_for_a_season.py` take a minute or two now.
-
-"""
-
 _COMPUTING = """## Computing
 
 In a warm process. The ratio is the peer's time over the time of this project.
@@ -89,7 +81,6 @@ def markdown(parts: Parts) -> str:
     """Page with the tables of all lines and an explanation of each."""
     rows = [r for part in parts.values() for r in part["rows"]]
     commands = [r for r in rows if "modules" in r or r["name"] == "start-up"]
-    gallery = [r for r in rows if r["name"] == "gallery script"]
     others = [r for r in rows if "wall_s" not in r]
     named = {r["name"] for r in others}
     notes = [
@@ -99,7 +90,6 @@ def markdown(parts: Parts) -> str:
     ]
     tables = (
         (_COMMANDS, _COMMAND_HEADS, map(_command_cells, commands)),
-        (_GALLERY, ("script", "processor time", "wall time"), map(_script_cells, gallery)),
         (_COMPUTING, ("name", "work", "ours", "peer", "its time", "ratio"), map(_cells, others)),
     )
     return (
@@ -126,10 +116,6 @@ def _command_cells(r: Mapping[str, Any]) -> Sequence[str]:
     times = [r["ours_s"], r["wall_s"], computing_s, imports_s]
     shown = ["-" if t is None else duration(t) for t in times]
     return f"`{r['work']}`", str(r.get("modules", "-")), *shown, share
-
-
-def _script_cells(r: Mapping[str, Any]) -> Sequence[str]:
-    return f"`{r['work']}`", duration(r["ours_s"]), duration(r["wall_s"])
 
 
 def _cells(r: Mapping[str, Any]) -> Sequence[str]:

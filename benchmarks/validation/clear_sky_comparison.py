@@ -36,11 +36,10 @@ class Site:
     altitude_m: float
 
 
-RAFZ = Site("Rafz", 47.6, 8.53, 536.0)
 SITES = (
     Site("Singapore", 1.35, 103.82, 15.0),
     Site("Tucson", 32.22, -110.97, 750.0),
-    RAFZ,
+    Site("Rafz", 47.6, 8.53, 536.0),
     Site("Stockholm", 59.33, 18.07, 28.0),
     Site("Cape Town", -33.92, 18.42, 42.0),
 )
@@ -61,12 +60,8 @@ class Insolation:
     solis_wh: float
 
 
-def compare(sites: Sequence[Site] = SITES) -> list[Insolation]:
-    """Daily energies at sites in four seasons, by the module's definition.
-
-    Parameters
-    ----------
-    sites : sequence of Site
+def compare() -> list[Insolation]:
+    """Daily energies at five sites in four seasons, by the module's definition.
 
     Returns
     -------
@@ -77,7 +72,7 @@ def compare(sites: Sequence[Site] = SITES) -> list[Insolation]:
     ModuleNotFoundError
         If pvlib is not installed.
     """
-    return [_insolation(site, day) for site in sites for day in DAYS]
+    return [_insolation(site, day) for site in SITES for day in DAYS]
 
 
 def _insolation(site: Site, day: int) -> Insolation:

@@ -109,19 +109,19 @@ def _errors(
 
 
 def transfer_table(errors: Sequence[TransferredError]) -> Table:
-    """Row for each model, latitude and day, and a column for each wind [%]."""
-    winds = sorted({e.wind_m_per_s for e in errors})
-    rows: dict[tuple[str, float, int], dict[float, str]] = {}
+    """Row for each latitude and day, and a column for each model and wind [%]."""
+    cases = sorted({(e.model, e.wind_m_per_s) for e in errors})
+    rows: dict[tuple[float, int], dict[tuple[str, float], str]] = {}
     for e in errors:
         spread = f" ± {100 * e.half_range:.1f}" if e.wind_m_per_s > 0.0 else ""
-        row = rows.setdefault((e.model, e.latitude_deg, e.day_of_year), {})
-        row[e.wind_m_per_s] = f"{100 * e.error:+.1f}{spread}"
+        row = rows.setdefault((e.latitude_deg, e.day_of_year), {})
+        row[e.model, e.wind_m_per_s] = f"{100 * e.error:+.1f}{spread}"
     return Table(
         "error of daily solar energy [%]",
-        tuple(map(Column, ("model", "latitude", "date", *(f"{w:g} m/s" for w in winds)))),
+        tuple(map(Column, ("latitude", "date", *(f"{m}, {w:g} m/s" for m, w in cases)))),
         tuple(
-            (model, latitude_label(latitude), date_label(day), *(by_wind[w] for w in winds))
-            for (model, latitude, day), by_wind in sorted(rows.items())
+            (latitude_label(latitude), date_label(day), *(found[case] for case in cases))
+            for (latitude, day), found in sorted(rows.items())
         ),
         ("±: half the range over eight wind directions",),
     )

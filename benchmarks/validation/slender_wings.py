@@ -1,7 +1,6 @@
-"""Structure and aspect ratio: what is computed against what is published.
+"""What limits the aspect ratio: designs of least mass with it free.
 
-``python -m benchmarks.validation.slender_wings`` prints the tables of docs/validation.md
-(structures) and docs/structure.md (aspect ratios).
+``python -m benchmarks.validation.slender_wings`` prints the table of docs/structure.md.
 """
 
 from __future__ import annotations
@@ -11,9 +10,6 @@ from typing import Any
 
 from benchmarks.validation.built_aircraft import (
     ATLANTIKSOLAR,
-    SKY_SAILOR,
-    BuiltAircraft,
-    calibrated_rib_wing,
 )
 from benchmarks.validation.found_designs import CASES
 from missions.library import load_mission
@@ -23,26 +19,9 @@ from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.sized_structure import structure_assessment
-from sizing.structures.assessment import assess
 from studies.output.terminal import show
 from studies.render.tables import Column, Table
 
-# AC Propulsion's SoLong, flown 48 h in June 2005: 4.75 m, 28 lb, 44 % of it battery (The Engineer,
-# July 2005). Assumptions: 1.5 m2 of wing (76 cells alone are 1.2 m2), battery in the fuselage,
-# modules of 0.6 kg/m2, lift coefficient 0.8. Its structure was not published: it is less than what
-# battery and modules leave.
-SOLONG = BuiltAircraft(
-    name="SoLong",
-    wingspan_m=4.75,
-    aspect_ratio=4.75**2 / 1.5,
-    total_mass_kg=12.7,
-    battery_mass_kg=0.44 * 12.7,
-    module_area_m2=1.2,
-    span_load_kg=0.6 * 1.2,
-    lift_coefficient=0.8,
-    density_kg_per_m3=1.10,
-    level_flight_w=95.0,
-)
 LARGEST_ASPECT_RATIO = 40.0
 TIP_DEFLECTIONS = (0.05, 0.1, 0.2)
 _STRUCTURE = "airframe.structure"
@@ -76,53 +55,6 @@ class Slenderness:
     total_mass_kg: float
     structure_kg: float
     caps_sized_by: str
-
-
-def structure_table() -> Table:
-    """Structure of aircraft with published masses, by the calibrated rib wing."""
-    model = calibrated_rib_wing()
-    cases: list[tuple[BuiltAircraft, str, str]] = [
-        (ATLANTIKSOLAR, "1.30 to 1.40", "calibrated on it"),
-        (SKY_SAILOR, "0.725; first version about 0.6", _relative(SKY_SAILOR)),
-        (SOLONG, f"below {_left(SOLONG):.1f}", "not published"),
-    ]
-    rows: list[tuple[Any, ...]] = []
-    for case, published, difference in cases:
-        found = assess(model, case.inputs())
-        rows.append(
-            (
-                case.name,
-                case.wingspan_m,
-                case.aspect_ratio,
-                case.total_mass_kg,
-                published,
-                float(case.mass_kg(model)),
-                difference,
-                next(iter(found.spar_caps)).replace("_", " "),
-                found.nose.replace("_", " "),
-            )
-        )
-    columns = (
-        Column("aircraft"),
-        Column("wingspan", unit="m", form=".3g"),
-        Column("aspect ratio", form=".3g"),
-        Column("total mass", unit="kg", form=".3g"),
-        Column("structure, published", unit="kg"),
-        Column("computed", unit="kg", form=".2f"),
-        Column("difference"),
-        Column("caps sized by"),
-        Column("nose sized by"),
-    )
-    return Table("structure against published masses", columns, tuple(rows))
-
-
-def _relative(case: BuiltAircraft) -> str:
-    return f"{100.0 * (float(case.mass_kg(calibrated_rib_wing())) / case.built_kg - 1.0):+.0f} %"
-
-
-def _left(case: BuiltAircraft) -> float:
-    """What battery and modules leave of the mass [kg]."""
-    return float(case.total_mass_kg - case.battery_mass_kg - case.span_load_kg)
 
 
 def stiffness_cases() -> tuple[StiffnessCase, ...]:
@@ -218,9 +150,8 @@ def aspect_ratio_table() -> Table:
 
 
 def main() -> int:
-    """Print both tables."""
-    for table in (structure_table(), aspect_ratio_table()):
-        show(table)
+    """Print the table."""
+    show(aspect_ratio_table())
     return 0
 
 

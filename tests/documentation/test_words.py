@@ -4,17 +4,17 @@ import ast
 import re
 
 import pytest
-from documented import DOCS, PAGES, ROOT, without_code
+from documented import PAGES, ROOT, without_code
 
 PACKAGES = ("solar", "missions", "sizing", "studies")
 _ROW = re.compile(r"^\| (.+?) \| .+ \| ((?:`[^`]+`(?:, )?)+) \|$", re.M)
 # In these words are quoted: those to avoid, and what earlier versions did or printed.
-_QUOTING = {"nomenclature.md", "CHANGELOG.md", "upgrade.md", "changelog.md", "reliability.md"}
+_QUOTING = {"CONTRIBUTING.md", "CHANGELOG.md", "upgrade.md", "changelog.md", "reliability.md"}
 
 
 def replaced_words():
     """Words of the last column of the table."""
-    page = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     table = page.partition("\n## Words\n")[2].partition("\n## ")[0]
     return [word for row in _ROW.finditer(table) for word in re.findall(r"`([^`]+)`", row[2])]
 
