@@ -128,8 +128,7 @@ def highest_perpetual_altitude(
     if highest_m is None:
         high_up = mission.altitude_m > _HIGHEST_M - _NEAR_M
         highest_m = MAXIMUM_ALTITUDE_M if high_up else _HIGHEST_M
-    if mission.climb is not None:
-        highest_m = min(highest_m, mission.climb.ceiling_m)
+    highest_m = min(highest_m, mission.highest_floor_m)
     if not highest_m > mission.altitude_m:
         raise ValueError(
             f"highest_m must be above the mission's altitude of {mission.altitude_m:g} "

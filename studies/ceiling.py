@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -44,6 +44,30 @@ if TYPE_CHECKING:
 _ROWS = {1: 11, 2: 21}  # of the table, by level
 
 
+class _Words(NamedTuple):
+    """What the altitudes of a search are called, in level flight unless said otherwise."""
+
+    altitude: str = "altitude"
+    highest: str = "ceiling"
+    floors: str = ""
+    from_floors: str = ""
+    climbs: str = ""
+    columns: str = ""
+    note: str = ""
+
+
+_LEVEL = _Words()
+_CLIMBING = _Words(
+    altitude="night's floor",
+    highest="highest floor",
+    floors="night floors ",
+    from_floors=" from night floors",
+    climbs="climbs to {:g} m",
+    columns="maximum_altitude_m",
+    note="; power and airspeed at the night's floor",
+)
+
+
 @dataclass(frozen=True, repr=False)
 class Ceiling(Result):
     """Highest altitude of perpetual flight, and the flights at all altitudes of the search."""
@@ -52,6 +76,16 @@ class Ceiling(Result):
     mission: Mission
     solar: SolarModel
     search: PerpetualCeiling
+
+    @property
+    def words(self) -> _Words:
+        """What its altitudes are called."""
+        return _LEVEL if self.mission.climb is None else _CLIMBING
+
+    @property
+    def climbs(self) -> str:
+        """Climbs up to their ceiling in words; empty without any."""
+        return self.words.climbs.format(self.mission.ceiling_m)
 
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -65,15 +99,15 @@ class Ceiling(Result):
 
     def table(self, most: int = _ROWS[2]) -> Table:
         """Return a table from the lowest altitude to the first without power, with the ceiling."""
-        scenarios, climbs = self.mission.scenarios(), self.mission.climb is not None
+        scenarios, words = self.mission.scenarios(), self.words
         shown = _shown_flights(self.search, most)
         several, reasons = len(scenarios) > 1, any(flight.reason for flight in shown)
         altitude, *others = group(
             "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh "
-            f"airspeed_m_per_s {'maximum_altitude_m' * climbs} {'worst_scenario' * several} "
+            f"airspeed_m_per_s {words.columns} {'worst_scenario' * several} "
             f"{'reason' * reasons}"
         )
-        altitude = replace(altitude, label="night's floor") if climbs else altitude
+        altitude = replace(altitude, label=words.altitude)
         rows = (
             vars(flight) | {"worst_scenario": scenarios.label(flight.worst_scenario)}
             for flight in shown
@@ -88,22 +122,21 @@ class Ceiling(Result):
 def headline(ceiling: Ceiling) -> str:
     """Return ceiling and best altitude in one line."""
     search, required = ceiling.search, ceiling.search.required_excess_time_h
-    climb = ceiling.mission.climb
-    more = [] if climb is None else [f"climbs to {climb.ceiling_m:g} m"]
+    words = ceiling.words
+    more = [ceiling.climbs] if ceiling.climbs else []
     more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
     how = f" with {' and '.join(more)}" if more else ""
     best = f"; largest excess time {hours(search.best.excess_time_h)}"
     best += f" at {text_of('altitude_m', search.best.altitude_m)}"
-    of = "" if climb is None else "night floors "
     ends = [search.flights[end].altitude_m for end in (0, -1)]
-    said = f"no perpetual flight{how} from {of}{ends[0]:.0f} to {text_of('altitude_m', ends[1])}"
+    between = f"{words.floors}{ends[0]:.0f} to {text_of('altitude_m', ends[1])}"
+    said = f"no perpetual flight{how} from {between}"
     if search.highest is not None:
         beyond = " and beyond the search" if search.at_search_limit else ""
-        if climb is not None and search.highest.altitude_m >= climb.ceiling_m:
+        if search.highest.altitude_m >= ceiling.mission.highest_floor_m:
             beyond = ", the ceiling itself"
         up_to = f"{text_of('altitude_m', search.highest.altitude_m)}{beyond}"
-        night = "" if climb is None else " from night floors"
-        said = f"perpetual flight{how}{night} up to {up_to}"
+        said = f"perpetual flight{how}{words.from_floors} up to {up_to}"
         if search.highest.altitude_m < ceiling.mission.altitude_m:
             # Altitudes below were not tried, where the excess time may be larger.
             said, best = f"{said}, below the mission's {ceiling.mission.altitude_m:g} m", ""
@@ -112,9 +145,7 @@ def headline(ceiling: Ceiling) -> str:
 
 def blocks(ceiling: Ceiling, level: int) -> list[Any]:
     """Return headline, a table of altitudes, extrapolations and conditions."""
-    note = f"{ceiling.solar.label}; solar energy: electric, of one day"
-    if ceiling.mission.climb is not None:
-        note += "; power and airspeed at the night's floor"
+    note = f"{ceiling.solar.label}; solar energy: electric, of one day{ceiling.words.note}"
     outside = extrapolation_blocks(ceiling.extrapolations, level)
     table = ceiling.table(_ROWS[level])
     return [Line(headline(ceiling), "strong"), table, *outside, Line(note, "faint")]
@@ -194,7 +225,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     -------
     Figure
     """
-    ceiling, climb, mark = result.search, result.mission.climb, DARK_GREY
+    ceiling, words, mark = result.search, result.words, DARK_GREY
     drawn, panels = new_figure(
         1,
         3,
@@ -202,7 +233,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
         notes=(
             result.solar.label,
-            "" if climb is None else f"climbs to {climb.ceiling_m:g} m",
+            result.climbs,
             extrapolation_caption(result.extrapolations),
         ),
         size_in=(9.0, 5.2),
@@ -212,10 +243,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     altitude_km = ceiling.column("altitude_m") / 1000.0
     excess.plot(ceiling.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
     excess.axvline(ceiling.required_excess_time_h, color=mark, linewidth=0.8)
-    excess.set(
-        xlabel=EXCESS_TIME.heading,
-        ylabel="altitude [km]" if climb is None else "night's floor [km]",
-    )
+    excess.set(xlabel=EXCESS_TIME.heading, ylabel=f"{words.altitude} [km]")
     power.plot(ceiling.column("propulsion_power_w"), altitude_km, color=LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
     energy.plot(ceiling.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
@@ -229,8 +257,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         for axes in panels:
             axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
     excess.annotate(
-        f"{'ceiling' if climb is None else 'highest floor'} "
-        f"{text_of('altitude_m', ceiling.highest.altitude_m)}",
+        f"{words.highest} {text_of('altitude_m', ceiling.highest.altitude_m)}",
         (0.96, highest_km),
         (0, 4),
         xycoords=excess.get_yaxis_transform(),

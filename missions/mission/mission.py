@@ -277,6 +277,11 @@ class Mission(FileRecord):
         return self.climb.ceiling_m if self.climb else self.altitude_m
 
     @property
+    def highest_floor_m(self) -> float:
+        """Return the highest altitude that flights may begin from, infinite without climbs [m]."""
+        return self.climb.ceiling_m if self.climb else np.inf
+
+    @property
     def climb_levels_m(self) -> list[float]:
         """Return the altitudes between which a flight is linear; a single one without climbs."""
         return self.climb.levels_m(self.altitude_m) if self.climb else [self.altitude_m]

@@ -25,6 +25,7 @@ from sizing.design import Design, FlightConditions
 from sizing.held_station import against_wind
 from sizing.mass_budget import (
     ImpossibleDesignError,
+    design_of,
     level_flight,
     measured_design,
     operating_trouble,
@@ -160,8 +161,14 @@ def climb_limits(aircraft: Aircraft, design: Design) -> tuple[Value, Value]:
     return flight.propulsion_efficiency, flight.maximum_electric_power_w
 
 
-def check_climb_limits(aircraft: Aircraft, design: Design) -> None:
-    """Refuse a design whose largest power is not above that of level flight."""
+def check_climb_limits(aircraft: Aircraft, mission: Mission, design: Design | None = None) -> None:
+    """Refuse a mission with climbs for a design without more power than level flight takes.
+
+    ``design``: by default that of the aircraft's file.
+    """
+    if mission.climb is None:
+        return
+    design = design_of(aircraft, mission) if design is None else design
     most_w = float(climb_limits(aircraft, design)[1])
     level_w = float(design.propulsion_power_w)
     if most_w <= level_w:

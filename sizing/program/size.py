@@ -58,7 +58,7 @@ def size_aircraft(
     if explain and search.best is None and aircraft.propulsion.is_limited:
         _check_parts(best_search(replace(task, beyond_limits=True), first))
     result = _explained(search) if explain and search.best is None else _result(search)
-    if result.simulated is not None and mission.holds_station:
+    if result.simulated is not None:
         _check_held(task, result.simulated)
     return result
 

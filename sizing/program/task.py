@@ -18,7 +18,7 @@ from sizing.limits import meets_requirements
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import merit_of
-from sizing.program.transcription import LEVELS, Form
+from sizing.program.transcription import Form
 from sizing.program.variables import (
     TOTAL_MASS,
     TOTAL_OVER_BATTERY_MASS,
@@ -113,11 +113,9 @@ class SizingTask:
     @cached_property
     def heights(self) -> tuple[Mission, ...]:
         """The mission at the floor, and with climbs at evenly spaced heights up to the ceiling."""
-        climb, floor_m = self.mission.climb, self.mission.altitude_m
-        if climb is None:
-            return (self.mission,)
-        levels_m = np.linspace(floor_m, climb.ceiling_m, LEVELS)
-        return tuple(self.mission.at_altitude(float(level_m)) for level_m in levels_m)
+        mission = self.mission
+        levels_m = np.linspace(mission.altitude_m, mission.ceiling_m, self.form(1).levels)
+        return (mission, *map(mission.at_altitude, levels_m[1:].tolist()))
 
     @cached_property
     def airs(self) -> tuple[FlightConditions, ...]:
@@ -127,8 +125,7 @@ class SizingTask:
     @property
     def climb_height_m(self) -> float:
         """Height of the ceiling above the floor [m]."""
-        climb = self.mission.climb
-        return 0.0 if climb is None else climb.ceiling_m - self.mission.altitude_m
+        return self.mission.ceiling_m - self.mission.altitude_m
 
     @cached_property
     def winds_m_per_s(self) -> FloatArray:

@@ -423,10 +423,9 @@ def analyse(
     check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
     day, design = solar_day(aircraft, mission, solar), design_of(aircraft, mission)
-    if mission.climb is not None:
-        check_climb_limits(aircraft, design)
+    check_climb_limits(aircraft, mission, design)
     simulated = performance(aircraft, mission, solar, day=day, design=design)
     flight = None
-    if replay and mission.launch is not None and mission.climb is None:
+    if replay and mission.launch is not None:
         flight = calendar_run(aircraft, mission, solar)
     return Analysis(aircraft, mission, simulated, flight, known_mass_kg)

@@ -35,7 +35,7 @@ from sizing.program.climbing_flights import ClimbFlights
 from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
-from sizing.propulsion.part_load import PROPORTIONAL, AnyPartLoad
+from sizing.propulsion.part_load import AnyPartLoad
 from sizing.roots import LightestMass
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
@@ -417,9 +417,7 @@ class Propagation:
             store,
             mass_kg=each(design.total_mass_kg),
             propulsion_w=power_w,
-            part_load=PROPORTIONAL
-            if mission.holds_station
-            else part_load_of(aircraft, mission, design),
+            part_load=part_load_of(aircraft, mission, design),
             solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
             count=count,
         )

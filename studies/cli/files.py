@@ -39,7 +39,7 @@ from sizing.day.heights import ClimbLimitError, check_climb_limits
 from sizing.day.light import SolarModel
 from sizing.day.module_power import path_troubles
 from sizing.library import refuse_named_twice
-from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
+from sizing.mass_budget import ImpossibleDesignError, with_total_mass
 from sizing.parameters import design_keys
 from solar.names import ATTITUDE_MODELS
 from studies.cli.options import (
@@ -339,10 +339,8 @@ def refuse_climb(case: Case) -> None:
 
 def require_climber(case: Case) -> None:
     """Refuse an aircraft that cannot climb on a mission that has climbs."""
-    if case.mission.climb is None:
-        return
     try:
-        check_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
+        check_climb_limits(case.aircraft, case.mission)
     except ClimbLimitError as error:
         case.refuse(dotted(error.key), error.message)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -39,12 +39,15 @@ _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at 
 
 @dataclass(frozen=True)
 class MapConfiguration:
-    """Inputs common to all cells of a map; ``objective``: of sized maps."""
+    """Inputs common to all cells of a map.
+
+    ``keys``: of columns that not every map of a fixed aircraft has. ``objective``: of sized maps.
+    """
 
     aircraft: Aircraft
     mission: Mission
     solar: SolarModel
-    endurance: bool = False
+    keys: Collection[str] = ()
     objective: Objective | None = None
 
 
@@ -86,14 +89,12 @@ def _cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDAr
 def _metrics_of(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
     scenarios = scenarios_of(cells)
     mission, result = configuration.mission, _simulated(configuration, scenarios)
-    quantities = [*MAP, *([ENDURANCE] if configuration.endurance else [])]
-    if mission.climb is not None:
-        quantities.append(MAXIMUM_ALTITUDE)
+    others = (it for it in (ENDURANCE, MAXIMUM_ALTITUDE) if it.name in configuration.keys)
     columns: dict[str, NDArray[Any]] = {
-        **{quantity.variable: quantity.of(result) for quantity in quantities},
+        **{quantity.variable: quantity.of(result) for quantity in (*MAP, *others)},
         "status": result.cycle.status.astype(np.int8),
     }
-    if mission.wind_statistics is not None:
+    if "wind" in configuration.keys:
         columns["wind"] = _known_winds(mission, scenarios)
     most_w = result.solar_power_w.max(axis=-1)
     for check in charge_rate_check(configuration.aircraft, mission, result.design, most_w):
@@ -133,10 +134,10 @@ def extrapolations_of_cells(
     if not known.any():
         return ()
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
-    design, calm, in_wind = design_of(aircraft, mission), mission, []
+    design, calm, in_wind = design_of(aircraft, mission), mission, list[Check]()
     if "wind" in columns:  # the wind of each cell replaces the mission's
         calm, winds = mission.in_wind(0.0), columns["wind"][known]
-        in_wind = [] if mission.holds_station else list(wind_check(design, winds))
+        in_wind += wind_check(design, mission.wind_to_beat_m_per_s(winds))
     of_design = list(design_checks(aircraft, calm, design, solar))
     if MAXIMUM_ALTITUDE.variable in columns:
         highest_m = columns[MAXIMUM_ALTITUDE.variable][known]

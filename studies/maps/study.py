@@ -202,7 +202,15 @@ def prepare(
         ),
         "day": Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
     }
-    configuration = MapConfiguration(aircraft, mission, solar, endurance, goal)
+    parts = {
+        "endurance_h": endurance,
+        "maximum_altitude_m": climbs,
+        "charge_rate": charge_rate_is_open(aircraft),
+        "wind": mission.wind_statistics is not None,
+        "status": True,
+    }
+    keys = tuple(key for key, there in parts.items() if there)
+    configuration = MapConfiguration(aircraft, mission, solar, keys, goal)
     cell_s = _cell_time_s(aircraft, mission, solar)
     if goal is not None:
         # The optimiser takes a seventh of a second to import.
@@ -224,13 +232,6 @@ def prepare(
             },
             extrapolated=lambda columns: _extrapolations_of_designs(configuration, cells, columns),
         )
-    more = {
-        "endurance_h": endurance,
-        "maximum_altitude_m": climbs,
-        "charge_rate": charge_rate_is_open(aircraft),
-        "wind": mission.wind_statistics is not None,
-        "status": True,
-    }
     ends: tuple[IntEnum, ...] = ENDS if mission.flight is not None else CYCLE_ENDS
     if solar.needs_path and mission.wind_statistics is not None:
         ends = (*ends, Status.infeasible)
@@ -239,7 +240,7 @@ def prepare(
         configuration,
         cells,
         cell_s=cell_s + endurance * _ENDURANCE_S + climbs * _CLIMB_S,
-        described=_DESCRIBED | described(" ".join(key for key, there in more.items() if there)),
+        described=_DESCRIBED | described(" ".join(keys)),
         statuses=(Status.failed, *ends),
         coordinates=coordinates,
         attributes=attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),

@@ -188,12 +188,11 @@ def blocks(comparison: Comparison, level: int) -> list[Any]:
         f"reference: {reference.label}; solar energy: of a day, mean of all scenarios",
         f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
         *comparison.notes,
+        mission.climb_label,
     ]
-    if mission.climb is not None:
-        lines.append(mission.climb_label)
     subject, models = f"{aircraft.name} on {mission.name}", len(comparison.cases)
     title = f"{subject}: {models} models, reference: {model_label(reference)}"
-    notes = [Line(f"- {line}", "faint") for line in lines]
+    notes = [Line(f"- {line}", "faint") for line in lines if line]
     outside = extrapolation_blocks(comparison.extrapolations, level)
     tables: Sequence[Table] = comparison.tables()
     if level < ALL:

@@ -254,9 +254,9 @@ def attributes(
 ) -> dict[str, Any]:
     """Return the attributes of a dataset: everything that it was computed from.
 
-    Returns texts by name, those of CF among them.
+    Returns texts by name, those of CF among them; an empty one is left out.
     """
-    return {
+    texts = {
         "Conventions": "CF-1.11",
         "title": title,
         "source": f"solar-uav {__version__}",
@@ -265,8 +265,9 @@ def attributes(
         "correction": solar.correction,
         "aircraft": aircraft.model_dump_json(),
         "mission": mission.model_dump_json(),
-        **({} if mission.climb is None else {CLIMB: mission.climb_label}),
+        CLIMB: mission.climb_label,
     }
+    return {name: text for name, text in texts.items() if text != ""}
 
 
 def flown_caption(data: OnGrid) -> str:

@@ -236,9 +236,9 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
 
         case = load_flyable(self)
         refuse_polar_night(case)
-        lowest_m, climb = case.mission.altitude_m, case.mission.climb
-        if climb is not None and climb.ceiling_m <= lowest_m:
-            message = f"must be above the night's floor of {lowest_m:g} (got {climb.ceiling_m:g})"
+        lowest_m, most_m = case.mission.altitude_m, case.mission.highest_floor_m
+        if most_m <= lowest_m:
+            message = f"must be above the night's floor of {lowest_m:g} (got {most_m:g})"
             case.refuse("mission.climb.ceiling_m", message)
         if self.highest_m is not None and self.highest_m <= lowest_m:
             message = f"must be above the mission's altitude_m of {lowest_m:g}"
