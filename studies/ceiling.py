@@ -56,18 +56,6 @@ class _Words(NamedTuple):
     note: str = ""
 
 
-_LEVEL = _Words()
-_CLIMBING = _Words(
-    altitude="night's floor",
-    highest="highest floor",
-    floors="night floors ",
-    from_floors=" from night floors",
-    climbs="climbs to {:g} m",
-    columns="maximum_altitude_m",
-    note="; power and airspeed at the night's floor",
-)
-
-
 @dataclass(frozen=True, repr=False)
 class Ceiling(Result):
     """Highest altitude of perpetual flight, and the flights at all altitudes of the search."""
@@ -80,12 +68,17 @@ class Ceiling(Result):
     @property
     def words(self) -> _Words:
         """What its altitudes are called."""
-        return _LEVEL if self.mission.climb is None else _CLIMBING
-
-    @property
-    def climbs(self) -> str:
-        """Climbs up to their ceiling in words; empty without any."""
-        return self.words.climbs.format(self.mission.ceiling_m)
+        if self.mission.climb is None:
+            return _Words()
+        return _Words(
+            altitude="night's floor",
+            highest="highest floor",
+            floors="night floors ",
+            from_floors=" from night floors",
+            climbs=f"climbs to {self.mission.ceiling_m:g} m",
+            columns="maximum_altitude_m",
+            note="; power and airspeed at the night's floor",
+        )
 
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -123,7 +116,7 @@ def headline(ceiling: Ceiling) -> str:
     """Return ceiling and best altitude in one line."""
     search, required = ceiling.search, ceiling.search.required_excess_time_h
     words = ceiling.words
-    more = [ceiling.climbs] if ceiling.climbs else []
+    more = [words.climbs] if words.climbs else []
     more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
     how = f" with {' and '.join(more)}" if more else ""
     best = f"; largest excess time {hours(search.best.excess_time_h)}"
@@ -233,7 +226,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
         notes=(
             result.solar.label,
-            result.climbs,
+            words.climbs,
             extrapolation_caption(result.extrapolations),
         ),
         size_in=(9.0, 5.2),

@@ -39,7 +39,6 @@ from sizing.program.transcription import (
     RESERVE_SCALE_H,
     BlockData,
     PartsData,
-    limits_of_parts,
     power_surface,
 )
 from sizing.program.variables import scales_of
@@ -186,7 +185,7 @@ def _speed(task: SizingTask, perf: Performance, number: int) -> float:
 
 def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | None:
     """What is known of a propulsion at its operating point."""
-    names = limits_of_parts(task.aircraft)
+    names = task.aircraft.propulsion.limit_names
     if not names:
         return None
     design, count = perf.design, len(task.variables)

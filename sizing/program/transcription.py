@@ -271,15 +271,6 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     return all_replaced(aircraft, values | {"name": "kind", "description": ""})
 
 
-def limits_of_parts(aircraft: Aircraft) -> tuple[str, ...]:
-    """Return the names of the limits that the parts of a propulsion have."""
-    if (parts := aircraft.propulsion_by_parts) is None:
-        return ()
-    motor = parts.motor_constants
-    limits = {"motor_current": motor.maximum_current_a, "motor_power": motor.maximum_power_w}
-    return ("bus_voltage", "tip_mach", *(name for name, most in limits.items() if most is not None))
-
-
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def build_program(aircraft: Aircraft, form: Form) -> Program:
     """Return the program of an aircraft in a form, built once for aircraft of its kind."""
@@ -302,7 +293,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
         "ceiling_m": 1,
     }
     if kind.propulsion_by_parts is not None:
-        count = 2 + len(limits_of_parts(kind))
+        count = 2 + len(kind.propulsion.limit_names)
         every = count, count * len(chosen), len(chosen) ** 2, form.levels * form.ratios
         sizes |= dict(zip(PartsData._fields, every, strict=True))
     data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
@@ -412,7 +403,7 @@ def _parts_symbols(kind: Aircraft, x: Any, data: dict[str, Any]) -> tuple[Propul
     parts_now = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
     bent = ca.bilin(ca.reshape(data["bend"], x.shape[0], -1), moved, moved) / 2.0
     efficiency = parts_now[0] * ca.exp(bent)
-    used = zip(limits_of_parts(kind), ca.vertsplit(parts_now[2:]), strict=True)
+    used = zip(parts.limit_names, ca.vertsplit(parts_now[2:]), strict=True)
     rows = [(Constraint(name), 1.0 - share) for name, share in used]
     return chain_of_numbers(parts, efficiency, parts_now[1]), rows
 

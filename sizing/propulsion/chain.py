@@ -113,6 +113,7 @@ class Propulsion(CatalogueRecord):
     # Constants have no operating points, limits or sizes.
     is_exact: ClassVar[bool] = False
     is_limited: ClassVar[bool] = False
+    limit_names: ClassVar[tuple[str, ...]] = ()
     sizes: ClassVar[tuple[Value, ...]] = ()
 
     kind: Literal["constant"] = "constant"
@@ -286,6 +287,14 @@ class OperatingPointPropulsion(Record):
         """Sizes as the file has them, in the order of :meth:`sized`."""
         shaft = self.propeller.diameter_m, self.propeller.pitch_m, self.gear.ratio
         return *shaft, self.motor_constants.speed_constant_rpm_per_v
+
+    @property
+    def limit_names(self) -> tuple[str, ...]:
+        """Names of the limits that the parts have."""
+        motor = self.motor_constants
+        limits = {"motor_current": motor.maximum_current_a, "motor_power": motor.maximum_power_w}
+        known = (name for name, most in limits.items() if most is not None)
+        return "bus_voltage", "tip_mach", *known
 
     def without_limits(self) -> UnlimitedPropulsion:
         """Return these parts without their limits."""

@@ -47,6 +47,7 @@ from sizing.validity.extrapolations import (
 )
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -360,25 +361,26 @@ class Analysis(DesignResult):
         place = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
         return data_frame(place | {key: self.values[key] for key in _OF_FRAME})
 
+    @property
+    def curves(self) -> dict[str, FloatArray]:
+        """Power, charge and, with climbs, altitude along the cycles, ``(scenario, time)``."""
+        perf, energy_wh = self.performance, self.performance.cycle.energy_wh
+        charge = energy_wh / float(perf.design.battery_energy_wh)
+        curves = {"solar_power_w": perf.solar_power_w, "load_w": perf.load_w}
+        curves |= {"energy_wh": energy_wh, "state_of_charge": charge}
+        if self.climb is not None:
+            curves["altitude_m"] = self.climb.altitude_m
+        return curves
+
     def trajectory(self) -> pd.DataFrame:
         """Return power and state of charge of every scenario's cycle, one row per node of time."""
-        perf, scenarios = self.performance, self.performance.day.scenarios
-        nodes = len(perf.day.time_h)
-        table = data_frame(
-            {
-                "latitude_deg": np.repeat(scenarios.latitude_deg, nodes),
-                "day_of_year": np.repeat(scenarios.day_of_year, nodes),
-                "time_solar_h": np.tile(perf.day.time_h, len(scenarios)),
-                "solar_power_w": perf.solar_power_w.ravel(),
-                "load_w": perf.load_w.ravel(),
-                "energy_wh": perf.cycle.energy_wh.ravel(),
-                "state_of_charge": perf.cycle.energy_wh.ravel()
-                / float(perf.design.battery_energy_wh),
-            }
-        )
-        if self.climb is not None:
-            table["altitude_m"] = self.climb.altitude_m.ravel()
-        return table
+        time_h, scenarios = self.performance.day.time_h, self.performance.day.scenarios
+        places = {
+            "latitude_deg": np.repeat(scenarios.latitude_deg, len(time_h)),
+            "day_of_year": np.repeat(scenarios.day_of_year, len(time_h)),
+            "time_solar_h": np.tile(time_h, len(scenarios)),
+        }
+        return data_frame(places | {name: each.ravel() for name, each in self.curves.items()})
 
 
 def analyse(

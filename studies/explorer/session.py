@@ -207,13 +207,12 @@ class Session:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
             held = "is raised to" if analysis.mission.holds_station else "is below"
             notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {wind:g} m/s")
-        charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
+        curves = {name: _digits(each[0]) for name, each in analysis.curves.items()}
+        del curves["energy_wh"]
         view: dict[str, Any] = {
             "curve": {
                 "time_h": _digits(perf.day.time_h),
-                "solar_power_w": _digits(perf.solar_power_w[0]),
-                "load_w": _digits(perf.load_w[0]),
-                "state_of_charge": _digits(charge),
+                **curves,
                 "flight_charge": _flight_charge(analysis),
             },
             "numbers": record,
@@ -221,8 +220,6 @@ class Session:
             "headline": analysis.headline(),
             "notes": notes,
         }
-        if analysis.climb is not None:
-            view["curve"]["altitude_m"] = _digits(analysis.climb.altitude_m[0])
         self._last_day = settings, view, perf.design
         return view.copy()
 
