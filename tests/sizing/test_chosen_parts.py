@@ -73,6 +73,7 @@ def test_a_chosen_propeller_keeps_the_limits_of_the_motor():
     assert "current of the motor" in printed
 
 
+@pytest.mark.long
 def test_the_design_with_a_margin_has_its_own_operating_point():
     study = sizing.size(aircraft(), MISSION, with_margin=True)
     guarded = study.with_margin

@@ -27,6 +27,12 @@ def longest(perf):
     return Endurance(perf.endurances.endurance_h[0], perf.endurances.launch_h[0])
 
 
+@pytest.fixture(scope="module")
+def climbing():
+    """AtlantikSolar with climbs to 3536 m in December."""
+    return performance(AS2, mission(3536.0))
+
+
 AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  # as the air
 
 
@@ -90,8 +96,8 @@ def test_without_any_sun_it_is_the_battery_over_the_load():
     assert longest(perf).endurance_h == pytest.approx(by_hand, rel=1e-3)
 
 
-def test_flight_that_is_drawn_ends_with_the_endurance():
-    perf = performance(AS2, mission(3536.0))
+def test_flight_that_is_drawn_ends_with_the_endurance(climbing):
+    perf = climbing
     flight = longest(perf)
     course = perf.course(0, flight.launch_h, flight.endurance_h)
     clock_h, solar_w, load_w, charge, altitude_m = course
@@ -110,10 +116,9 @@ def test_flight_that_is_drawn_ends_with_the_endurance():
     assert FLOOR_M + 500.0 < altitude_m.max() <= 3536.0 + 1e-6
 
 
-def test_analysis_gives_the_flight_with_climbs():
-    where = mission(3536.0)
-    analysis = analyse(AS2, where)
-    expected = longest(performance(AS2, where))
+def test_analysis_gives_the_flight_with_climbs(climbing):
+    analysis = analyse(AS2, mission(3536.0))
+    expected = longest(climbing)
     assert analysis.endurance_h == pytest.approx(expected.endurance_h, rel=1e-12)
     assert analysis.to_dict()["endurance_h"] == pytest.approx(expected.endurance_h, rel=1e-12)
     limited = analysis.limited_flight
@@ -122,6 +127,7 @@ def test_analysis_gives_the_flight_with_climbs():
     assert f"{expected.endurance_h:.2f} h" in str(analysis)
 
 
+@pytest.mark.long
 def test_map_and_draws_give_the_flight_with_climbs_too():
     where = mission(3536.0)
     expected = float(longest(performance(DESIGN, where)).endurance_h)

@@ -14,6 +14,7 @@ from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import design_of, parametric_design
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import fly, performance
+from sizing.program.size import size_aircraft
 from sizing.station import FASTEST, faster_flight, station_keeping
 from sizing.uncertainty.propagation import Propagation
 
@@ -144,7 +145,7 @@ def test_what_is_sized_to_hold_its_place_does_so(tmp_path):
     # power.
     assert kept.airspeed_m_per_s.min() == pytest.approx(12.0, rel=5e-3)
     assert kept.share.min() >= 0.9 - 1e-6
-    slow = size(DESIGN, where.in_wind(12.0))
+    slow = size_aircraft(DESIGN, where.in_wind(12.0), explain=False)
     # An aircraft that is always as fast as the wind is heavier, if there is one at all.
     assert slow.design is None or slow.design.total_mass_kg > design_of(sized, where).total_mass_kg
 
@@ -179,6 +180,7 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path, flown):
     assert calm.cycle.excess_time_h.min() > excess_h[0] + 1.0
 
 
+@pytest.mark.long
 def test_half_of_the_draws_hold_their_place_with_little_more(tmp_path, monkeypatch):
     monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 512)
     monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 2000)
@@ -190,6 +192,7 @@ def test_half_of_the_draws_hold_their_place_with_little_more(tmp_path, monkeypat
     assert again.probability_required.value == pytest.approx(0.5, abs=0.05)
 
 
+@pytest.mark.long
 def test_latitudes_that_would_do_end_where_the_table_of_winds_does():
     """The shipped winds end at 88 degrees: easier latitudes are not looked for beyond."""
     where = mission(

@@ -157,7 +157,10 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("aircraft", "changes"), CASES)
+@pytest.mark.parametrize(
+    ("aircraft", "changes"),
+    [*CASES[:1], *(pytest.param(*case, marks=pytest.mark.long) for case in CASES[1:-1]), CASES[-1]],
+)
 def test_draw_is_what_it_is_alone(aircraft, changes):
     flown = mission(
         latitude_deg={"from_deg": 30.0, "to_deg": 50.0, "count": 2},

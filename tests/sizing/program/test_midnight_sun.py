@@ -148,7 +148,13 @@ def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known):
     )
 
 
-@pytest.mark.parametrize("climb", [None, {"ceiling_m": 12300.0}], ids=["level", "climbs"])
+@pytest.mark.parametrize(
+    "climb",
+    [
+        pytest.param(None, id="level"),
+        pytest.param({"ceiling_m": 12300.0}, id="climbs", marks=pytest.mark.long),
+    ],
+)
 def test_modules_cooled_otherwise_than_the_first_guess_s_still_carry_the_load(climb):
     # The first guess has 5.6 m of span, the optimum 12 m: its modules are warmer by a degree or so.
     plane = aircraft("design_space.wingspan_m.maximum=40", LIGHT_BATTERY)

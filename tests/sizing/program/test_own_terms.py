@@ -19,6 +19,11 @@ def design():
     return sizing.load_aircraft("atlantiksolar-design")
 
 
+@pytest.fixture(scope="module")
+def free(design):
+    return sizing.size(design, MISSION)
+
+
 @pytest.mark.parametrize(
     ("shipped", "own"),
     [
@@ -56,11 +61,10 @@ def test_a_shipped_objective_written_as_a_function(design, shipped, own):
         ),
     ],
 )
-def test_a_constraint_is_a_bound_of_the_design_space(design, key, limit, constraint):
+def test_a_constraint_is_a_bound_of_the_design_space(design, free, key, limit, constraint):
     bounded = sizing.load_aircraft("atlantiksolar-design", {f"design_space.{key}": limit})
     expected = sizing.size(bounded, MISSION)
     found = sizing.size(design, MISSION, constraints=[constraint])
-    free = sizing.size(design, MISSION)
     assert found.result.objective_value == pytest.approx(expected.result.objective_value, rel=1e-5)
     assert found.result.objective_value > 1.0005 * free.result.objective_value
     assert any("<=" in one for one in found.result.active_constraints)
@@ -82,6 +86,7 @@ def test_an_infeasible_answer_names_the_constraint(design):
         assert found.to_dict()["violated_requirements"]
 
 
+@pytest.mark.long
 def test_what_is_asked_of_a_sizing_knows_own_terms(design):
     found = sizing.size(
         design,

@@ -120,6 +120,7 @@ def test_relaxed_sizing_of_such_an_aircraft_leaves_the_cells_out():
     assert flown.design.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-9)
 
 
+@pytest.mark.long
 def test_wing_that_holds_the_cells_limits():
     study = sized(plane(WHOLE_CELLS))
     # Two rows of 0.125 m with 2 mm between them are 0.252 m of chord, at an aspect ratio of 18.5.

@@ -81,6 +81,7 @@ def test_a_gear_has_the_torque_of_the_rated_power():
     assert f"scatter by a factor of {motor_mass_fit().scatter:.2f}" in text
 
 
+@pytest.mark.long
 def test_a_chosen_propeller_scales_and_its_file_says_so():
     ranges = {
         "design_space.propeller_diameter_m": {"minimum": 0.4, "maximum": 0.9},

@@ -85,6 +85,7 @@ def test_the_sized_file_has_the_motor_that_was_wound(sized):
     assert sized.to_dict()["motor_speed_constant_rpm_per_v"] == pytest.approx(constant)
 
 
+@pytest.mark.long
 def test_a_motor_of_the_catalogue_is_wound_as_well():
     """Its mass by its torque is that of the file, whatever the winding."""
     constants = MOTOR.model_dump(exclude_none=True, exclude={"mass_kg"})

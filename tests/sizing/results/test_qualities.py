@@ -31,6 +31,7 @@ def test_rows_are_the_sizings_of_each_class(objective):
         assert one.objective_value == pytest.approx(alone.result.objective_value, rel=0.005)
 
 
+@pytest.mark.long
 def test_rows_say_where_there_is_no_design_and_stand_below_a_failure_too():
     found = study({BUILD: "ordinary"}, required_excess_time_h=8.0)
     assert not found.feasible

@@ -51,6 +51,7 @@ def test_changed_sense_of_the_deflection_limit_is_told():
     assert not told(f"{RIB}.deflection_load_case=limit_load")
 
 
+@pytest.mark.long
 def test_infeasible_answer_names_the_structure_and_its_keys():
     # A wing far too stiff to carry itself.
     limit = 0.02

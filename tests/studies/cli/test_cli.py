@@ -204,6 +204,7 @@ def test_the_answer_to_a_range_is_the_second_line(run):
     assert season.splitlines()[1].startswith("season: ")
 
 
+@pytest.mark.long
 def test_where_nothing_helps_alone_the_map_is_named(run):
     impossible = ("--latitude", "60", "--date", "12-21")
     heavy = ("--set", "battery.specific_energy_wh_per_kg=50")

@@ -43,6 +43,7 @@ def session(aircraft="atlantiksolar-design", mission="rafz-july"):
 DESIGN = session()
 
 
+@pytest.mark.long
 def test_what_a_report_needs_is_imported_in_the_worker_alone():
     code = (
         "import sys, studies.explorer.app; from studies.explorer.session import Session; "

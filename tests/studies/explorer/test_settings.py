@@ -25,7 +25,7 @@ KEYS = st.sampled_from([*FIELDS, "__proto__", ""]) | st.text()
 
 
 @given(ANYTHING | st.dictionaries(KEYS, ANYTHING, max_size=5))
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=100, deadline=None, derandomize=True)
 def test_settings_are_within_their_ranges_or_refused(data):
     try:
         read = read_settings(data, FIELDS)

@@ -178,7 +178,7 @@ def test_a_variable_at_its_bound_is_said_first(design):
 
 @pytest.fixture(scope="module")
 def infeasible(design):
-    mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
+    mission = missions.load_mission("central-europe-summer", {"clearness": 0.1})
     return sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
 
 
@@ -201,6 +201,7 @@ def test_an_infeasible_sizing_has_no_design_and_says_why(infeasible):
         )
 
 
+@pytest.mark.long
 def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told():
     design = sizing.load_aircraft("stratosphere-design")
     windy = {"latitude_deg": {"from_deg": 30.0, "to_deg": 40.0, "count": 2}, "dates.to": "12-21"}
