@@ -28,12 +28,6 @@ _STRUCTURE = "airframe.structure"
 _NO_TORSION = f"{_STRUCTURE}.torsion=null"
 _NO_REYNOLDS = "airframe.aerodynamics.reynolds_exponent=0.0"
 _ANY_BATTERY = f"{_STRUCTURE}.spar_battery_density_kg_per_m3=null"
-# Aspect ratios of AtlantikSolar's class from elsewhere.
-PUBLISHED_ASPECT_RATIOS = {
-    "AtlantikSolar as built": 18.5,
-    "design chart published with AtlantikSolar, least mass": 18.5,
-    "design tool published with AtlantikSolar, least mass": 21.0,
-}
 
 
 @dataclass(frozen=True)
@@ -135,9 +129,6 @@ def aspect_ratio_table() -> Table:
         found = slenderness(case)
         values = (None,) * 5 if found is None else astuple(found)
         rows.append((case.label, *values))
-    rows += [
-        (name, value, None, None, None, None) for name, value in PUBLISHED_ASPECT_RATIOS.items()
-    ]
     columns = (
         Column("requirement"),
         Column("aspect ratio", form=".1f"),
