@@ -43,8 +43,7 @@ class ClimbPerformance:
     @property
     def ceiling_m(self) -> float:
         """Return the ceiling of the mission's climbs [m]."""
-        assert self.performance.mission.climb is not None
-        return self.performance.mission.climb.ceiling_m
+        return self.performance.mission.ceiling_m
 
     @property
     def constant_altitude_excess_time_h(self) -> FloatArray:

@@ -52,7 +52,6 @@ class _Words(NamedTuple):
     floors: str = ""
     from_floors: str = ""
     climbs: str = ""
-    columns: str = ""
     note: str = ""
 
 
@@ -76,7 +75,6 @@ class Ceiling(Result):
             floors="night floors ",
             from_floors=" from night floors",
             climbs=f"climbs to {self.mission.ceiling_m:g} m",
-            columns="maximum_altitude_m",
             note="; power and airspeed at the night's floor",
         )
 
@@ -93,11 +91,11 @@ class Ceiling(Result):
     def table(self, most: int = _ROWS[2]) -> Table:
         """Return a table from the lowest altitude to the first without power, with the ceiling."""
         scenarios, words = self.mission.scenarios(), self.words
-        shown = _shown_flights(self.search, most)
+        shown, climbs = _shown_flights(self.search, most), bool(words.climbs)
         several, reasons = len(scenarios) > 1, any(flight.reason for flight in shown)
         altitude, *others = group(
             "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh "
-            f"airspeed_m_per_s {words.columns} {'worst_scenario' * several} "
+            f"airspeed_m_per_s {'maximum_altitude_m' * climbs} {'worst_scenario' * several} "
             f"{'reason' * reasons}"
         )
         altitude = replace(altitude, label=words.altitude)

@@ -162,13 +162,10 @@ def climb_limits(aircraft: Aircraft, design: Design) -> tuple[Value, Value]:
 
 
 def check_climb_limits(aircraft: Aircraft, mission: Mission, design: Design | None = None) -> None:
-    """Refuse a mission with climbs for a design without more power than level flight takes.
-
-    ``design``: by default that of the aircraft's file.
-    """
+    """Refuse climbs of a design, by default the file's, with no power beyond level flight's."""
     if mission.climb is None:
         return
-    design = design_of(aircraft, mission) if design is None else design
+    design = design or design_of(aircraft, mission)
     most_w = float(climb_limits(aircraft, design)[1])
     level_w = float(design.propulsion_power_w)
     if most_w <= level_w:
@@ -189,7 +186,6 @@ def flight_levels(
     ``design``: one, or a batch whose last axis broadcasts with the scenarios; elements are in this
     order. ``day``: with the light at altitude.
     """
-    assert mission.climb is not None
     altitudes = np.array(mission.climb_levels_m)
     scenarios, batch = np.arange(len(day.scenarios)), np.shape(design.total_mass_kg)
     shape = np.broadcast_shapes(batch, scenarios.shape)

@@ -48,15 +48,15 @@ class _Course(NamedTuple):
     """What is drawn of a flight over the clock.
 
     ``solar_w``, ``charge``: as modelled, then with the model's error less and more, where bands of
-    these are drawn. ``altitude_m``: with the clock of its own; None in level flight. ``end``: end
-    of the title. ``day_label``: of midnight, by its number counted from 0.
+    these are drawn. ``altitude_m``: None in level flight. ``end``: end of the title. ``day_label``:
+    of midnight, by its number counted from 0.
     """
 
     clock_h: FloatArray
     solar_w: Sequence[FloatArray]
     load_w: FloatArray
     charge: Sequence[FloatArray]
-    altitude_m: tuple[FloatArray, FloatArray] | None
+    altitude_m: FloatArray | None
     ends_h: tuple[float, float]
     nights_h: Sequence[tuple[float, float]]
     end: str
@@ -91,7 +91,7 @@ def _draw(analysis: Analysis, course: _Course, canvas: Canvas) -> tuple[Figure, 
     panels[0].set(ylabel="power [W]", ylim=(0, None))
     panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
     if course.altitude_m is not None:
-        panels[2].plot(*course.altitude_m, color=LOAD)
+        panels[2].plot(course.clock_h, course.altitude_m, color=LOAD)
         panels[2].margins(y=0.1)
         panels[2].set(ylabel="altitude [m]")
     first, last = course.ends_h
@@ -156,9 +156,7 @@ def plot_cycle(
         solar_w=[p.solar_power_w[index] for p in each],
         load_w=perf.load_w[index],
         charge=[p.cycle.energy_wh[index] / float(perf.design.battery_energy_wh) for p in each],
-        altitude_m=None
-        if climb is None
-        else (climb.performance.day.time_h, climb.altitude_m[index]),
+        altitude_m=None if climb is None else climb.altitude_m[index],
         ends_h=(0.0, 24.0) if window_h is None else (window_h[0][index], window_h[1][index]),
         nights_h=_nights(perf, index),
         end=f", {perf.day.scenarios.label(index)}",
@@ -235,13 +233,13 @@ def _plot_limited(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
     longest = perf.endurances
     hours, launch = float(longest.endurance_h[index]), float(longest.launch_h[index])
     each = [p.course(index, launch, hours) for p in (perf, analysis.low, analysis.high)]
-    clock_h, altitude_m = each[0].clock_h, each[0].altitude_m
+    clock_h = each[0].clock_h
     course = _Course(
         clock_h=clock_h,
         solar_w=[np.interp(clock_h, course.clock_h, course.solar_power_w) for course in each],
         load_w=each[0].load_w,
         charge=[np.interp(clock_h, course.clock_h, course.state_of_charge) for course in each],
-        altitude_m=None if analysis.climb is None else (clock_h, altitude_m),
+        altitude_m=None if analysis.climb is None else each[0].altitude_m,
         ends_h=(launch, launch + hours),
         nights_h=_nights(perf, index),
         end=f", {perf.day.scenarios.label(index)}: limited, {hours:.1f} h",
