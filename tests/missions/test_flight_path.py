@@ -112,9 +112,6 @@ def paths(draw):
     return draw(st.sampled_from(every)), wind
 
 
-# ---- Circle
-
-
 @given(circles(share=0.999))
 def test_ground_track_is_the_circle(case):
     path, wind = case
@@ -174,9 +171,6 @@ def test_circle_in_wind_of_almost_the_airspeed(wind_share):
     assert lap.weights @ headings(lap) @ upwind == pytest.approx(wind_share, abs=2.0 / 72)
 
 
-# ---- All paths
-
-
 @given(paths())
 def test_airspeed_is_held(case):
     path, wind = case
@@ -230,9 +224,6 @@ def test_orbit_is_well_formed(case, samples):
     assert np.all(lap.ground_speed_m_per_s >= slowest * (1.0 - 1e-12))
 
 
-# ---- Racetrack, straight legs, level
-
-
 @pytest.mark.parametrize(("direction", "side"), [("clockwise", 1.0), ("counterclockwise", -1.0)])
 def test_racetrack_lies_on_its_stadium(direction, side):
     lap = orbit(racetrack(direction), EASTERLY, samples=500)
@@ -270,9 +261,6 @@ def test_level_aircraft_is_horizontal_in_any_wind():
     matrix = direction_cosines(lap.roll_rad, lap.pitch_rad, lap.yaw_rad)
     assert np.array_equal(matrix, np.eye(3)[None])
     assert largest_wind_m_per_s(Level()) == np.inf
-
-
-# ---- What is refused
 
 
 @pytest.mark.parametrize("path", [circle(), circle("both"), racetrack(), legs()])

@@ -30,9 +30,6 @@ def dates(first, last, count=None):
     return Dates.model_validate({"from": first, "to": last, "count": count})
 
 
-# ---- Dates
-
-
 @pytest.mark.parametrize(
     ("chosen", "days"),
     [
@@ -72,9 +69,6 @@ def test_dates_are_normalised():
     assert Dates(on=" 7-5 ").on == Dates(on="2015-07-05").on == "07-05"
 
 
-# ---- Latitudes
-
-
 @pytest.mark.parametrize(
     ("ends", "values"), [((45, 50, 3), [45.0, 47.5, 50.0]), ((10, -10, 5), [10, 5, 0, -5, -10])]
 )
@@ -90,9 +84,6 @@ def test_latitude_range_includes_its_ends_and_may_lead_south(ends, values):
 def test_latitudes_are_accepted_and_labelled(latitude, label):
     assert mission(latitude_deg=latitude).latitudes() == [float(latitude)]
     assert latitude_label(float(latitude)) == label
-
-
-# ---- Missions
 
 
 FROM_TO = {"from": "05-01", "to": "08-15"}
@@ -165,9 +156,6 @@ def test_required_keys(key):
         Mission.model_validate(data)
 
 
-# ---- Air
-
-
 def test_temperature_offset_thins_the_air():
     reference = ambiance.Atmosphere(500.0)
     warm = mission(altitude_m=500.0, air={"temperature_offset_k": 15.0})
@@ -193,9 +181,6 @@ def test_module_temperature_is_that_of_the_air_unless_given():
     assert both.module_temperature_c() == 37.0
     assert both.air_state().temperature_c == pytest.approx(22.7)
     assert mission(altitude_m=0.0).module_temperature_c() == pytest.approx(15.0)  # sea level
-
-
-# ---- Launch
 
 
 def test_night_floor_is_the_altitude():
@@ -270,9 +255,6 @@ def test_launch_needs_a_longitude():
     assert caught.value.errors()[0]["ctx"]["key"] == "launch"
 
 
-# ---- Scenarios
-
-
 def test_scenarios_run_through_the_days_of_each_latitude():
     scenarios = mission(
         latitude_deg={"from_deg": 45.0, "to_deg": 50.0, "count": 2},
@@ -303,9 +285,6 @@ def test_polar_night_by_hemisphere(latitude, date, dark):
     assert scenarios.in_polar_night().tolist() == dark
 
 
-# ---- Library
-
-
 @pytest.mark.parametrize("name", shipped_names("mission"))
 def test_shipped_missions_are_valid(name):
     data = find_document("mission", name).data
@@ -330,9 +309,6 @@ def test_the_flights_are_the_published_ones():
     assert flight.dates.days() == [day_of_year("07-01")]
     longer = load_mission("rafz-81h")
     assert (longer.launch.date, longer.launch.duration_h) == ("07-14", 81.4)
-
-
-# ---- clear sky ----
 
 
 def test_unknown_sky_is_refused():

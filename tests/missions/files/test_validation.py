@@ -117,9 +117,6 @@ def test_integers_too_large_for_a_float_are_not_finite():
     assert len(message) < 150
 
 
-# ---- words and places ----
-
-
 def test_input_error_keeps_its_problems_through_pickling():
     error = InputError([Problem("b", 2, 1, "k", "m"), Problem("b", 1, None, "", "n")])
     assert str(error) == "b:1: n\nb:2:1: k: m"
@@ -289,9 +286,6 @@ def test_mistakes_beside_a_deprecated_key_keep_their_places():
     ]
 
 
-# ---- unions ----
-
-
 @pytest.mark.parametrize(
     ("leg", "message"),
     [
@@ -396,9 +390,6 @@ def test_types_behind_other_names():
     ]
 
 
-# ---- keys ----
-
-
 def test_key_that_is_refused_is_located_itself():
     class Model(Record):
         table: dict[Annotated[str, Field(max_length=1)], Real]
@@ -422,9 +413,6 @@ def test_aliased_field_goes_by_the_key_of_the_file():
     ]
 
 
-# ---- messages of validators ----
-
-
 def test_validator_may_point_into_a_list():
     class Model(Record):
         legs: tuple[Real, ...]
@@ -434,9 +422,6 @@ def test_validator_may_point_into_a_list():
             raise PydanticCustomError("x", "too\nlong", {"key": "legs.1"})
 
     assert problems_of("legs:\n- 1\n- 2", model=Model) == ["as2.yaml:3:3: legs.1: too long"]
-
-
-# ---- places ----
 
 
 def test_value_through_an_alias_is_located_where_it_stands():
@@ -476,9 +461,6 @@ def test_any_text_is_read_or_refused_with_a_place(text):
         assert len(problem.encode("utf-8").decode("utf-8").splitlines()) == 1
 
 
-# ---- overrides ----
-
-
 @pytest.mark.parametrize(
     ("override", "message"),
     [
@@ -514,9 +496,6 @@ def test_problems_of_the_file_come_before_those_of_overrides():
     assert [problem.split(":")[0] for problem in problems] == ["as2.yaml", "--set tail_m2"]
 
 
-# ---- imports ----
-
-
 def test_import_is_light():
     code = (
         "import sys, missions.files.validation\n"
@@ -526,9 +505,6 @@ def test_import_is_light():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert run.stdout.strip() == "[]"
-
-
-# ---- copies with other values ----
 
 
 PLANE = Aircraft(

@@ -372,9 +372,6 @@ def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path):
     assert "5 mistakes" in problem.message
 
 
-# ---- Folders
-
-
 def test_a_folder_of_polars_is_one_table(tmp_path):
     folder = tmp_path / "polars"
     folder.mkdir()
@@ -399,9 +396,6 @@ def test_a_folder_of_polars_is_one_table(tmp_path):
         file.unlink()
     with pytest.raises(InputError, match=r"has no files of that kind \(\.csv, \.txt"):
         read_polar_text(path)
-
-
-# ---- Whatever a file holds
 
 
 ALL = section(2e5) + wing(8.0, commas=True)

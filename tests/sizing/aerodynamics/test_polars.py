@@ -291,9 +291,6 @@ def test_table_too_rough_for_a_fit_is_refused():
         AirfoilPolar.from_table(parse_polar_table("\n".join(lines), "test.csv"))
 
 
-# ---- A record carries the table that it has read
-
-
 def test_records_with_other_tables_under_one_path_differ(tmp_path):
     file = tmp_path / "own.csv"
     file.write_text(_formula_table())
@@ -315,9 +312,6 @@ def test_a_record_keeps_its_table_when_the_file_goes(tmp_path):
     assert copied.drag_at(0.8, 18.5, 158e3) == drag
     with texts_as_read({str(file): wing.contents_read() or ""}):
         assert _wing(str(file)) == wing
-
-
-# ---- The writer
 
 
 def test_writer_repeats_a_shipped_table(tmp_path):
@@ -390,9 +384,6 @@ def test_build_up_adds_up_and_calibration_multiplies_it():
     # A tail has the drag of a section of its size: 0.010 to 0.012 on its own area at a Reynolds
     # number near 90 000.
     assert 0.010 < parts.tail / _wing().tail_area_ratio < 0.012
-
-
-# ---- Against flights
 
 
 def test_documentation_holds_the_tables_as_computed():

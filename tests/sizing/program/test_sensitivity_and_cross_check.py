@@ -237,9 +237,6 @@ def test_only_more_than_half_a_per_cent_is_told_to_be_better(share, told):
     assert told in cross_check_line(check, Objective.min_wingspan)
 
 
-# ---- multipliers of constraints
-
-
 def test_multiplier_of_the_required_time_is_what_another_hour_costs():
     result = sized(Objective.min_wingspan, 4.0)
     multipliers = {p.constraint.split(" (")[0]: p for p in constraint_multipliers(result)}

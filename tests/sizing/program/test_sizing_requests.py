@@ -275,9 +275,6 @@ def test_range_of_lift_keeps_the_stall_margin_of_a_polar():
         aircraft(wing, f"{span}{1.05 * highest:.4f}}}")
 
 
-# ---- uncertainty margins
-
-
 def test_margins_act_as_the_numbers_they_stand_for():
     plane = AS2
     solar = SolarModel("CAM", "report")

@@ -50,9 +50,6 @@ def structure_kg(b, ar, m, share=0.5, **changes):
     return parts(b, ar, m, share, RibWingStructure(model="rib_wing", **changes)).total_kg
 
 
-# ---- smooth maximum
-
-
 @given(first=positives, second=positives, growth=st.floats(1.001, 2.0))
 def test_smooth_maximum_is_just_above_and_minimum_just_below_and_both_rise(first, second, growth):
     high, low = smooth_maximum(first, second), smooth_minimum(first, second)
@@ -77,12 +74,6 @@ def test_smooth_absolute_exceeds_by_no_more_than_its_width(value, scale):
     assert abs(value) <= smooth <= abs(value) + BLEND * scale * (1.0 + 1e-9)
 
 
-# ---- load factors
-
-
-# ---- stations
-
-
 @pytest.mark.parametrize("place", range(6))
 def test_stations_hold_the_moments_of_ellipse_and_even_mass(place):
     station = Station(*(column[place] for column in stations()))
@@ -96,9 +87,6 @@ def test_stations_hold_the_moments_of_ellipse_and_even_mass(place):
     assert station.lift_moment == pytest.approx(moment, rel=1e-7)
     assert station.mass_shear == pytest.approx(1.0 - x, rel=1e-12)
     assert station.mass_moment == pytest.approx((1.0 - x) ** 2 / 2.0, rel=1e-12)
-
-
-# ---- the whole, summed independently with hard maxima on a fine grid
 
 
 class HardWing(NamedTuple):
@@ -244,9 +232,6 @@ def test_mass_is_that_of_hard_maxima_on_a_fine_grid(limits, span, aspect, mass, 
     assert 0.985 * hard <= mass_kg <= 1.04 * hard
 
 
-# ---- directions
-
-
 LOADS_DENSITIES_AND_GAUGES = [
     "safety_factor",
     "cruise_gust_m_per_s",
@@ -297,9 +282,6 @@ def test_parts_add_up_and_calibration_multiplies(span, aspect, mass, share):
     doubled = structure_kg(span, aspect, mass, share, calibration=2.0)
     assert doubled == pytest.approx(2.0 * masses.total_kg, rel=1e-12)
     assert masses.joints == pytest.approx(0.15 * (masses.total_kg - masses.joints), rel=1e-9)
-
-
-# ---- floats, arrays and symbols alike, and no kinks
 
 
 STIFF = RibWingStructure(
@@ -360,9 +342,6 @@ def test_no_kinks_in_the_design_space(model, bound):
         # differ by up to 4, half of the structure at most turns at once. What the nose lacks in
         # stiffness starts from nothing: there they differ by more. A kink has no bound.
         assert np.max(np.abs(second)) < bound
-
-
-# ---- deflection
 
 
 @pytest.mark.parametrize("span_m", [3.0, 8.0, 25.0])
@@ -447,9 +426,6 @@ def test_reported_deflection_is_that_of_the_independent_sum(span, aspect, mass, 
     assert sum(assessment.spar_web.values()) == pytest.approx(1.0)
 
 
-# ---- battery in the spar and in the pod
-
-
 def test_battery_that_does_not_fit_the_spar_goes_to_the_pod():
     flight = inputs(3.0, 15.0, 11.0, 7.5, battery=7.5)
     model = RibWingStructure(model="rib_wing", spar_battery_density_kg_per_m3=2100.0)
@@ -465,9 +441,6 @@ def test_battery_that_does_not_fit_the_spar_goes_to_the_pod():
     mounted = model.model_copy(update={"pod_battery_mount_fraction": 0.05})
     gain = mounted.mass_kg(flight) - model.mass_kg(flight)
     assert gain == pytest.approx(1.15 * 0.05 * assessment.pod_battery_kg, rel=1e-9)
-
-
-# ---- propulsion rated by climb
 
 
 def test_rated_power_by_ratio_and_by_climb_rate():
@@ -487,9 +460,6 @@ def test_ratio_and_climb_rate_are_alternatives():
         Propulsion(climb_power_ratio=5.0, climb_rate_m_per_s=2.0)
     with pytest.raises(ValidationError):
         Propulsion(climb_rate_m_per_s=0.0)
-
-
-# ---- buckling of the caps' plates against closed forms
 
 
 def cap_of(along, across, shear, poisson):

@@ -57,9 +57,6 @@ def quantities(notes):
     return {f"{note.quantity} of {note.model}" for note in notes}
 
 
-# ---- An independent account of what must be told
-
-
 def outside(value, low, high):
     """Whether a value is outside a range; None so near to an end that rounding decides."""
     near = min(abs(value - end) for end in (low, high) if math.isfinite(end))

@@ -290,9 +290,6 @@ def test_version_and_helps(run):
         assert re.match(rf"Usage: .*solar-uav {command} ", page.out)
 
 
-# ---- odd names and values ------------------------------------------------------------
-
-
 @pytest.mark.parametrize("command", [("analyse", AS2), ("size", DESIGN, "-m", "rafz-july")])
 def test_brackets_and_dollars_in_a_name(run, command):
     outcome = run(*command, "--set", "name='[/]a[red]'")

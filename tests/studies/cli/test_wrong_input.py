@@ -11,9 +11,6 @@ from weather_files import clear_record, write_epw
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
 
-# ---- wrong files ----------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -81,8 +78,6 @@ def test_all_problems_of_both_files_are_reported_together(run, tmp_path):
     keys = ["dates.on", "modules.area_m2", "power.avionics_w"]
     assert sorted(line.split(": ")[1] for line in outcome.err.splitlines()) == keys
 
-
-# ---- wrong calls ----------------------------------------------------------------------
 
 # Files that calls name.
 FILES = {
@@ -460,9 +455,6 @@ def test_files_that_cannot_be_written(run, tmp_path, call, message):
     assert outcome.err.count("\n") == 1
     assert files(tmp_path) == {"file", *folders}
     assert (tmp_path / "file").read_text() == "old"
-
-
-# ---- Messages that fit a screen
 
 
 LONG = 100_000 * "x"

@@ -310,9 +310,6 @@ def test_impossible_design_is_refused_in_words(tmp_path):
     assert caught.value.kind == "impossible"
 
 
-# ---- Climbs
-
-
 def climbing(**changes):
     climb = {"ceiling_m": 3536.0} | changes.pop("climb", {})
     document = find_document("mission", "rafz-july")

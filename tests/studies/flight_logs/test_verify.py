@@ -361,9 +361,6 @@ def test_intervals_hold_on_flights_of_another_simulation(number, truth):
         assert abs(error) < 1.5 * (item.high - item.value), item
 
 
-# ---- Residuals
-
-
 def test_residuals_are_errors_of_bins():
     result = verified(made(start_utc_s=MORNING_S, duration_h=6.0, bias=-0.05))
     samples, verification = result.samples, result.residuals

@@ -45,9 +45,6 @@ def study(aircraft, mission, *texts, **options):
     return prepare(aircraft, mission, axes, solar, **options).computed().to_xarray()
 
 
-# ---- axes and points
-
-
 @pytest.mark.parametrize(
     ("text", "key", "values"),
     [
@@ -113,9 +110,6 @@ def test_draws_repeat_with_their_seed(sample):
 def test_draws_need_ranges():
     with pytest.raises(ValueError, match="needs a range"):
         points([parse_axis("wingspan_m=3")], "lhs", samples=4)
-
-
-# ---- judged points
 
 
 def test_grid_points_are_those_of_single_analyses():
@@ -248,9 +242,6 @@ def test_one_at_a_time_starts_from_the_files():
     assert low > base > high
 
 
-# ---- sized points
-
-
 def test_held_variables_keep_their_values_and_others_are_sized():
     data = study(
         DESIGN, JULY, "wingspan_m=2.5,6", "aspect_ratio=15", resize=Objective.max_excess_time
@@ -289,9 +280,6 @@ def test_held_variables_keep_their_values_and_others_are_sized():
 def test_mistakes_are_named_before_the_work(texts, options, words):
     with pytest.raises(InputError, match=re.escape(words)):
         study(options.pop("aircraft", DESIGN), SUMMER, *texts, **options)
-
-
-# ---- charts
 
 
 def test_front_is_that_of_comparing_all_pairs():
@@ -333,9 +321,6 @@ def test_points_without_a_design_are_not_drawn_over():
     colours = sweep_plots.plot_sweep(data).axes[0].collections[0].get_array()
     drawn = ~np.ma.getmaskarray(colours).reshape(9, 11)
     np.testing.assert_array_equal(drawn, (data["status"] == Status.perpetual).values.T)
-
-
-# ---- command and files
 
 
 def test_command_writes_files_that_hold_everything(run, tmp_path):
@@ -387,9 +372,6 @@ def test_parquet_holds_table_and_configuration(run, tmp_path):
     table = pd.read_parquet(tmp_path / "s.parquet")
     assert table["battery_mass_kg"].tolist() == [2.0, 3.0]
     assert json.loads(table.attrs["mission"])["name"] == "rafz-july"
-
-
-# ---- points that fail, and the call from Python
 
 
 def _failing(configuration, cells):
@@ -476,9 +458,6 @@ def test_steps_that_do_not_meet_their_end_are_told(run):
     assert "--vary battery_mass_kg=2:4:0.7 stops at 3.4, the last step before 4" in answer.err
     answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
     assert answer.err == ""
-
-
-# ---- Airfoils of one's own
 
 
 def own_airfoil(file):
