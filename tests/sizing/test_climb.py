@@ -169,7 +169,7 @@ def test_polar_day_has_no_end():
     assert result.gain_in_excess_time_h[0] == 0.0
 
 
-@pytest.mark.parametrize("model", ["CDM", "VM", "FM"])
+@pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
 def test_every_solar_model_can_be_climbed_with(model):
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
     where, solar = mission(2000.0, flight_path=path), SolarModel(model)
@@ -256,9 +256,3 @@ def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight():
     efficiency, maximum_w = climb_limits(DESIGN, design)
     assert maximum_w == pytest.approx(5.03 * float(design.propulsion_power_w))
     assert efficiency == pytest.approx(0.97 * 0.82 * 0.96 * 0.82)
-
-
-def test_performance_of_a_constant_altitude_ignores_nothing():
-    # The constant flight beside the climbing one is what analyse says without climb.
-    alone = performance(AS2, mission(1536.0).at_altitude(FLOOR_M)).cycle.excess_time_h
-    assert climbs_of(AS2, 1536.0).constant.cycle.excess_time_h == pytest.approx(alone)

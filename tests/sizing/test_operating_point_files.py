@@ -105,17 +105,16 @@ def test_the_power_budget_adds_up(name):
         assert budget.watts["aerodynamic_w"] == pytest.approx(left)
 
 
+HUGE = {"diameter_m": 1e6, "pitch_m": 1.0}
+
+
 @pytest.mark.parametrize(
     ("parts", "key", "message"),
     [
         ({"motor": "re4O"}, "motor", "the catalogue of motors has no 're4O'"),
         ({"motor": {"resistance_ohm": 0.1}}, "speed_constant_rpm_per_v", "required key is missing"),
         ({"propeller": {"diameter_m": 0.6}}, "propeller.pitch_m", "required key is missing"),
-        (
-            {"propeller": {"diameter_m": 1e6, "pitch_m": 1.0}},
-            "propeller.diameter_m",
-            "must be at most 100",
-        ),
+        ({"propeller": HUGE}, "propeller.diameter_m", "must be at most 100"),
         ({"propeller": {"table": "none.dat"}}, "propeller.table", "cannot read .*none.dat"),
         ({"propulsors": 0}, "propulsors", "must be greater than 0|must be at least 1"),
         ({"kind": None}, "kind", "required key is missing; controller goes with operating_point"),

@@ -36,31 +36,28 @@ def test_roots_of_kinked_lines_are_found(seed, count):
     np.testing.assert_allclose(roots, root, atol=LIMIT / 1e-3)
 
 
-def test_smooth_function_takes_few_rounds():
-    sizes = []
-
-    def gain(place, x):
-        sizes.append(len(place))
-        return 0.7 * np.exp(-x) - 0.35 - 0.3 * x
-
-    roots = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
-    assert 0.7 * np.exp(-roots[0]) - 0.35 - 0.3 * roots[0] == pytest.approx(0.0, abs=LIMIT)
-    # Two ends, and secants that gain digits by half again each: bisection would take 36.
-    assert len(sizes) <= 10
-
-
-def test_plateau_beside_the_root_takes_few_rounds():
-    """A day that loses the same from most states: false positions alone creep along it."""
+@pytest.mark.parametrize(
+    ("value", "most"),
+    [
+        # Two ends, and secants that gain digits by half again each: bisection would take 36.
+        pytest.param(lambda x: 0.7 * np.exp(-x) - 0.35 - 0.3 * x, 10, id="smooth"),
+        # A day that loses the same from most states: false positions alone creep along it, but the
+        # lower end's value leads to the root, as the day cannot lose more than it began with.
+        pytest.param(
+            lambda x: np.maximum(0.52 - x, -1e-4) - 0.2 * np.maximum(x - 0.75, 0.0), 7, id="plateau"
+        ),
+    ],
+)
+def test_smooth_functions_and_plateaus_take_few_rounds(value, most):
     rounds = []
 
     def gain(place, x):
         rounds.append(len(place))
-        return np.maximum(0.52 - x, -1e-4) - 0.2 * np.maximum(x - 0.75, 0.0)
+        return value(x)
 
     roots = falling_root(gain, np.zeros(1), np.ones(1), np.full(1, LIMIT))
-    assert roots[0] == pytest.approx(0.52, abs=LIMIT)
-    # The lower end's value leads to the root, as the day cannot lose more than it began with.
-    assert len(rounds) <= 7
+    assert value(roots[0]) == pytest.approx(0.0, abs=LIMIT)
+    assert len(rounds) <= most
 
 
 def test_element_without_gain_at_the_lower_end_has_its_root_there():

@@ -185,11 +185,3 @@ def test_functions_that_give_what_cannot_be_are_named(kind):
     ):
         with pytest.raises(ValueError, match=message):
             study()
-
-
-def test_analyses_and_sizings_have_the_same_names_for_the_design():
-    sized = sizing.size(sizing.load_aircraft(NAME), MISSION)
-    analysis = sizing.analyse(sized.sized_aircraft(), MISSION)
-    for name in ("wingspan_m", "battery_mass_kg", "module_area_m2", "total_mass_kg"):
-        assert getattr(sized, name) == pytest.approx(getattr(analysis, name), rel=1e-9)
-    assert sized.excess_time_h == pytest.approx(analysis.excess_time_h, abs=1e-6)

@@ -50,24 +50,24 @@ def test_values_become_data(value, written):
 
 
 @pytest.mark.parametrize(
-    ("entry", "written"),
+    ("entry", "inner", "written"),
     [
-        ("+ -word -inner at.x_m=inner.x_m at.both=twice_m", {"at": {"x_m": 1.0, "both": 2.0}}),
-        ("*inner", {"x_m": 1.0, "y_m": 2.0}),
-        ("inner=inner:Short", {"inner": {"x_m": 1.0}}),
+        (
+            "+ -word -inner at.x_m=inner.x_m at.y=twice_m",
+            Place(1.0),
+            {"at": {"x_m": 1.0, "y": 2.0}},
+        ),
+        ("*inner", Place(1.0), {"x_m": 1.0, "y_m": 2.0}),
+        ("inner=inner:Short", Place(1.0), {"inner": {"x_m": 1.0}}),
+        # What is behind nothing is null, or left out.
+        ("x_m=inner.x_m", None, {"x_m": None}),
+        ("x_m?=inner.x_m", None, {}),
     ],
 )
-def test_entries_name_keys_and_paths(entry, written, monkeypatch):
+def test_entries_name_keys_and_paths(entry, inner, written, monkeypatch):
     monkeypatch.setattr(of, "RECORDS", {"Entry": entry, "Short": "x_m"})
     of._keys.cache_clear()
-    assert serialise(Outer(Place(1.0)), "Entry") == written
-
-
-@pytest.mark.parametrize(("key", "written"), [("x_m", {"x_m": None}), ("x_m?", {})])
-def test_what_is_behind_nothing_is_null_or_left_out(key, written, monkeypatch):
-    monkeypatch.setattr(of, "RECORDS", {"Entry": f"{key}=inner.x_m"})
-    of._keys.cache_clear()
-    assert serialise(Outer(None), "Entry") == written
+    assert serialise(Outer(inner), "Entry") == written
 
 
 @pytest.mark.parametrize("clearness", [1.0, 0.05])

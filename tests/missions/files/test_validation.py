@@ -130,16 +130,39 @@ def test_plain_pydantic_error_is_not_shown_as_the_cause():
     assert caught.value.__context__ is None
 
 
-def test_all_problems_come_together_sorted_by_line():
-    text = "tail_m2: -1\nzzz: 3\nbattery:\n  usable_fraction: 1.5\n  mass_kg: 0\nname: 5\n"
-    assert problems_of(text) == [
-        "as2.yaml:1:10: tail_m2: must be at least 0 (got -1)",
-        "as2.yaml:2:1: zzz: unknown key; allowed keys: name, battery, spare, legs, window, "
-        "polar, table, size, curve, airfoil, tested, tail_m2",
-        "as2.yaml:4:20: battery.usable_fraction: must be at most 1 (got 1.5)",
-        "as2.yaml:5:12: battery.mass_kg: must be greater than 0 (got 0)",
-        "as2.yaml:6:7: name: must be text (got 5); put it in quotes",
-    ]
+@pytest.mark.parametrize(
+    ("text", "problems"),
+    [
+        (
+            "tail_m2: -1\nzzz: 3\nbattery:\n  usable_fraction: 1.5\n  mass_kg: 0\nname: 5\n",
+            [
+                "1:10: tail_m2: must be at least 0 (got -1)",
+                "2:1: zzz: unknown key; allowed keys: name, battery, spare, legs, window, "
+                "polar, table, size, curve, airfoil, tested, tail_m2",
+                "4:20: battery.usable_fraction: must be at most 1 (got 1.5)",
+                "5:12: battery.mass_kg: must be greater than 0 (got 0)",
+                "6:7: name: must be text (got 5); put it in quotes",
+            ],
+        ),
+        (
+            GOOD + "legs:\n- kind: loiter\n  duration_h: 0\n  loiter:\n    mass_kg: 0\n",
+            [
+                "6:15: legs.0.duration_h: must be greater than 0 (got 0)",
+                "8:14: legs.0.loiter.mass_kg: must be greater than 0 (got 0)",
+            ],
+        ),
+        (
+            "name: x\nbattery: &b\n  mass_kg: 0\nspare: *b\n",
+            [
+                f"3:12: {key}.mass_kg: must be greater than 0 (got 0)"
+                for key in ("battery", "spare")
+            ],
+        ),
+    ],
+    ids=["sorted by line", "a choice and a key of one name", "through an alias"],
+)
+def test_all_problems_come_together_where_they_stand(text, problems):
+    assert problems_of(text) == [f"as2.yaml:{problem}" for problem in problems]
 
 
 def test_missing_key_points_at_the_mapping_around_it():
@@ -317,14 +340,6 @@ def test_discriminated_unions_give_clean_keys(leg, message):
     assert first.split(": ", 1)[1] == message
 
 
-def test_name_of_a_choice_is_told_from_a_key_of_the_same_name():
-    text = GOOD + "legs:\n- kind: loiter\n  duration_h: 0\n  loiter:\n    mass_kg: 0\n"
-    assert problems_of(text) == [
-        "as2.yaml:6:15: legs.0.duration_h: must be greater than 0 (got 0)",
-        "as2.yaml:8:14: legs.0.loiter.mass_kg: must be greater than 0 (got 0)",
-    ]
-
-
 def test_unions_by_callable_and_by_optional_field():
     def shape(value):
         return "pack" if "mass_kg" in value else "night"
@@ -422,14 +437,6 @@ def test_validator_may_point_into_a_list():
             raise PydanticCustomError("x", "too\nlong", {"key": "legs.1"})
 
     assert problems_of("legs:\n- 1\n- 2", model=Model) == ["as2.yaml:3:3: legs.1: too long"]
-
-
-def test_value_through_an_alias_is_located_where_it_stands():
-    text = "name: x\nbattery: &b\n  mass_kg: 0\nspare: *b\n"
-    assert problems_of(text) == [
-        "as2.yaml:3:12: battery.mass_kg: must be greater than 0 (got 0)",
-        "as2.yaml:3:12: spare.mass_kg: must be greater than 0 (got 0)",
-    ]
 
 
 def test_located_error():

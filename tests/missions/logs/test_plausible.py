@@ -75,10 +75,12 @@ def test_a_code_among_other_values_is_a_value():
     assert codes("power", np.append(np.linspace(0.0, 300.0, 400), 999.0)).sum() == 1
 
 
-def test_a_position_of_a_receiver_without_a_fix():
-    table = flown().copy()
-    table.loc[:49, ["latitude_deg", "longitude_deg"]] = 0.0
-    assert found(table) == [("latitude_deg", "code", 50), ("longitude_deg", "code", 50)]
+def test_rows_of_a_receiver_before_its_first_fix_and_before_its_clock_was_set():
+    place, clock = flown().copy(), flown().copy()
+    place.loc[:49, ["latitude_deg", "longitude_deg"]] = 0.0
+    assert found(place) == [("latitude_deg", "code", 50), ("longitude_deg", "code", 50)]
+    clock.loc[:29, "time_utc_s"] = 315964800.0 + np.arange(30)  # 1980-01-06, where GPS begins
+    assert found(clock) == [("time_utc_s", "outside", 30)]
 
 
 def test_a_sensor_at_its_highest_value_for_minutes():
@@ -97,12 +99,6 @@ def test_rows_that_are_written_twice():
     assert found(table) == [("", "repeated", 200)]
     note = next(n for n in log_from_table(table, "x").notes if "copies" in n)
     assert note.startswith("200 rows left out, copies of earlier rows, 2024-")
-
-
-def test_times_before_the_clock_was_set():
-    table = flown().copy()
-    table.loc[:29, "time_utc_s"] = 315964800.0 + np.arange(30)  # 1980-01-06, where GPS begins
-    assert found(table) == [("time_utc_s", "outside", 30)]
 
 
 def constant(table):
@@ -178,9 +174,12 @@ def test_spans_are_by_the_clock_of_their_zone():
 
 
 @pytest.mark.parametrize("text", ["11:20", "11:20-25:00", "noon", "2015-13-01@11:20-11:45", ""])
-def test_wrong_spans_are_refused(text):
+def test_wrong_spans_and_blank_names_of_columns_are_refused(text):
     with pytest.raises(ValueError, match="must be times like 11:20-11:45"):
         parse_span(text)
+    for blank in ("", "  ", "\n"):
+        with pytest.raises(ValueError, match="must be the name of a column or quantity"):
+            column_name(blank)
 
 
 def read(folder, table, **layout):
@@ -218,12 +217,6 @@ def test_a_day_that_is_left_out_ends_at_midnight():
     assert set((np.flatnonzero(night) % 24).tolist()) == {22, 23, 0, 1, 2}
     with pytest.raises(ValueError, match="must be times like"):
         parse_span("24:00-01:00")
-
-
-@pytest.mark.parametrize("name", ["", "  ", "\n"])
-def test_a_blank_name_is_no_column_to_ignore(name):
-    with pytest.raises(ValueError, match="must be the name of a column or quantity"):
-        column_name(name)
 
 
 def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path):

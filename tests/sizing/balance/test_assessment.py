@@ -127,6 +127,8 @@ def test_cells_lie_on_the_wing_of_the_airframe():
         sizing.load_aircraft("twin-boom-design", both)
 
 
+ONE_MASS = {"name": "a", "mass_kg": 1.0, "x_m": 0.0}
+SHORT_POD = {"length_m": 0.1, "diameter_m": 0.2}
 ANOTHER_POLAR = {
     "model": "wing_polar",
     "airfoil": "mh115",
@@ -146,22 +148,10 @@ ANOTHER_POLAR = {
         ("tail", None, "airframe.tail: required key is missing"),
         ("planform.taper_ratio", 0.0, r"taper_ratio: .*\(got 0"),
         ("structure", {"model": "spar"}, "must be rib_wing"),
-        (
-            "structure.fuselage_chords",
-            4.0,
-            r"structure.fuselage_chords: follows from airframe.tail; give one \(got 4\)",
-        ),
+        ("structure.fuselage_chords", 4.0, r"fuselage_chords: follows from .* \(got 4\)"),
         ("balance.moved", "battery", "moved: .* give positions_chords"),
-        (
-            "balance.weighed",
-            [{"name": "a", "mass_kg": 1.0, "x_m": 0.0}],
-            "static_margin: follows from weighed",
-        ),
-        (
-            "drag.pods",
-            [{"length_m": 0.1, "diameter_m": 0.2}],
-            r"pods.0.length_m: must be above diameter_m 0.2 \(got 0.1\)",
-        ),
+        ("balance.weighed", [ONE_MASS], "static_margin: follows from weighed"),
+        ("drag.pods", [SHORT_POD], r"pods.0.length_m: must be above diameter_m 0.2 \(got 0.1\)"),
         ("aerodynamics", ANOTHER_POLAR, r"tail_area_ratio: must be 0 with airframe.drag"),
     ],
 )

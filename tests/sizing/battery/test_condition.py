@@ -120,23 +120,19 @@ def test_the_march_takes_the_efficiencies_of_the_aged_resistance():
     assert Store.of(old).charge_efficiency < Store.of(new).charge_efficiency
 
 
+FALLING = {"table_c": (10.0, 0.0), "table_capacity_fraction": (0.9, 1.0)}
+FAST = {"loss_at_1c": 1.0, "discharge_rate_per_h": 1.0, "charge_rate_per_h": 0.1}
+
+
 @pytest.mark.parametrize(
     ("record", "values", "message"),
     [
         (BatteryTemperature, {"held_c": 5.0}, "needs held_c and either"),
         (BatteryTemperature, {"heater_power_w": 5.0}, "needs held_c"),
         (BatteryTemperature, {"table_c": (0.0, 10.0)}, "same length"),
-        (
-            BatteryTemperature,
-            {"table_c": (10.0, 0.0), "table_capacity_fraction": (0.9, 1.0)},
-            "increase",
-        ),
+        (BatteryTemperature, FALLING, "increase"),
         (Ageing, {"cycles": 1e6}, "nothing is left"),
-        (
-            InternalResistance,
-            {"loss_at_1c": 1.0, "discharge_rate_per_h": 1.0, "charge_rate_per_h": 0.1},
-            "of the voltage",
-        ),
+        (InternalResistance, FAST, "of the voltage"),
     ],
 )
 def test_what_cannot_be_is_refused(record, values, message):

@@ -90,60 +90,50 @@ def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path):
 
 
 SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}
+TEN = {"cells_in_parallel": 10, "cell_mass_kg": 0.0486}
+TOO_MANY = {"pack": TEN | {"cells_in_parallel": 16667}, "voltage": VOLTAGE}
+WINDOW = {"minimum_state_of_charge": 0.9, "maximum_state_of_charge": 0.2}
+WHOLE = {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}}
+
+
+def six(**changes):
+    return {"pack": SIX | changes}
 
 
 @pytest.mark.parametrize(
     ("data", "words"),
     [
         (
-            {"pack": SIX | {"cells_in_series": 7}},
-            "mass_kg: must be that of whole cells, 2.722 kg (7 × 8) or 3.062 kg (7 × 9) "
-            "(got 2.918)",
+            six(cells_in_series=7),
+            r"mass_kg: .* 2.722 kg \(7 × 8\) or 3.062 kg \(7 × 9\) \(got 2.918\)",
         ),
+        (six(cells_in_parallel=11), r"mass_kg: .* whole cells, 3.208 kg \(6 × 11\) \(got 2.918\)"),
+        ({"pack": TEN}, "pack.cells_in_series: required key is missing"),
         (
-            {"pack": SIX | {"cells_in_parallel": 11}},
-            "mass_kg: must be that of whole cells, 3.208 kg (6 × 11) (got 2.918)",
+            six(cells_in_series=5) | {"voltage": VOLTAGE},
+            r"pack.cells_in_series: must be that of battery.voltage, 6 \(got 5\)",
         ),
+        (six(minimum_state_of_charge=0.1), "pack.minimum_state_of_charge: goes with battery.cell"),
         (
-            {"pack": {"cells_in_parallel": 10, "cell_mass_kg": 0.0486}},
-            "pack.cells_in_series: required key is missing",
+            six(**WINDOW),
+            r"pack.maximum_state_of_charge: .* minimum_state_of_charge 0.9 \(got 0.2\)",
         ),
-        (
-            {"pack": SIX | {"cells_in_series": 5}, "voltage": VOLTAGE},
-            "pack.cells_in_series: must be that of battery.voltage, 6 (got 5)",
-        ),
-        (
-            {"pack": SIX | {"minimum_state_of_charge": 0.1}},
-            "pack.minimum_state_of_charge: goes with battery.cell",
-        ),
-        (
-            {"pack": SIX | {"minimum_state_of_charge": 0.9, "maximum_state_of_charge": 0.2}},
-            "pack.maximum_state_of_charge: must be above minimum_state_of_charge 0.9 (got 0.2)",
-        ),
-        (
-            {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}},
-            "pack: is of no use here: AtlantikSolar AS-2, pack of 2015 is a whole pack",
-        ),
+        (WHOLE, "pack: is of no use here: AtlantikSolar AS-2, pack of 2015 is a whole pack"),
         ({"cell": "no-such", "pack": SIX}, "cell: the catalogue of batteries has no 'no-such'"),
         ({"pack": 3}, "pack: "),
-        (
-            {"pack": {"cells_in_parallel": 16667, "cell_mass_kg": 0.0486}, "voltage": VOLTAGE},
-            "pack.cells_in_parallel: must be at most 16666: 100000 cells in all, 6 in "
-            "series (got 16667)",
-        ),
+        (TOO_MANY, r"pack.cells_in_parallel: must be at most 16666: .*, 6 in series \(got 16667\)"),
     ],
 )
 def test_wrong_packs_are_refused(data, words):
-    with pytest.raises(InputError) as error:
+    with pytest.raises(InputError, match=rf"battery\.{words}"):
         sizing.load_aircraft(
             "atlantiksolar-design", {f"battery.{key}": value for key, value in data.items()}
         )
-    assert f"battery.{words}" in str(error.value)
 
 
 @pytest.mark.parametrize("value", [10**400, float("inf"), -1, 0, "6", None, True, [1]])
 @pytest.mark.parametrize("key", ["cells_in_series", "cells_in_parallel", "cell_mass_kg"])
 def test_no_value_is_a_traceback(key, value):
-    pack = {"cells_in_series": 6, "cells_in_parallel": 10, "cell_mass_kg": 0.0486} | {key: value}
+    pack = SIX | TEN | {key: value}
     with pytest.raises(InputError):
         sizing.load_aircraft("atlantiksolar-design", {"battery.pack": pack})

@@ -20,11 +20,8 @@ def laid(base="atlantiksolar-design", area_m2=1.35, **layout):
     return sizing.load_aircraft(base, {f"modules.{key}": value for key, value in modules.items()})
 
 
-def refused(base="atlantiksolar-design", **layout):
-    with pytest.raises(InputError) as error:
-        laid(base, **layout)
-    assert len(error.value.problems) == 1
-    return str(error.value)
+def bay(cells, **more):
+    return {"bays": [{"cells": cells} | more]}
 
 
 def overlaps(cell, other):
@@ -47,7 +44,7 @@ def test_atlantiksolar_holds_its_88_cells_around_the_joints():
 @pytest.mark.parametrize(("gap_m", "count"), [(0.0, 76), (0.002, 72)])
 def test_solong_holds_its_76_cells_without_gaps(gap_m, count):
     # Of its chord only the aspect ratio is known, an assumption; two rows fit, three do not.
-    layout = CellLayout.model_validate(SUNPOWER | {"gap_m": gap_m, "bays": [{"cells": [1]}]})
+    layout = CellLayout.model_validate(SUNPOWER | {"gap_m": gap_m} | bay([1]))
     wing = sizing.load_aircraft("solong").wing
     assert 2 * layout.capacity(wing) == count
 
@@ -55,7 +52,7 @@ def test_solong_holds_its_76_cells_without_gaps(gap_m, count):
 def test_sky_sailor_holds_its_216_cells():
     # Published: 216 cells, 0.51 m2, hence 23.6 cm2 each; the outline is assumed, 32 mm by 74 mm.
     outline = {"cell_span_m": 0.074, "cell_chord_m": 0.032, "cell_area_m2": 0.51 / 216}
-    layout = {"modules.layout": outline | {"bays": [{"cells": [18] * 6}]}}
+    layout = {"modules.layout": outline | bay([18] * 6)}
     plane = sizing.load_aircraft("sky-sailor", layout)
     assert len(plane.placed_cells()) == 216
     assert plane.modules.area_m2 == pytest.approx(0.51, abs=0.005)
@@ -94,7 +91,7 @@ def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs():
 
 
 def test_keep_outs_take_cells_away():
-    layout = CellLayout.model_validate(SUNPOWER | {"gap_m": 0.0, "bays": [{"cells": [1]}]})
+    layout = CellLayout.model_validate(SUNPOWER | {"gap_m": 0.0} | bay([1]))
     wing = Wing(5.0, 0.26)
     assert layout.capacity(wing) == 40
     # 0.05 of 2.5 m are one cell; as a whole chord it takes one of both rows.
@@ -116,7 +113,7 @@ def test_cells_on_the_tail():
 
 
 def test_counts_follow_from_the_middle_outwards():
-    layout = CellLayout.model_validate(SUNPOWER | {"bays": [{"cells": [1]}]})
+    layout = CellLayout.model_validate(SUNPOWER | bay([1]))
     wing = Wing(5.65, 0.305)
     fewer = layout.with_cells(25, wing, None)
     assert fewer.bays[0].cells == (13, 12)
@@ -138,7 +135,7 @@ def test_area_and_mppt_mass_follow():
     data = DESIGN.model_dump(mode="json", exclude_unset=True)
     data["modules"] |= {
         "cell": "sunpower-c60",
-        "layout": SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": WEIGHED},
+        "layout": SUNPOWER | bay([22, 22]) | {"strings": WEIGHED},
     }
     del data["modules"]["area_m2"], data["modules"]["mppt_mass_kg_per_w"]
     plane = Aircraft.model_validate(data)
@@ -161,58 +158,41 @@ def test_half_a_cell_has_half_the_current():
     assert layout.strings.mpp_current_a == pytest.approx(5.93 / 2.0)
 
 
+OVERLAPPING = [{"outboard": 0.5, "cells": [11]}, {"inboard": 0.4, "cells": [11]}]
+LARGE_IN_THE_MEAN = {"half_span": [0.0, 1.0], "relative_chord": [1.5, 1.0]}
+
+
 @pytest.mark.parametrize(
     ("layout", "words"),
     [
         (
-            {"bays": [{"cells": [22, 11, 11]}]},
-            "modules.layout.bays.0.cells: 3 rows of cells of 0.125 m need 0.379 m of chord, the "
-            "bay has 0.3054 m: at most 2",
+            bay([22, 11, 11]),
+            r"layout.bays.0.cells: 3 rows .* 0.379 m of chord, .* 0.3054 m: at most 2",
         ),
         (
-            {"bays": [{"cells": [23, 21]}]},
-            "modules.layout.bays.0.cells.0: must be at most 22, the cells of 0.125 m with gaps of "
-            "0.002 m that the row holds (got 23)",
+            bay([23, 21]),
+            r"layout.bays.0.cells.0: must be at most 22, .* gaps of 0.002 m .* \(got 23\)",
         ),
+        (bay([44], front=0.5, rear=0.7), "0.125 m need 0.125 m of .* has 0.06108 m: at most 0"),
+        (bay([22, 20]), r"area_m2: .* the 84 cells of modules.layout, 1.289 m² \(got 1.35\)"),
+        (bay([22, 19]) | {"tail_cells": [3, 3]}, "layout.tail_cells: .* 0.252 m .* it has 0.173 m"),
+        ({"bays": OVERLAPPING}, "layout.bays.1.inboard: .* outboard of the bay before, 0.5"),
         (
-            {"bays": [{"front": 0.5, "rear": 0.7, "cells": [44]}]},
-            "a row of cells of 0.125 m need 0.125 m of chord, the bay has 0.06108 m: at most 0",
+            bay([44], inboard=0.5, outboard=0.5),
+            r"bays.0.outboard: .* above inboard 0.5 \(got 0.5\)",
         ),
-        (
-            {"bays": [{"cells": [22, 20]}]},
-            "modules.area_m2: must be that of the 84 cells of modules.layout, 1.289 m² (got 1.35)",
-        ),
-        (
-            {"bays": [{"cells": [22, 19]}], "tail_cells": [3, 3]},
-            "modules.layout.tail_cells: the cells need 0.252 m of the tail's chord, it has 0.173 m",
-        ),
-        (
-            {"bays": [{"outboard": 0.5, "cells": [11]}, {"inboard": 0.4, "cells": [11]}]},
-            "modules.layout.bays.1.inboard: must be at least outboard of the bay before, 0.5",
-        ),
-        (
-            {"bays": [{"inboard": 0.5, "outboard": 0.5, "cells": [44]}]},
-            "modules.layout.bays.0.outboard: must be above inboard 0.5 (got 0.5)",
-        ),
-        ({"bays": []}, "modules.layout.bays: must have from 1 to 100000 cells"),
-        ({"bays": [{"cells": []}]}, "modules.layout.bays: must have from 1 to 100000 cells"),
-        (
-            {"bays": [{"cells": [22, 22]}], "cell_area_m2": 0.02},
-            "modules.layout.cell_area_m2: must not exceed the outline of a cell, 0.01562 m²",
-        ),
-        (
-            {
-                "bays": [{"cells": [22, 22]}],
-                "planform": {"half_span": [0.0, 1.0], "relative_chord": [1.5, 1.0]},
-            },
-            "the mean of relative_chord along the span must be 1 (got 1.25)",
-        ),
-        ({"bays": [{"cells": [22, 22.5]}]}, "modules.layout.bays.0.cells.1: must be a whole"),
-        ({"bays": [{"cells": [22, 22], "row": 2}]}, "modules.layout.bays.0.row: unknown key"),
+        ({"bays": []}, "layout.bays: must have from 1 to 100000 cells"),
+        (bay([]), "layout.bays: must have from 1 to 100000 cells"),
+        (bay([22, 22]) | {"cell_area_m2": 0.02}, "layout.cell_area_m2: .* of a cell, 0.01562 m²"),
+        (bay([22, 22]) | {"planform": LARGE_IN_THE_MEAN}, r"relative_chord .* be 1 \(got 1.25\)"),
+        (bay([22, 22.5]), "layout.bays.0.cells.1: must be a whole"),
+        (bay([22, 22], row=2), "layout.bays.0.row: unknown key"),
     ],
 )
 def test_wrong_layouts_are_refused(layout, words):
-    assert words in refused(**(SUNPOWER | layout))
+    with pytest.raises(InputError, match=rf"modules\..*{words}") as error:
+        laid(**(SUNPOWER | layout))
+    assert len(error.value.problems) == 1
 
 
 @pytest.mark.parametrize("value", [10**400, float("inf"), "0.1", None, True, [1]])
@@ -221,11 +201,11 @@ def test_no_value_is_a_traceback(key, value):
     if key == "cell_area_m2" and value is None:
         return
     with pytest.raises(InputError):
-        laid(**(SUNPOWER | {"bays": [{"cells": [22, 22]}]} | {key: value}))
+        laid(**(SUNPOWER | bay([22, 22]) | {key: value}))
 
 
 def test_mass_of_the_mppts_is_given_once():
-    layout = SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": WEIGHED}
+    layout = SUNPOWER | bay([22, 22]) | {"strings": WEIGHED}
     with pytest.raises(InputError, match=r"modules\.mppt_mass_kg_per_w: leave it out"):
         sizing.load_aircraft(
             "atlantiksolar-design", {"modules.cell": "sunpower-c60", "modules.layout": layout}

@@ -213,6 +213,10 @@ def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most)
     assert "clearness of 0.8 plays no part" in told
 
 
+WINTER = load_mission("rafz-july", PLACE | {"dates": {"on": "01-01"}})
+ELSEWHERE = load_mission("rafz-july", {"latitude_deg": 20.0})
+
+
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
@@ -223,16 +227,8 @@ def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most)
         ({"objective": "longest_season"}, ValueError, "counts days or degrees"),
         ({"aircraft": load_aircraft("atlantiksolar-as2")}, TypeError, "measured aircraft"),
         ({"mission": CLIMBING}, InputError, "keep their altitude: leave out climb"),
-        (
-            {"mission": load_mission("rafz-july", PLACE | {"dates": {"on": "01-01"}})},
-            InputError,
-            "has no day of the season of the mission rafz-july, 1 Jan: the record covers",
-        ),
-        (
-            {"mission": load_mission("rafz-july", {"latitude_deg": 20.0})},
-            InputError,
-            "set the mission's latitude_deg",
-        ),
+        ({"mission": WINTER}, InputError, "has no day .* rafz-july, 1 Jan: the record covers"),
+        ({"mission": ELSEWHERE}, InputError, "set the mission's latitude_deg"),
     ],
 )
 def test_what_cannot_be_asked(call, error, message):

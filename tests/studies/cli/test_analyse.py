@@ -45,12 +45,6 @@ def test_undefined_numbers_are_null(run):
     assert [record[key] for key in undefined] == [None] * 4
 
 
-def test_top_level_is_the_worst_of_many_scenarios(run):
-    record = run("analyse", AS2, "-m", "central-europe-summer", "--json").json()
-    assert len(record["scenarios"]) == 9
-    assert record["excess_time_h"] == min(s["excess_time_h"] for s in record["scenarios"])
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "overrides"),

@@ -18,6 +18,7 @@ from studies.sweeps.plots import plot_sweep
 
 HEAD = "outside the range of a model:"
 WIND = ("--set", "mission.wind_m_per_s=50", "--set", "mission.flight_path=null")
+TWO = ("--models", "CDM,CAM", "--corrections", "none")
 CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
 
 
@@ -29,10 +30,7 @@ CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
         (("map", "atlantiksolar-as2", *CELLS, *WIND), " (worst; 4 of 4 cells)"),
         (("ceiling", "atlantiksolar-as2", "--step", "5000", *WIND), " (worst; 3 of 3 altitudes)"),
         (("sweep", "atlantiksolar-as2", "--vary", "battery_mass_kg=2,3", *WIND), "2 of 2 points)"),
-        (
-            ("compare", "atlantiksolar-as2", "--models", "CDM,CAM", "--corrections", "none", *WIND),
-            " (worst; 2 of 2 cases)",
-        ),
+        (("compare", "atlantiksolar-as2", *TWO, *WIND), " (worst; 2 of 2 cases)"),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )

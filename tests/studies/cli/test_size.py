@@ -1,7 +1,6 @@
 """Tests of ``solar-uav size``: results, files and exit codes."""
 
 import re
-from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -85,19 +84,6 @@ def test_excess_time_without_end_is_null_and_told_in_words(run, tmp_path):
     assert (text.code, text.err) == (0, "")
     assert "unlimited excess time" in text.out
     assert re.search(r"\b(inf|nan)\b", text.out) is None
-
-
-@pytest.mark.parametrize("name", ["file", "file/design", "/proc/design"])
-def test_folder_that_cannot_be_written(run, tmp_path, name):
-    if name.startswith("/proc") and not Path("/proc").is_dir():
-        pytest.skip("no folder that takes no files")
-    (tmp_path / "file").write_text("old")
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--out", name)
-    # Before the sizing: nothing of it is shown.
-    assert (outcome.code, outcome.out) == (1, "")
-    assert f"cannot write to {name}: " in outcome.err
-    assert outcome.err.count("\n") == 1
-    assert files(tmp_path) == {"file"}
 
 
 @pytest.mark.parametrize(

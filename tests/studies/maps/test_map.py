@@ -70,6 +70,7 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch):
         ("atlantiksolar-as2", 0.0, "CAM"),
         ("atlantiksolar-as2", 0.6, "CDM"),
         ("atlantiksolar-design", 0.0, "CDM"),
+        ("atlantiksolar-as2", 0.0, "FM"),
     ],
 )
 def test_cells_are_those_of_single_analyses(plane, thermal, model):
@@ -87,13 +88,6 @@ def test_cells_are_those_of_single_analyses(plane, thermal, model):
         lowest = cycle.minimum_state_of_charge[0]
         assert result["minimum_state_of_charge"][i, j] == pytest.approx(lowest, rel=1e-7)
         assert result["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
-
-
-def test_models_with_attitude_are_mapped_too():
-    result = map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
-    day = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
-    cycle = performance(AS2, JULY, SolarModel("FM"), day=day).cycle
-    assert result["excess_time"][0, 1] == cycle.excess_time_h[0]
 
 
 def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data):

@@ -242,13 +242,6 @@ def test_no_design_at_all_ends_with_1(run):
     assert record["cases"][0]["design"]["violated_requirements"]
 
 
-def test_folder_that_is_a_file_is_refused_before_any_work(tmp_path, run):
-    (tmp_path / "taken").write_text("")
-    outcome = run("compare", AS2, "--out", "taken")
-    assert outcome.code == 1
-    assert "taken is not a folder" in outcome.err
-
-
 @pytest.mark.parametrize(
     ("objective", "name", "unit"),
     [("max_payload_mass", "payload_mass_kg", "kg"), ("max_payload_power", "payload_power_w", "W")],

@@ -63,7 +63,7 @@ def test_an_analysis_prints_itself_in_15_lines_of_80_columns(aircraft, mission, 
 def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis):
     frame, record = analysis.to_frame(), analysis.to_dict()
     json.dumps(record, allow_nan=False)
-    assert len(frame) == len(record["scenarios"])
+    assert len(frame) == len(record["scenarios"]) == 9
     for row, scenario in zip(frame.to_dict("records"), record["scenarios"], strict=True):
         for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge", "day_of_year"):
             assert row[key] == scenario[key]
@@ -162,6 +162,9 @@ def test_a_sized_aircraft_flies_as_the_sizing_says(sized):
     flown = sizing.analyse(sized.sized_aircraft(), sized.sized_mission())
     simulated = sized.to_dict()["simulated"]
     assert flown.excess_time_h == pytest.approx(simulated["excess_time_h"], rel=1e-9)
+    for name in ("wingspan_m", "battery_mass_kg", "module_area_m2", "total_mass_kg"):
+        assert getattr(sized, name) == pytest.approx(getattr(flown, name), rel=1e-9)
+    assert sized.excess_time_h == flown.excess_time_h
     frame = sized.to_frame().set_index("quantity")
     assert frame["value"]["wingspan"] == sized.sized_aircraft().airframe.wingspan_m
     assert sized.masses()["mass_kg"].sum() == pytest.approx(frame["value"]["total mass"])

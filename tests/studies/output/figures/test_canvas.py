@@ -4,7 +4,6 @@ import io
 
 import pytest
 from builders import AS2, shipped_mission
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -14,22 +13,6 @@ from studies.output.cycle_plots import plot_cycle
 from studies.output.figures.drawing import new_figure, styled
 from studies.output.figures.layout import StyledFigure
 from studies.output.figures.options import FigureOptions, read_size
-
-
-@pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
-@pytest.mark.parametrize("box", [None, "tight"])
-def test_axes_are_drawn_once(kind, box, monkeypatch):
-    drawn = []
-    draw = Axes.draw
-
-    def counted(axes, renderer):
-        drawn.append(axes)
-        draw(axes, renderer)
-
-    figure = plot_cycle(analyse(AS2, shipped_mission()))
-    monkeypatch.setattr(Axes, "draw", counted)
-    figure.savefig(io.BytesIO(), format=kind, bbox_inches=box)
-    assert sorted(map(id, drawn)) == sorted(map(id, figure.axes))
 
 
 def test_a_figure_is_saved_as_matplotlib_would_in_two_passes(monkeypatch):
