@@ -2,12 +2,21 @@
 
 import numpy as np
 import pytest
-from builders import DESIGN, mission
+from builders import DESIGN, UNLIMITED_AS2, mission
 
+from sizing.day.battery import Store
 from sizing.day.light import solar_day
 from sizing.design import variables_of
 from sizing.performance import performance_of_designs
-from sizing.program.intervals import Day, day_means, light_at_heights, nodes_of, reserve_nodes
+from sizing.program.intervals import (
+    Day,
+    DayMeans,
+    day_means,
+    held_back,
+    light_at_heights,
+    nodes_of,
+    reserve_nodes,
+)
 from sizing.program.transcription import LEVELS, Form, lagrange
 
 INTO, OUT_OF = 0.95, 0.9
@@ -103,3 +112,33 @@ def test_light_of_all_heights_is_that_of_the_flight_at_its_heights():
     bright = flight_w > 0.0
     ratios = known[:, bright] / known[0, bright]
     assert ratios == pytest.approx(np.repeat(factors[:, np.newaxis], bright.sum(), 1), rel=1e-12)
+
+
+@pytest.mark.parametrize("plane", [DESIGN, UNLIMITED_AS2])
+def test_what_a_battery_holds_back_makes_equations_of_the_rows(plane):
+    rng, full_wh, hours = np.random.default_rng(3), 700.0, np.full(300, 0.5)
+    store = Store.of(plane.battery, np.array([full_wh]))
+    into, out_of = float(store.charge_efficiency), float(store.discharge_efficiency)
+
+    def least_gain(net_w, soc, limit_h, highest):
+        """Return what the least of power, charge limit and capacity charges."""
+        power = np.where(net_w > 0.0, into * net_w, net_w / out_of) * hours[0] / full_wh
+        limited = store.clock.after(soc, limit_h) - soc
+        return np.minimum(np.minimum(power, limited), highest - soc)
+
+    net_w, soc = rng.choice([-300.0, -0.5, 0.5, 60.0, 600.0], len(hours)), [0.5]
+    for power_w in net_w:
+        gain = float(least_gain(power_w, soc[-1], hours[0], 1.0))
+        # Now and then a flight charges less than any of them allows.
+        gain *= rng.choice([1.0, 0.7]) if gain > 0.0 else 1.0
+        soc.append(max(soc[-1] + gain, 0.1))
+    charge = np.array(soc)
+    means = DayMeans(hours, np.maximum(net_w, 0.0)[np.newaxis], np.maximum(-net_w, 0.0)[np.newaxis])
+    held = held_back(store, charge, means)
+    left_w = net_w - held.turned_away_w
+    gains = least_gain(left_w, charge[:-1], held.limit_h, held.most[1:])
+    inside = charge[1:] > 0.1
+    assert gains[inside] == pytest.approx(np.diff(charge)[inside], abs=1e-8)
+    assert np.any(held.most < 1.0)
+    for of_a_limit in (held.limit_h < hours, held.turned_away_w > 0.0):
+        assert np.any(of_a_limit) == (plane is DESIGN)

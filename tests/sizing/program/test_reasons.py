@@ -9,6 +9,7 @@ from sizing.design import variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by
+from sizing.program.size import size_aircraft
 from sizing.program.solve import LACKING
 from sizing.program.task import SizingTask
 
@@ -45,3 +46,11 @@ def test_a_day_that_returns_next_to_enough_lacks_the_least_share_of_its_load():
     assert missed_by(TASK, None, perf) == {
         "energy_balance": pytest.approx(LACKING * load_wh / full_wh, rel=1e-6)
     }
+
+
+def test_a_variable_that_is_held_is_no_bound_that_limits():
+    held = size_aircraft(
+        DESIGN, mission(), Objective.min_mass, day=DAY, bounds={"battery_mass_kg": (3.3, 3.3)}
+    )
+    assert float(held.design.variables.battery_mass_kg) == 3.3
+    assert not any("battery_mass_kg" in name for name in held.active_constraints)
