@@ -33,9 +33,7 @@ Definition = Function | ast.ClassDef
 def offered_names():
     """Names that the packages offer, as ``dir()`` shows them."""
     trees = (ast.parse((ROOT / p / "__init__.pyi").read_text(encoding="utf-8")) for p in PACKAGES)
-    imports = (
-        node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
-    )
+    imports = (n for tree in trees for n in ast.walk(tree) if isinstance(n, ast.ImportFrom))
     return {alias.asname or alias.name for node in imports for alias in node.names}
 
 

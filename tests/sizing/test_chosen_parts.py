@@ -32,9 +32,7 @@ def parts_of(subject):
 
 
 def test_the_efficiency_factor_is_one_of_the_power():
-    design, better = (
-        sizing.design_of(aircraft({FACTOR: factor}), MISSION) for factor in (1.0, 1.05)
-    )
+    design, better = (sizing.design_of(aircraft({FACTOR: f}), MISSION) for f in (1.0, 1.05))
     ratio = better.chain.efficiency / design.chain.efficiency
     # A better chain has a smaller thrust to give, as its mass is less.
     assert ratio == pytest.approx(1.05, rel=2e-3)

@@ -116,6 +116,4 @@ def test_equal_bounds_hold_a_variable(name):
     held = {f"design_space.{name}": {"minimum": value, "maximum": value}}
     result = size_aircraft(load_aircraft("atlantiksolar-design", held), load_mission("rafz-july"))
     assert getattr(result.design.variables, name) == pytest.approx(value, rel=1e-9)
-    assert not [
-        constraint for constraint in result.active_constraints if constraint.startswith(name)
-    ]
+    assert not [text for text in result.active_constraints if text.startswith(name)]

@@ -18,9 +18,7 @@ def analysed(name, *overrides):
 
 
 def relaxed(name, *overrides):
-    return {
-        relaxation.parameter: relaxation for relaxation in analysed(name, *overrides).relaxations
-    }
+    return {r.parameter: r for r in analysed(name, *overrides).relaxations}
 
 
 def enough(name, key, present, value, *others):

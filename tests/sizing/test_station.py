@@ -169,9 +169,7 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path, flown):
     key = "battery.specific_energy_wh_per_kg"
     energies = parameter_value(subject, where, key) * np.array([1.0, 0.9, 1.05])
     draws = Propagation(subject, where, UNCORRECTED_CAM).flights({key: energies})
-    each = [
-        performance(with_parameter(subject, where, key, e)[0], where) for e in energies.tolist()
-    ]
+    each = [performance(with_parameter(subject, where, key, e)[0], where) for e in energies]
     excess_h = [float(flight.cycle.excess_time_h.min()) for flight in each]
     # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
     chain = 2e-2 if isinstance(flown, str) else 1e-9

@@ -165,9 +165,7 @@ def test_light_on_level_ground_grows_with_altitude(lowest_m, highest_m, day, lat
 
 
 @given(days, latitudes, cosines, st.floats(-500.0, 9000.0))
-def test_up_to_9_km_the_sky_is_that_of_the_ground_to_the_last_digit(
-    day, latitude, cosine, altitude
-):
+def test_up_to_9_km_the_sky_is_that_of_the_ground_to_the_digit(day, latitude, cosine, altitude):
     # Together with a place high up, so that a batch does not matter either.
     dni, dhi = clear_sky(day, latitude, cosine, [altitude, 20000.0])
     sky = coefficients(day, latitude)

@@ -68,10 +68,7 @@ FALLING = {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0, 0.0)}
         (IncidenceTable, FALLING | {"relative_efficiency": (PER_CENT, 0.0)}, "equal to 1"),
         (IncidenceTable, FALLING | {"relative_efficiency": (1.0, NAN)}, "finite"),
         (IncidenceTable, {"aoi_rad": (0.0, 1.5), "relative_efficiency": (1.0, 0.0)}, "aoi_rad"),
-        (SolarCell, {"efficiency_stc": 23.7}, "efficiency_stc"),  # per cent
-        (SolarCell, {"efficiency_stc": 0.0}, "efficiency_stc"),
-        (SolarCell, {"efficiency_stc": "0.2"}, "efficiency_stc"),
-        (SolarCell, {"efficiency_stc": True}, "efficiency_stc"),
+        *[(SolarCell, {"efficiency_stc": x}, "efficiency_stc") for x in (23.7, 0.0, "0.2", True)],
         (SolarCell, {"efficiency": 0.2}, "efficiency"),
         (SolarCell, {"mppt_efficiency": 1.01}, "mppt_efficiency"),
         (SolarCell, {"camber_efficiency": -0.1}, "camber_efficiency"),

@@ -90,9 +90,7 @@ def test_declination_agrees_with_another_implementation_of_the_series():
     assert declination(whole_days) == pytest.approx(other, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("longitude", "sign"), [(90.0, 1.0), (-90.0, -1.0), (0.0, 0.0), (180.0, 2.0)]
-)
+@pytest.mark.parametrize(("longitude", "sign"), [(90, 1.0), (-90, -1.0), (0, 0.0), (180, 2.0)])
 def test_solar_time_is_ahead_in_the_east(longitude, sign):
     expected = 12.0 + 6.0 * sign + equation_of_time_h(100.0)  # 15 degrees are one hour
     assert solar_time_h(12.0, 100.0, longitude) == pytest.approx(expected)

@@ -52,11 +52,7 @@ def test_values_become_data(value, written):
 @pytest.mark.parametrize(
     ("entry", "inner", "written"),
     [
-        (
-            "+ -word -inner at.x_m=inner.x_m at.y=twice_m",
-            Place(1.0),
-            {"at": {"x_m": 1.0, "y": 2.0}},
-        ),
+        ("+ -word -inner at.x=inner.x_m at.y=twice_m", Place(1.0), {"at": {"x": 1.0, "y": 2.0}}),
         ("*inner", Place(1.0), {"x_m": 1.0, "y_m": 2.0}),
         ("inner=inner:Short", Place(1.0), {"inner": {"x_m": 1.0}}),
         # What is behind nothing is null, or left out.

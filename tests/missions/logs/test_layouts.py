@@ -166,10 +166,7 @@ def test_row_of_units(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "expected"),
     [
-        (
-            {"solar_power": "P"},
-            "columns.solar_power: unknown quantity; did you mean 'solar_power_w'",
-        ),
+        ({"solar_power": "P"}, "columns.solar_power: unknown quantity; did you mean 'solar_power"),
         ({"solar_power_w": "P"}, "columns.solar_power_w: no such column"),
         ({"solar_power_w": "solar_power_w [lx]"}, "unknown unit 'lx'; allowed: W, watt"),
         ({"load_w": {"unit": "W"}}, "columns.load_w: needs the name of a column, or a value"),

@@ -61,9 +61,7 @@ def test_of_rows_in_one_place_the_last_counts(tmp_path):
     record = clear_record(3, share=0.6)
 
     def doubled(rows):
-        again = with_fields(
-            rows[34], time=rows[34].replace(":00Z", ":30Z").partition(",")[0], ghi=7
-        )
+        again = with_fields(rows[34], time=rows[34].replace(":00Z", ":30Z").split(",")[0], ghi=7)
         return [*rows[:35], again, *rows[35:40], *rows[42:]]
 
     weather = load(tmp_path, record, rows=doubled)

@@ -34,9 +34,7 @@ ROUNDED = 2e-3
 def same_light(found, record, tolerance=ROUNDED):
     for name in ("ghi", "dni", "dhi"):
         whole = np.sum(getattr(record, name)) * record.interval_s
-        assert np.sum(getattr(found, name)) * found.interval_s == pytest.approx(
-            whole, rel=tolerance
-        )
+        assert getattr(found, name).sum() * found.interval_s == pytest.approx(whole, rel=tolerance)
 
 
 def test_epw_is_read_in_latin_1_with_the_start_of_its_hours(tmp_path):

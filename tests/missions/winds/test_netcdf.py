@@ -113,25 +113,20 @@ def test_the_level_without_pressure_is_left_out(tmp_path):
     assert len(winds.altitude_m) == len(LEVELS) - 1
 
 
+SWAPPED = {"latitude": "longitude", "longitude": "latitude"}
+
+
 @pytest.mark.parametrize(
     ("change", "longitude", "message"),
     [
-        (
-            lambda data: data.rename(latitude="longitude", longitude="latitude"),
-            None,
-            "has latitudes beyond 90 degrees: its axes may be swapped",
-        ),
+        (lambda data: data.rename(SWAPPED), None, "has latitudes beyond 90 .* axes may be swapped"),
         (lambda data: data.assign_coords(pressure_level=LEVELS), 5.0, "has levels in no unit"),
         (with_u(np.nan), 5.0, "has gaps in the wind"),
         (lambda data: data.drop_vars("v"), 5.0, "has no northward_wind"),
         (lambda data: data.drop_vars("latitude"), 5.0, "has no latitude for u"),
         (lambda data: data.expand_dims(member=[0, 1]), 5.0, "has the axis member beside"),
         (lambda data: data.isel(valid_time=slice(0, 10)), 5.0, "10 values in a month, too few"),
-        (
-            lambda data: data.assign(u=data["u"].assign_attrs(units="K")),
-            5.0,
-            "has u in K (known: m/s, km/h, knots)",
-        ),
+        (lambda data: data.assign(u=data["u"].assign_attrs(units="K")), 5.0, "u in K .*, knots"),
         (with_u(-999.0), 5.0, "has a wind of 999 m/s: a code of missing values or its unit"),
         (lambda data: data.isel(longitude=[0]), 5.0, "has longitudes 0, not 5 of the mission"),
         (lambda data: data, 120.0, "has longitudes 0 to 355, not 120 of the mission"),
@@ -139,9 +134,8 @@ def test_the_level_without_pressure_is_left_out(tmp_path):
 )
 def test_what_cannot_be_read_is_refused_in_a_line(tmp_path, change, longitude, message):
     path = written(change(era5()), tmp_path)
-    with pytest.raises(InputError) as refused:
+    with pytest.raises(InputError, match=message) as refused:
         wind_table_from_netcdf(path, longitude, also=95.0)
-    assert message in str(refused.value)
     assert "\n" not in str(refused.value)
 
 

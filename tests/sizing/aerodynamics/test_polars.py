@@ -362,9 +362,7 @@ def test_wide_stall_margin_sets_the_best_lift():
 
 
 def test_a_wing_may_stall_before_its_section():
-    clean, rough = (
-        _wing(maximum_lift_factor=factor).maximum_lift_coefficient for factor in (1.0, 0.85)
-    )
+    clean, rough = (_wing(maximum_lift_factor=f).maximum_lift_coefficient for f in (1.0, 0.85))
     # The greatest lift of a section hardly changes with the Reynolds number, that of slower flight.
     assert rough == pytest.approx(0.85 * clean, rel=0.03)
 

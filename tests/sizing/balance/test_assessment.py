@@ -78,9 +78,7 @@ def test_a_tail_of_the_structures_own_size_weighs_the_same():
         "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, "
         f"vertical_volume: {0.045 / 18.5!r}}}"
     )
-    plain, as_tail = (
-        design_of(subject, MISSION) for subject in (DESIGN, aircraft(DESIGN.name, tail))
-    )
+    plain, as_tail = (design_of(a, MISSION) for a in (DESIGN, aircraft(DESIGN.name, tail)))
     assert as_tail.total_mass_kg == pytest.approx(plain.total_mass_kg, rel=1e-12)
 
 

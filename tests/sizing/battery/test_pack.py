@@ -91,7 +91,8 @@ def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path):
 
 SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}
 TEN = {"cells_in_parallel": 10, "cell_mass_kg": 0.0486}
-TOO_MANY = {"pack": TEN | {"cells_in_parallel": 16667}, "voltage": VOLTAGE}
+VOLTS = {"voltage": VOLTAGE}
+TOO_MANY = {"pack": TEN | {"cells_in_parallel": 16667}} | VOLTS
 WINDOW = {"minimum_state_of_charge": 0.9, "maximum_state_of_charge": 0.2}
 WHOLE = {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}}
 
@@ -103,21 +104,12 @@ def six(**changes):
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (
-            six(cells_in_series=7),
-            r"mass_kg: .* 2.722 kg \(7 × 8\) or 3.062 kg \(7 × 9\) \(got 2.918\)",
-        ),
+        (six(cells_in_series=7), "mass_kg: .* 2.722 kg .7 × 8. or 3.062 kg .7 × 9. .got 2.918"),
         (six(cells_in_parallel=11), r"mass_kg: .* whole cells, 3.208 kg \(6 × 11\) \(got 2.918\)"),
         ({"pack": TEN}, "pack.cells_in_series: required key is missing"),
-        (
-            six(cells_in_series=5) | {"voltage": VOLTAGE},
-            r"pack.cells_in_series: must be that of battery.voltage, 6 \(got 5\)",
-        ),
+        (six(cells_in_series=5) | VOLTS, "pack.cells_in_series: .* of battery.voltage, 6 .got 5"),
         (six(minimum_state_of_charge=0.1), "pack.minimum_state_of_charge: goes with battery.cell"),
-        (
-            six(**WINDOW),
-            r"pack.maximum_state_of_charge: .* minimum_state_of_charge 0.9 \(got 0.2\)",
-        ),
+        (six(**WINDOW), "pack.maximum_state_of_charge: .* minimum_state_of_charge 0.9 .got 0.2"),
         (WHOLE, "pack: is of no use here: AtlantikSolar AS-2, pack of 2015 is a whole pack"),
         ({"cell": "no-such", "pack": SIX}, "cell: the catalogue of batteries has no 'no-such'"),
         ({"pack": 3}, "pack: "),

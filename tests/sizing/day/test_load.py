@@ -104,9 +104,7 @@ def test_the_load_is_that_of_the_exact_chain(name):
     thermal = np.maximum(1.0 - np.abs(hour - 12.0) / half, 0.0)
     power_w = exact_w(own, mission, 1.05 + 0.3 * thermal, half_charged_v(own))
     # The table is 1e-5 off at the most.
-    assert flown.load_w[0] - float(flown.design.constant_power_w) == pytest.approx(
-        power_w, rel=2e-5
-    )
+    assert flown.load_w[0] - flown.design.constant_power_w == pytest.approx(power_w, rel=2e-5)
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))

@@ -173,9 +173,7 @@ def test_result_does_not_depend_on_the_starting_design(objective):
     ],
     ids=["payload", "60 h", "wind", "winter", "polar night"],
 )
-def test_infeasible_is_said_with_the_requirement_that_is_missed(
-    changes, objective, required_h, blamed
-):
+def test_infeasible_is_said_with_what_is_missed(changes, objective, required_h, blamed):
     result = size(Case(DESIGN, mission(**changes), objective, required_h))
     assert result.status is SizingStatus.infeasible
     assert not result.feasible

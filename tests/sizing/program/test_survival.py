@@ -220,9 +220,7 @@ ELSEWHERE = load_mission("rafz-july", {"latitude_deg": 20.0})
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
-        ({"survive": 0.0}, ValueError, "above 0 and at most 1"),
-        ({"survive": 1.2}, ValueError, "above 0 and at most 1"),
-        ({"survive": float("nan")}, ValueError, "above 0 and at most 1"),
+        *[({"survive": x}, ValueError, "above 0 and at most 1") for x in (0.0, 1.2, float("nan"))],
         ({"objective": "max_excess_time"}, ValueError, "that of a repeated clear day"),
         ({"objective": "longest_season"}, ValueError, "counts days or degrees"),
         ({"aircraft": load_aircraft("atlantiksolar-as2")}, TypeError, "measured aircraft"),

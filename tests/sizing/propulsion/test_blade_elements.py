@@ -104,9 +104,7 @@ def test_fast_flight_brakes_and_turns_the_propeller():
     v = np.linspace(0.2, 2.0, 200) * n * 0.25
     model = propeller.coefficients(v, n, AIR)
     # Thrust ends first, where the motor still turns it; then the air does.
-    brakes, driven = (
-        int(np.argmax(coefficients < 0.0)) for coefficients in (model.thrust, model.power)
-    )
+    brakes, driven = (int(np.argmax(c < 0.0)) for c in (model.thrust, model.power))
     assert 0 < brakes < driven
     assert np.all(model.thrust[brakes:] < 0.0)
     assert np.all(model.power[driven:] < 0.0)

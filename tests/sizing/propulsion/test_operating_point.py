@@ -142,9 +142,7 @@ def test_a_gap_between_two_speeds_is_told(tmp_path):
     propulsor = Propulsor(read_propeller(path, diameter_m=0.25), RE40, CONTROLLER)
     v = 0.3 * 50.0 * 0.25
     point = operating_point(propulsor, [3.0, 500.0], v, AIR, 220.0)
-    assert point.reason[0].startswith(
-        "thrust 3 N at 3.75 m/s lies in a gap of the propeller's data"
-    )
+    assert point.reason[0].startswith("thrust 3 N at 3.75 m/s lies in a gap of the propeller's")
     assert point.reason[1].startswith("thrust 500 N is above 10.7 N, the most at 3.75 m/s")
 
 
@@ -254,9 +252,7 @@ def test_bad_table_of_voltages(charge, volts, message):
 
 
 def test_example_of_the_page():
-    example = next(
-        block for block in blocks(DOCS / "propulsion.md") if "import sizing" in block.text
-    )
+    example = next(b for b in blocks(DOCS / "propulsion.md") if "import sizing" in b.text)
     page = (DOCS / "propulsion.md").read_text(encoding="utf-8")
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):

@@ -50,9 +50,7 @@ def test_the_record_agrees_with_the_draws(analysis):
 
 
 def test_the_same_seed_gives_the_same_numbers_and_another_one_others():
-    runs = [
-        sizing.analyse_uncertainty(DESIGN, MISSION, samples=128, seed=seed) for seed in (3, 3, 4)
-    ]
+    runs = [sizing.analyse_uncertainty(DESIGN, MISSION, samples=128, seed=s) for s in (3, 3, 4)]
     same, again, other = (run.flights.excess_time_h for run in runs)
     assert np.array_equal(same, again)
     assert not np.array_equal(same, other)
@@ -179,9 +177,7 @@ def test_indices_of_ishigamis_function():
     inputs = scattered(*[Uniform(distribution="uniform", low=-np.pi, high=np.pi)] * 3)
     study = _Known(lambda a, b, c: np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a))
     found = list(_sobol_indices(study, inputs, 2**16, 1).values())
-    assert [one.first for one in found] == pytest.approx(
-        [of_a / whole, of_b / whole, 0.0], abs=0.01
-    )
+    assert [i.first for i in found] == pytest.approx([of_a / whole, of_b / whole, 0.0], abs=0.01)
     totals = [of_a + of_ac, of_b, of_ac]
     assert [one.total for one in found] == pytest.approx(np.array(totals) / whole, abs=0.01)
 

@@ -70,9 +70,7 @@ def test_years_of_a_record_are_those_of_its_days():
     assert shares[spread["best_year"]] == max(shares.values())
     assert sum(one["days_that_close"] for one in record["years"]) == record["days_that_close"]
     table = analysis.to_years_frame()
-    assert table["endurance_p50_h"].tolist() == [
-        one["endurance_h"]["p50"] for one in record["years"]
-    ]
+    assert table["endurance_p50_h"].tolist() == [y["endurance_h"]["p50"] for y in record["years"]]
     text = str(analysis.at_level(2))
     assert f"{spread['worst_year']} ({closing[0]})" in text
     assert "year by year" in text

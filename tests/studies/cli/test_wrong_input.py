@@ -276,10 +276,7 @@ REFUSALS = {
         (f"{COLORADO} --survive 0.5 --required-excess-time 2", "time is of repeated clear days"),
         (f"{COLORADO} --survive 0.5 --objective longest_season", "longest_season counts days or"),
         (f"{COLORADO} --survive 0.5", "set the mission's latitude_deg"),
-        (
-            f"{COLORADO} --survive 0.5 {IN_COLORADO} {CLIMB.format('')}",
-            "keep their altitude",
-        ),
+        (f"{COLORADO} --survive 0.5 {IN_COLORADO} {CLIMB.format('')}", "keep their altitude"),
         (f"{COLORADO} --survive 0.5 {IN_COLORADO} {CLIMB.format(CHOSEN)}", "not chosen by size"),
         ("--dpi 300", "--dpi is of the figure: give --out too"),
     ],

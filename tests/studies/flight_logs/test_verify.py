@@ -598,9 +598,7 @@ def test_text_fits_80_columns_for_large_and_small_aircraft():
 def test_a_log_in_the_folder_of_results_is_not_overwritten(tmp_path):
     log = tmp_path / "samples.csv"
     log.write_text("a flight that is not flown again")
-    done = CliRunner().invoke(
-        cli, ["verify", "atlantiksolar-as2", str(log), "--out", str(tmp_path)]
-    )
+    done = run(log, "--out", tmp_path)
     assert done.exit_code == 2
     assert "is read by this command" in done.output
     assert log.read_text() == "a flight that is not flown again"

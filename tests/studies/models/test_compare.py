@@ -162,10 +162,7 @@ def test_result_prints_itself_and_gives_its_numbers(designs):
     [
         ({"models": ["XM"]}, "model must be one of CDM, CAM, VM, FM .got 'XM'"),
         ({"corrections": ["all"]}, "correction must be one of none, report, loiter .got 'all'"),
-        (
-            {"objective": "fun"},
-            "objective must be one of max_excess_time, min_wingspan, .* .got 'fun'",
-        ),
+        ({"objective": "fun"}, "objective must be one of max_excess_time, .* .got 'fun'"),
         ({"objective": "longest_season"}, "objective must be one of .* .got 'longest_season'"),
         ({"models": []}, "no model to compare"),
         *[
@@ -190,14 +187,10 @@ def test_whole_comparison_as_json(run):
     assert cases["FM", "report"]["solar_energy_above_reference"] == 0.0
     # The loiter correction makes every model's daily energy that of the corrected Full Model.
     for model in ("CDM", "CAM", "VM"):
-        assert cases[model, "loiter"]["solar_energy_above_reference"] == pytest.approx(
-            0.0, abs=1e-9
-        )
+        assert abs(cases[model, "loiter"]["solar_energy_above_reference"]) <= 1e-9
     assert cases["CDM", "none"]["season"]["days"] > cases["FM", "report"]["season"]["days"]
     assert all(c["design"] is None for c in record["cases"])
-    assert record["summary"].startswith(
-        f"According to uncorrected CDM {AS2} flies perpetually, with "
-    )
+    assert record["summary"].startswith(f"According to uncorrected CDM {AS2} flies perpetually, ")
 
 
 def test_table_for_the_terminal(run, tmp_path):

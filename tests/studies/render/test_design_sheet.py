@@ -9,9 +9,7 @@ from sizing.results.analysis import analyse
 from studies.exchange.files import escaped, latex_table
 from studies.render.design_sheet import design_sheet, number_text
 
-SHEETS = [
-    design_sheet(analyse(craft, mission(), replay=False)) for craft in (AS2, DESIGN, SKY_SAILOR)
-]
+SHEETS = [design_sheet(analyse(a, mission(), replay=False)) for a in (AS2, DESIGN, SKY_SAILOR)]
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda sheet: sheet.title)
