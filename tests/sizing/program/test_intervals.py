@@ -5,7 +5,7 @@ import pytest
 from builders import DESIGN, UNLIMITED_AS2, mission
 
 from sizing.day.battery import Store
-from sizing.day.light import solar_day
+from sizing.day.light import DEFAULT_STEP_H, solar_day
 from sizing.design import variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.intervals import (
@@ -23,10 +23,10 @@ INTO, OUT_OF = 0.95, 0.9
 FORMS = [Form(1), Form(1, climbs=True)]
 
 
-def day_of(**changes):
+def day_of(step_h=DEFAULT_STEP_H, **changes):
     """Return the repeated day of a design, and its nominal load [W]."""
     flight = mission(**changes)
-    light = solar_day(DESIGN, flight)
+    light = solar_day(DESIGN, flight, step_h=step_h)
     perf = performance_of_designs(DESIGN, flight, variables_of(DESIGN), day=light)
     powers = np.atleast_2d(perf.solar_power_w), np.atleast_2d(perf.load_w)
     return Day.of(light.time_h, *powers), float(np.ravel(perf.nominal_load_w)[0])
@@ -54,6 +54,24 @@ def test_a_day_begins_at_sunrise_and_loses_no_light(date):
     assert np.trapezoid(day.solar_w[0], day.time_h) == pytest.approx(
         np.trapezoid(midnight_w, light.time_h), rel=1e-12
     )
+
+
+@pytest.mark.parametrize(("least_w", "begin_h"), [(1.0, 0.0), (-1.0, 6.0)])
+@pytest.mark.parametrize("clock_h", [0.0, 5.0, 12.0])
+def test_a_day_begins_at_sunrise_or_where_the_sun_is_lowest_by_any_clock(
+    least_w, begin_h, clock_h
+):
+    time_h = np.linspace(0.0, 24.0, 49)
+    sun_w = np.maximum(least_w + 1.0 - np.cos((time_h - clock_h) * np.pi / 12.0), 0.0).round(9)
+    day = Day.of(time_h, sun_w[np.newaxis], np.ones((1, 49)))
+    assert day.time_h[[0, -1]] == pytest.approx((begin_h + clock_h) % 24.0 + np.array([0.0, 24.0]))
+    assert day.solar_w[0, 0] == sun_w.min()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_nodes_of_few_steps_are_all_different(form):
+    day, nominal_w = day_of(step_h=0.5)
+    assert np.all(np.diff(cut(day, nominal_w, form)) > 0)
 
 
 @pytest.mark.parametrize("form", FORMS)
