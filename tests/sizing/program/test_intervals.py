@@ -58,9 +58,7 @@ def test_a_day_begins_at_sunrise_and_loses_no_light(date):
 
 @pytest.mark.parametrize(("least_w", "begin_h"), [(1.0, 0.0), (-1.0, 6.0)])
 @pytest.mark.parametrize("clock_h", [0.0, 5.0, 12.0])
-def test_a_day_begins_at_sunrise_or_where_the_sun_is_lowest_by_any_clock(
-    least_w, begin_h, clock_h
-):
+def test_a_day_begins_at_sunrise_or_where_the_sun_is_lowest_by_any_clock(least_w, begin_h, clock_h):
     time_h = np.linspace(0.0, 24.0, 49)
     sun_w = np.maximum(least_w + 1.0 - np.cos((time_h - clock_h) * np.pi / 12.0), 0.0).round(9)
     day = Day.of(time_h, sun_w[np.newaxis], np.ones((1, 49)))

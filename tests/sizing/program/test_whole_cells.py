@@ -185,6 +185,9 @@ def test_no_whole_cells_at_all_is_infeasible_with_reasons():
     assert study.status.name == "infeasible"
     assert "no design of whole cells" in str(study.summary())
     assert study.to_dict()["whole_cells"]["chosen"] is None
+    (missed,) = study.result.violations
+    assert (missed.requirement, missed.shortfall) == ("whole_cells", 1.0)  # all of them
+    assert all(design.value is None and design.reason for design in study.whole_cells.tried)
 
 
 @pytest.mark.parametrize(
