@@ -70,7 +70,22 @@ class SolarModel:
     def path_troubles(
         self, aircraft: Aircraft, mission: Mission, scenarios: Scenarios | None = None
     ) -> list[str | None]:
-        """Return :func:`sizing.day.module_power.path_troubles`; none for models without a path."""
+        """Return :func:`sizing.day.module_power.path_troubles`; none for models without a path.
+
+        Parameters
+        ----------
+        aircraft : Aircraft
+            Aircraft that flies the path.
+        mission : Mission
+            Mission with the path and its winds.
+        scenarios : Scenarios, optional
+            Latitudes and days, each with a wind of its own; left out, the strongest wind alone.
+
+        Returns
+        -------
+        list of str or None
+            Why the path cannot be held in the wind of each scenario; None where it can.
+        """
         if self.needs_path:
             return path_troubles(aircraft, mission, scenarios)
         return [None] * (1 if scenarios is None else len(scenarios))

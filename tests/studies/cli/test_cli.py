@@ -425,6 +425,14 @@ def test_closed_pipe_ends_quietly(tmp_path):
     assert b"Exception" not in said
 
 
+@pytest.fixture
+def interruptible():
+    """Python leaves an interrupt ignored that a background job of a shell was started with."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 STOPPED = {"SIGINT": "solar-uav: stopped by Ctrl-C", "SIGTERM": "solar-uav: stopped by SIGTERM"}
 
 
@@ -440,6 +448,7 @@ STOPPED = {"SIGINT": "solar-uav: stopped by Ctrl-C", "SIGTERM": "solar-uav: stop
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )  # fmt: skip
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.usefixtures("interruptible")
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_ends_a_command_with_one_line(
     run, tmp_path, monkeypatch, arguments, module, function, name
