@@ -180,3 +180,11 @@ def test_the_longest_flight_of_all_designs_is_longer_than_that_of_a_search():
 
 def test_where_an_aircraft_flies_perpetually_the_longest_flight_is_unlimited():
     assert longest_flight_of_all(DESIGN, mission()).objective_value == math.inf
+
+
+def test_in_the_dark_a_reserve_is_taken_off_the_longest_flight():
+    night = mission(latitude_deg=80.0, dates={"on": "12-21"})
+    longest_h = longest_flight_of_all(DESIGN, night).objective_value
+    kept = longest_flight_of_all(DESIGN, night, required_excess_time_h=longest_h - 0.5)
+    assert kept.objective_value == pytest.approx(0.5, abs=0.02)
+    assert not longest_flight_of_all(DESIGN, night, required_excess_time_h=longest_h + 0.5).feasible

@@ -7,7 +7,7 @@ import pytest
 
 from missions.files.overrides import with_values
 from missions.library import load_mission
-from sizing.day.light import UNCORRECTED_CAM, SolarModel
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.library import load_aircraft
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
@@ -163,6 +163,16 @@ def test_parameter_of_zero_has_a_derivative_and_no_elasticity():
     assert found["power.avionics_w"].derivative == pytest.approx(
         found["mission.payload.power_w"].derivative, rel=1e-4
     )
+
+
+def test_sensitivities_are_those_of_the_light_that_was_sized_in():
+    plane, july = load_aircraft(DESIGN), load_mission("rafz-july")
+    june = load_mission("rafz-july", {"dates": {"on": "06-01"}})
+    expected = sensitivities(plane, june, size_aircraft(plane, june, Objective.min_mass))
+    in_its_light = size_aircraft(plane, july, Objective.min_mass, day=solar_day(plane, june))
+    found = {it.parameter: it.derivative for it in sensitivities(plane, july, in_its_light)}
+    for it in expected:
+        assert found[it.parameter] == pytest.approx(it.derivative, rel=1e-6), it.parameter
 
 
 def test_free_aspect_ratio_is_no_parameter():
