@@ -165,7 +165,8 @@ def day_of(task: SizingTask, perf: Performance, number: int) -> Day:
     )
     if task.window_h is None:
         return Day.of(time_h, solar_w, load_w)
-    return Day.between(task.window_h[number], time_h, solar_w, load_w)
+    ends_h, steps = task.window_h[number], task.form(1).intervals
+    return Day.between(ends_h, time_h, solar_w, load_w, least_steps=steps)
 
 
 def unserved(task: SizingTask, perf: Performance, number: int) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -52,11 +53,22 @@ class Day(NamedTuple):
 
     @classmethod
     def between(
-        cls, ends_h: FloatArray, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray
+        cls,
+        ends_h: FloatArray,
+        time_h: FloatArray,
+        solar_w: FloatArray,
+        load_w: FloatArray,
+        *,
+        least_steps: int = 1,
     ) -> Day:
-        """Return the flight from a launch to a landing."""
+        """Return the flight from a launch to a landing; steps of a short one are divided evenly."""
         inside = time_h[(time_h > ends_h[0]) & (time_h < ends_h[1])]
         clock = np.concatenate([ends_h[:1], inside, ends_h[1:]])
+        steps = len(clock) - 1
+        if steps < least_steps:
+            parts = math.ceil(least_steps / steps)
+            places = np.arange(parts * steps + 1) / parts
+            clock = np.interp(places, np.arange(steps + 1), clock)
         solar, load = (
             np.stack([np.interp(clock, time_h, row) for row in power])
             for power in (solar_w, load_w)
@@ -116,7 +128,7 @@ def nodes_of(
         if len(nodes) + len(steps_there) <= form.intervals:
             nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
-    an_hour = round(1.0 / float(np.diff(day.time_h).max())) + 1
+    an_hour = min(round(1.0 / float(np.diff(day.time_h).max())) + 1, steps)
     near = (np.convolve(held, np.ones(an_hour), "same") > 0.0) | close
     elsewhere = np.where(light | form.climbs, _FAR, _DARK)
     weight = np.where(near, 1.0, elsewhere) if light.any() else np.ones(steps)
