@@ -10,9 +10,7 @@ from solar.modules import SolarCell
 TIME_H = np.linspace(0.0, 24.0, 97)
 DAY = Daylight(47.6, 182.5, TIME_H)
 FLAT = ModuleGeometry(surfaces=(ModuleSurface(name="flat", area_m2=1.0, side="centre"),))
-AFT = ModuleGeometry(
-    surfaces=(ModuleSurface(name="aft", area_m2=1.0, side="centre", pitch_deg=10.0),)
-)
+AFT = ModuleGeometry(surfaces=(ModuleSurface(name="aft", area_m2=1, side="centre", pitch_deg=10),))
 CIRCLE = Circle(radius_m=100.0, airspeed_m_per_s=8.6)
 CALM = Wind(speed_m_per_s=0.0, from_deg=0.0)
 

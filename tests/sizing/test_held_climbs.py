@@ -179,9 +179,7 @@ def test_a_design_that_holds_its_place_is_the_lightest(tmp_path, winds):
         others = performance_of_designs(HIGH, there, optimum._replace(**less))
         good = others.cycle.excess_time_h.min(axis=-1) >= 1.0
         good &= np.asarray(meets_requirements(HIGH, others.design))
-        lighter = np.asarray(others.design.total_mass_kg) < 0.99 * float(
-            flight.design.total_mass_kg
-        )
+        lighter = np.asarray(others.design.total_mass_kg) < 0.99 * flight.design.total_mass_kg
         assert not (good & lighter).any()
 
 

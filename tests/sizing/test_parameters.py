@@ -1,8 +1,5 @@
 """The catalogue of parameters: every key is one of a file, and nothing is called by two units."""
 
-import subprocess
-import sys
-
 import pytest
 
 from missions.library import load_mission
@@ -128,11 +125,3 @@ def test_sensible_ranges_hold_the_shipped_aircraft():
             value = parameter_value(subject, load_mission("rafz-july"), row.key)
             if value is not None and row.kind != "quantity":
                 assert row.minimum <= value <= row.maximum, row.key
-
-
-def test_importing_it_is_cheap():
-    code = "import sys, sizing.parameters as p; p.label('battery_mass_kg'); print(*sys.modules)"
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    ).stdout.split()
-    assert not {"numpy", "pydantic", "casadi"} & set(loaded)

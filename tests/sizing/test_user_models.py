@@ -40,9 +40,7 @@ sizing.register_propulsion_mass("own motor", _propulsion)
 sizing.register_propulsion_efficiency(
     "own chain", lambda power_w, airspeed, density: 0.6 + 0.0 * power_w * airspeed * density
 )
-sizing.register_propulsion_efficiency(
-    "loaded", lambda power_w, airspeed, density: 0.7 - 0.004 * power_w
-)
+sizing.register_propulsion_efficiency("loaded", lambda power_w, *_: 0.7 - 0.004 * power_w)
 
 POWER_LAW = {
     "model": "power_law",
@@ -108,9 +106,7 @@ def test_an_own_efficiency_follows_the_load_of_each_design():
 
 def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients():
     space = {"design_space.lift_coefficient": {"minimum": 0.7, "maximum": 1.2}}
-    shipped, user_defined = (
-        sizing.load_aircraft(NAME, changes | space) for changes in SHIPPED_AND_OWN["drag"]
-    )
+    shipped, user_defined = (sizing.load_aircraft(NAME, c | space) for c in SHIPPED_AND_OWN["drag"])
     sized, best = (sizing.size(subject, MISSION) for subject in (user_defined, shipped))
     assert sized.variables.lift_coefficient == pytest.approx(
         best.variables.lift_coefficient, rel=1e-4

@@ -84,9 +84,7 @@ def test_analysis_model_by_hand(table, at_60_deg):
     # Direct light at 60 degrees keeps 91.5 % and loses 3 % to the camber; diffuse keeps 83 %.
     expected = 0.237 * 0.964 * 0.95 * (800.0 * 0.5 * at_60_deg * 0.97 + 100.0 * 0.83)
     cell = CELL.model_copy(update={"incidence": table})
-    assert conceptual_analysis_model(light(800.0, 100.0), 0.5, cell, 37.0) == pytest.approx(
-        expected
-    )
+    assert conceptual_analysis_model(light(800.0, 100.0), 0.5, cell, 37) == pytest.approx(expected)
 
 
 @given(models, irradiances, irradiances, st.floats(-1.0, 0.0), temperatures)

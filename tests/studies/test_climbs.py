@@ -185,7 +185,5 @@ def test_heights_of_climbs_do_not_scatter():
 
 
 def test_what_is_told_of_heights_is_that_of_the_highest_altitude():
-    quantities = {
-        one.quantity: one.value for one in extrapolations(AS2, performance(AS2, mission(9000.0)))
-    }
-    assert quantities["altitude_m"] == pytest.approx(9000.0)
+    found = extrapolations(AS2, performance(AS2, mission(9000.0)))
+    assert {e.quantity: e.value for e in found}["altitude_m"] == pytest.approx(9000.0)

@@ -147,13 +147,6 @@ def test_link_to_a_device_or_a_pipe_is_written_to(tmp_path):
         write_bytes_atomically(link, b"x")
 
 
-def test_all_of_a_file_is_written_before_it_is_synced(tmp_path, monkeypatch):
-    synced = []
-    monkeypatch.setattr(os, "fsync", lambda descriptor: synced.append(os.fstat(descriptor).st_size))
-    write_text_atomically(tmp_path / "a", "abc")
-    assert synced == [3]
-
-
 @pytest.mark.parametrize(("owner", "step"), [(os, "fsync"), (Path, "replace")])
 def test_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, owner, step):
     def fail(*_):

@@ -284,9 +284,7 @@ ZEROS = {"k": -273.15, "kelvin": -273.15, "f": -32.0 / 1.8, "degf": -32.0 / 1.8}
 
 @pytest.mark.parametrize("dimension", ONE_OF_EACH)
 def test_units_are_those_of_their_definitions(dimension):
-    expected = {
-        name: factor for factor, names in ONE_OF_EACH[dimension].items() for name in names.split()
-    }
+    expected = {n: f for f, names in ONE_OF_EACH[dimension].items() for n in names.split()}
     assert UNITS[dimension].keys() == expected.keys()
     for name, unit in UNITS[dimension].items():
         assert unit.factor == pytest.approx(expected[name], rel=1e-12), name

@@ -60,9 +60,7 @@ def test_trim_drag_of_the_margin_is_in_the_power():
 
 def test_weighed_masses_replace_the_build_up():
     weighed = "[{name: nose, mass_kg: 2, x_m: -0.2}, {name: rest, mass_kg: 4, x_m: 0.25}]"
-    weighed_balance = balance(
-        f"airframe.balance={{weighed: {weighed}}}", TAIL, name="atlantiksolar-design"
-    )
+    weighed_balance = balance(f"airframe.balance={{weighed: {weighed}}}", TAIL, name=DESIGN.name)
     assert weighed_balance.gravity_m == pytest.approx(0.1)
     assert [item.name for item in weighed_balance.items] == ["nose", "rest"]
     # What the airframe's models need not meet, a line says.

@@ -164,9 +164,7 @@ def spelled_out(name):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "flight", [{}, {"climb": {"ceiling_m": 1500.0}}], ids=["constant altitude", "climb"]
-)
+@pytest.mark.parametrize("flight", [{}, {"climb": {"ceiling_m": 1500.0}}], ids=["level", "climb"])
 def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight):
     where = mission(air={"ambient_temperature_c": -5.0}, **flight)
     analysis = analyse(aircraft("atlantiksolar-as2", *IN_FLIGHT), where)

@@ -17,6 +17,7 @@ capacity_ah: 3.2
 mass_kg: 0.0445
 maximum_charge_current_a: 3.1
 """
+NINE = {"cells_in_series": 6, "cells_in_parallel": 9}
 VOLTAGE = {
     "cells_in_series": 6,
     "state_of_charge": [0.0, 0.2, 1.0],
@@ -47,9 +48,7 @@ def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell):
 
 
 def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell):
-    packed = battery(
-        cell=cell, cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9}
-    )
+    packed = battery(cell=cell, cell_mass_fraction=0.9, pack=NINE)
     assert packed.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
     assert packed.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
 
@@ -85,7 +84,7 @@ def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path):
     file = tmp_path / "cell.yaml"
     known = ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250")
     file.write_text(known, encoding="utf-8")
-    packed = battery(cell=str(file), pack={"cells_in_series": 6, "cells_in_parallel": 9})
+    packed = battery(cell=str(file), pack=NINE)
     assert packed.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
 
 
@@ -118,9 +117,7 @@ def six(**changes):
 )
 def test_wrong_packs_are_refused(data, words):
     with pytest.raises(InputError, match=rf"battery\.{words}"):
-        sizing.load_aircraft(
-            "atlantiksolar-design", {f"battery.{key}": value for key, value in data.items()}
-        )
+        sizing.load_aircraft("atlantiksolar-design", {f"battery.{k}": v for k, v in data.items()})
 
 
 @pytest.mark.parametrize("value", [10**400, float("inf"), -1, 0, "6", None, True, [1]])

@@ -160,9 +160,7 @@ def test_metrics_equal_the_slow_simulation(name):
     )
     # The end of charging is flat: with the taper's 2 % per hour an error of 1e-4 of the charge,
     # made where the charger takes over within 5 min, is 0.005 h; two such instants.
-    assert float(found.full_charge_h) == pytest.approx(
-        expected.full_charge_h, abs=0.02, nan_ok=True
-    )
+    assert found.full_charge_h == pytest.approx(expected.full_charge_h, abs=0.02, nan_ok=True)
     assert float(found.charge_margin_h) == pytest.approx(expected.charge_margin_h, abs=0.02)
 
 

@@ -52,10 +52,8 @@ CASES = {
         table_limited(), mission(payload={"mass_kg": 0.4, "power_w": 3.0}), MIN_MASS, 6.0
     ),
     "rule, wind, mass": Case(DESIGN, mission(wind_m_per_s=9.0), MIN_MASS, 5.0),
-    "no limit, free aspect ratio, excess": Case(SKY_SAILOR, mission(), MAX_EXCESS),
-    "no limit, free aspect ratio, span": Case(
-        SKY_SAILOR, mission(dates={"on": "06-10"}), MIN_SPAN, 2.0
-    ),
+    "no limit, free ratio, excess": Case(SKY_SAILOR, mission(), MAX_EXCESS),
+    "no limit, free ratio, span": Case(SKY_SAILOR, mission(dates={"on": "06-10"}), MIN_SPAN, 2.0),
     "table, range, excess": Case(table_limited(), RANGE, MAX_EXCESS),
     "rule, thermals, corrected, span": Case(
         DESIGN,

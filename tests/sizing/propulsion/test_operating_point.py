@@ -172,9 +172,7 @@ def test_static_thrust():
 
 
 def test_no_load_current_may_rise_with_speed():
-    still, fast = (
-        motor(no_load_current_rise_a_per_1000_rpm=0.1).state(rpm, 0.05) for rpm in (0, 5e3)
-    )
+    still, fast = (motor(no_load_current_rise_a_per_1000_rpm=0.1).state(r, 0.05) for r in (0, 5e3))
     assert fast.current_a - still.current_a == pytest.approx(0.5)
 
 

@@ -450,9 +450,7 @@ STOPPED = {"SIGINT": "solar-uav: stopped by Ctrl-C", "SIGTERM": "solar-uav: stop
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 @pytest.mark.usefixtures("interruptible")
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_signal_ends_a_command_with_one_line(
-    run, tmp_path, monkeypatch, arguments, module, function, name
-):
+def test_a_signal_ends_with_one_line(run, tmp_path, monkeypatch, arguments, module, function, name):
     number = getattr(signal, name)
     ours = signal.getsignal(number)
 

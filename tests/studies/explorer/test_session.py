@@ -1,8 +1,6 @@
 """The explorer without its server: settings, day, season, files; equal to the command line's."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -41,19 +39,6 @@ def session(aircraft="atlantiksolar-design", mission="rafz-july"):
 
 
 DESIGN = session()
-
-
-@pytest.mark.long
-def test_what_a_report_needs_is_imported_in_the_worker_alone():
-    code = (
-        "import sys, studies.explorer.app; from studies.explorer.session import Session; "
-        "from missions.files.shipped import find_document as find; "
-        "made = Session(find('aircraft', 'sky-sailor'), find('mission', 'rafz-july')); "
-        "made.report_task(made.settings()); "
-        "print([name for name in sys.modules if name.startswith('studies.report')])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"
 
 
 def test_unchanged_settings_are_the_analysis_of_the_files():

@@ -256,9 +256,7 @@ def altered(log, clock_min=0.0, heading_deg=0.0):
     return log_from_table(table, "altered.csv")
 
 
-@pytest.mark.parametrize(
-    ("clock_min", "heading_deg"), [(0.0, 0.0), (37.0, 0.0), (-120.0, 90.0), (0.0, 8.0)]
-)
+@pytest.mark.parametrize(("clock_min", "heading_deg"), [(0, 0), (37, 0), (-120, 90), (0, 8)])
 def test_offsets_are_estimated_and_applied_on_request(clock_min, heading_deg):
     log = altered(made(bias=-0.0175), clock_min, heading_deg)
     result = verify(aircraft(), log, mission())

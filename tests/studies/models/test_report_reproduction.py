@@ -61,7 +61,5 @@ def test_command_prints_the_contract():
     record = json.loads(answer.output)
     assert set(record["models"]) == {"CDM", "CAM", "VM", "FM"}
     assert all({"published_w", "computed_w"} <= set(row) for row in record["models"].values())
-    assert all(
-        {"from_h", "to_h", "published_w", "computed_w"} <= set(row) for row in record["windows"]
-    )
+    assert all({"from_h", "to_h", "published_w", "computed_w"} <= set(r) for r in record["windows"])
     assert record["assumptions"]["wind_m_per_s"] == 2.0

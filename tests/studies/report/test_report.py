@@ -6,8 +6,6 @@ import importlib.util
 import itertools
 import json
 import re
-import subprocess
-import sys
 from collections import Counter
 from contextlib import nullcontext
 from functools import cache
@@ -394,12 +392,3 @@ def test_without_weasyprint_a_pdf_is_refused(run, monkeypatch):
     outcome = run("report", "atlantiksolar-as2", "--out", "report.html", "--pdf")
     assert outcome.code == 2
     assert "pip install weasyprint (the extra 'report')" in outcome.err
-
-
-def test_commands_without_a_report_import_none_of_it():
-    code = (
-        "import sys; from studies.cli import commands, files, jobs; "
-        "from studies.cli.outputs import check_report; check_report(None); print(*sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not {"studies.report.document", "jinja2", "matplotlib"} & set(done.stdout.split())

@@ -243,9 +243,7 @@ def test_one_at_a_time_starts_from_the_files():
 
 
 def test_held_variables_keep_their_values_and_others_are_sized():
-    data = study(
-        DESIGN, JULY, "wingspan_m=2.5,6", "aspect_ratio=15", resize=Objective.max_excess_time
-    )
+    data = study(DESIGN, JULY, "wingspan_m=2.5,6", "aspect_ratio=15", resize="max_excess_time")
     status = data["status"].values.ravel().tolist()
     assert status == [SizingStatus.infeasible, SizingStatus.optimal]
     assert float(data["wingspan"][1, 0]) == pytest.approx(6.0, rel=1e-12)
@@ -384,9 +382,7 @@ def _failing(configuration, cells):
 def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(run, tmp_path, monkeypatch):
     monkeypatch.setattr("studies.sweeps.study.simulate_points", _failing)
     vary = ["--vary", "battery_mass_kg=2,3,4", "--workers", "1"]
-    answer = run(
-        "sweep", "atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png", "--json"
-    )
+    answer = run("sweep", DESIGN.name, *vary, "--out", "s.nc", "--plot", "s.png", "--json")
     assert answer.code == 1
     first, *_, last = answer.err.splitlines()
     for line in (first, last):
