@@ -175,6 +175,8 @@ def test_infeasible_is_said_with_what_is_missed(changes, objective, required_h, 
     result = size(Case(DESIGN, mission(**changes), objective, required_h))
     assert result.status is SizingStatus.infeasible
     assert not result.feasible
+    assert result.objective is objective
+    assert result.required_excess_time_h == (required_h or 0.0)
     assert result.design is None
     assert result.objective_value is None
     assert result.simulated is None

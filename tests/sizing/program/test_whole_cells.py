@@ -127,6 +127,11 @@ def test_wing_that_holds_the_cells_limits():
     assert study.variables.wingspan_m == pytest.approx(18.5 * 0.252, abs=1e-4)
     assert "whole_cells" in study.result.active_constraints
     assert "wing that holds the cells" in " ".join(str(study).split())
+    # A wider wing that the design space asks for holds them with room to spare.
+    wider = plane(WHOLE_CELLS, **{"design_space.wingspan_m.minimum": 5.0})
+    names = sized(wider).result.active_constraints
+    assert "wingspan_m at its minimum" in names
+    assert "whole_cells" not in names
 
 
 @pytest.mark.slow
