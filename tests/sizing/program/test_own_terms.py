@@ -30,6 +30,7 @@ def free(design):
         ("min_mass", lambda design: design.total_mass_kg),
         ("min_wingspan", lambda design: design.wingspan_m),
         ("min_wingspan", lambda design: design.wingspan_m**2 - 30.0),  # negative at the optimum
+        ("min_wingspan", lambda design: design.wingspan_m - 5.65),  # nothing at first
     ],
 )
 def test_a_shipped_objective_written_as_a_function(design, shipped, own):

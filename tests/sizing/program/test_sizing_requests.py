@@ -437,6 +437,7 @@ def test_less_required_time_is_no_relaxation_for_another_requirement():
         ("design_space.limits.module_coverage.minimum", 0.9, "at most", "1"),
         ("design_space.minimum_climb_rate_m_per_s", 5.0, "at most", "m/s"),
         ("design_space.limits.wing_area_m2.maximum", 0.6, "at least", "m2"),
+        ("design_space.limits.battery_energy_wh.maximum", 80.0, "at least", "Wh"),
     ],
 )
 def test_wind_and_limits_in_the_way_are_told(key, requested, direction, unit):
