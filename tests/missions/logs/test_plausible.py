@@ -191,10 +191,7 @@ def test_times_and_columns_are_left_out_by_hand(tmp_path):
     start = pd.to_datetime(flown()["time_utc_s"][0], unit="s").ceil("h")
     span = f"{start:%H:%M}-{start + pd.Timedelta(minutes=30):%H:%M}"
     log = read(tmp_path, flown(), exclude=[span, "2001-01-01@10:00-11:00"])
-    assert [(omission.kind, omission.values) for omission in log.left_out] == [
-        ("excluded", 450),
-        ("excluded", 0),
-    ]
+    assert [(o.kind, o.values) for o in log.left_out] == [("excluded", 450), ("excluded", 0)]
     assert (len(log), log.rows_dropped) == (len(flown()) - 450, 0)
     log = read(tmp_path, flown().assign(x="?", load_w="?"), ignore=["x", "load_w", "yaw_deg"])
     assert (log.load_w, log.attitude, log.left_out) == (None, None, ())
@@ -228,9 +225,7 @@ def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path):
     assert list(log.mppt_power_w) == ["P_solar_left", "P_solar_right"]
     assert len(log) == 299
     assert sum(log.mppt_power_w.values()) == pytest.approx(log.solar_power_w)
-    assert [(omission.column, omission.kind, omission.values) for omission in log.left_out] == [
-        ("P_solar_right", "code", 1)
-    ]
+    assert [(o.column, o.kind, o.values) for o in log.left_out] == [("P_solar_right", "code", 1)]
 
 
 def test_columns_that_nobody_needs_make_no_log_unreadable(tmp_path):

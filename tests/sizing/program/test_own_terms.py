@@ -11,17 +11,13 @@ from sizing.program.own_terms import NAMES
 
 REQUIRED_H = 3.0
 MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": REQUIRED_H})
+DESIGN = sizing.load_aircraft("atlantiksolar-design")
 JULY = missions.load_mission("rafz-july", {"required_excess_time_h": REQUIRED_H})
 
 
 @pytest.fixture(scope="module")
-def design():
-    return sizing.load_aircraft("atlantiksolar-design")
-
-
-@pytest.fixture(scope="module")
-def free(design):
-    return sizing.size(design, MISSION)
+def free():
+    return sizing.size(DESIGN, MISSION)
 
 
 @pytest.mark.parametrize(
@@ -33,8 +29,8 @@ def free(design):
         ("min_wingspan", lambda design: design.wingspan_m - 5.65),  # nothing at first
     ],
 )
-def test_a_shipped_objective_written_as_a_function(design, shipped, own):
-    expected, found = (sizing.size(design, MISSION, one) for one in (shipped, own))
+def test_a_shipped_objective_written_as_a_function(shipped, own):
+    expected, found = (sizing.size(DESIGN, MISSION, one) for one in (shipped, own))
     assert found.feasible
     # Each search ends where excess time above the required one is worth 0.03 % of the objective.
     chosen = found.variables.chosen()
@@ -62,18 +58,18 @@ def test_a_shipped_objective_written_as_a_function(design, shipped, own):
         ),
     ],
 )
-def test_a_constraint_is_a_bound_of_the_design_space(design, free, key, limit, constraint):
+def test_a_constraint_is_a_bound_of_the_design_space(free, key, limit, constraint):
     bounded = sizing.load_aircraft("atlantiksolar-design", {f"design_space.{key}": limit})
     expected = sizing.size(bounded, MISSION)
-    found = sizing.size(design, MISSION, constraints=[constraint])
+    found = sizing.size(DESIGN, MISSION, constraints=[constraint])
     assert found.result.objective_value == pytest.approx(expected.result.objective_value, rel=1e-5)
     assert found.result.objective_value > 1.0005 * free.result.objective_value
     assert any("<=" in one for one in found.result.active_constraints)
-    assert found.aircraft == design
+    assert found.aircraft == DESIGN
 
 
 @pytest.mark.long
-def test_an_infeasible_answer_names_the_constraint(design):
+def test_an_infeasible_answer_names_the_constraint():
     def fits_the_van(it):
         return it.wingspan_m <= 3.0
 
@@ -81,16 +77,16 @@ def test_an_infeasible_answer_names_the_constraint(design):
         (fits_the_van, "fits_the_van"),
         (lambda d: d.chord_m >= 2, "2<=chord_m"),
     ):
-        found = sizing.size(design, MISSION, constraints=[constraint])
+        found = sizing.size(DESIGN, MISSION, constraints=[constraint])
         assert found.status is sizing.SizingStatus.infeasible
         assert name in " ".join(str(found).split())
         assert found.to_dict()["violated_requirements"]
 
 
 @pytest.mark.long
-def test_what_is_asked_of_a_sizing_knows_own_terms(design):
+def test_what_is_asked_of_a_sizing_knows_own_terms():
     found = sizing.size(
-        design,
+        DESIGN,
         JULY,
         lambda it: 2.0 * it.total_mass_kg,
         constraints=[lambda it: it.wingspan_m <= 4.5],
@@ -106,15 +102,15 @@ def test_what_is_asked_of_a_sizing_knows_own_terms(design):
         assert worth[one.parameter] == pytest.approx(2.0 * one.derivative, rel=0.03)
 
 
-def test_the_function_counts_as_it_is_when_it_is_given(design):
+def test_the_function_counts_as_it_is_when_it_is_given():
     weight = 0.0
 
     def weighted(it):
         return it.total_mass_kg + weight * it.wingspan_m
 
-    light = sizing.size(design, MISSION, weighted)
+    light = sizing.size(DESIGN, MISSION, weighted)
     weight = 10.0
-    short = sizing.size(design, MISSION, weighted)
+    short = sizing.size(DESIGN, MISSION, weighted)
     assert short.variables.wingspan_m < 0.95 * light.variables.wingspan_m
 
 
@@ -127,25 +123,25 @@ def test_the_function_counts_as_it_is_when_it_is_given(design):
         (lambda d: None, r"must return one number .* \(got None\)"),
     ],
 )
-def test_wrong_functions(design, wrong, said):
+def test_wrong_functions(wrong, said):
     with pytest.raises(ValueError, match=f"the objective:? {said}"):
-        sizing.size(design, MISSION, wrong)
+        sizing.size(DESIGN, MISSION, wrong)
     with pytest.raises(ValueError, match=f"a constraint:? {said}"):
-        sizing.size(design, MISSION, constraints=[wrong])
+        sizing.size(DESIGN, MISSION, constraints=[wrong])
 
 
-def test_wrong_comparisons(design):
+def test_wrong_comparisons():
     with pytest.raises(ValueError, match="the objective is a comparison"):
-        sizing.size(design, MISSION, lambda d: d.wingspan_m <= 3.0)
+        sizing.size(DESIGN, MISSION, lambda d: d.wingspan_m <= 3.0)
     for wrong in (lambda d: d.wingspan_m, lambda d: d.wingspan_m == 4.0):
         with pytest.raises(ValueError, match="must be one comparison by <= or >="):
-            sizing.size(design, MISSION, constraints=[wrong])
+            sizing.size(DESIGN, MISSION, constraints=[wrong])
 
     def excess_time(it):
         return it.wingspan_m <= 5.0
 
     with pytest.raises(ValueError, match="there is a excess_time already"):
-        sizing.size(design, MISSION, constraints=[excess_time])
+        sizing.size(DESIGN, MISSION, constraints=[excess_time])
 
 
 def test_the_documented_names_are_those_that_there_are():
@@ -155,11 +151,11 @@ def test_the_documented_names_are_those_that_there_are():
 
 
 @pytest.mark.slow
-def test_a_reliability_knows_own_terms(design):
+def test_a_reliability_knows_own_terms():
     bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 5.0})
     expected = sizing.size(bounded, MISSION, "min_mass", reliability=0.9)
     found = sizing.size(
-        design,
+        DESIGN,
         MISSION,
         lambda it: it.total_mass_kg,
         constraints=[lambda it: it.wingspan_m <= 5.0],

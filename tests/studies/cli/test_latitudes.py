@@ -4,20 +4,11 @@ import pytest
 
 from studies.cli.values import latitude_deg
 
+NORTH = {"40.4N": 40.4, ".5 n": 0.5, " 47.6 ": 47.6}
+SOUTH = {"48 S": -48.0, "48° S": -48.0, "33.9s": -33.9, "-33.9": -33.9, "90S": -90.0}
 
-@pytest.mark.parametrize(
-    ("text", "degrees"),
-    [
-        ("40.4N", 40.4),
-        ("48 S", -48.0),
-        ("48° S", -48.0),
-        ("33.9s", -33.9),
-        (".5 n", 0.5),
-        ("-33.9", -33.9),
-        (" 47.6 ", 47.6),
-        ("90S", -90.0),
-    ],
-)
+
+@pytest.mark.parametrize(("text", "degrees"), [*NORTH.items(), *SOUTH.items()])
 def test_hemispheres(text, degrees):
     assert latitude_deg(text) == degrees
 

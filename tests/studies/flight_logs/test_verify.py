@@ -33,32 +33,23 @@ pytestmark = pytest.mark.slow
 
 MORNING_S = START_UTC_S + 18.3 * 3600.0  # just before sunrise on 1 July
 ATTITUDE = ["roll_deg", "pitch_deg", "yaw_deg"]
+AS2, FLIGHT = load_aircraft("atlantiksolar-as2"), load_mission("rafz-28h")
 RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
-
-
-@cache
-def aircraft():
-    return load_aircraft("atlantiksolar-as2")
-
-
-@cache
-def mission():
-    return load_mission("rafz-28h")
 
 
 @cache
 def made(**settings):
     """Return a log; tests that change its table work on a copy."""
-    return synthetic_log(aircraft(), mission(), Settings(**({"rate_hz": 0.1} | settings)))
+    return synthetic_log(AS2, FLIGHT, Settings(**({"rate_hz": 0.1} | settings)))
 
 
 def verified(log, **options):
-    return verify(aircraft(), log.log(), mission(), **options)
+    return verify(AS2, log.log(), FLIGHT, **options)
 
 
 def without(log, *columns):
     table = log.table.drop(columns=list(columns))
-    return verify(aircraft(), log_from_table(table, "synthetic.csv"), mission())
+    return verify(AS2, log_from_table(table, "synthetic.csv"), FLIGHT)
 
 
 # ---- Errors
@@ -102,8 +93,8 @@ def test_moving_average_never_leaves_a_run():
 def test_all_models_agree_with_the_library_on_single_samples():
     """Chunks, areas and frames: each sample alone gives what the whole log gives."""
     log = made(rate_hz=0.5, start_utc_s=MORNING_S, duration_h=6.0).log()
-    result = verify(aircraft(), log, mission())
-    modules = aircraft().modules
+    result = verify(AS2, log, FLIGHT)
+    modules = AS2.modules
     from solar.clearsky import clear_sky
     from solar.geometry import direction_cosines
     from solar.sun import sun_position
@@ -145,15 +136,15 @@ def test_ambient_temperature_of_log_then_mission_then_standard_air():
     log = made(start_utc_s=MORNING_S, duration_h=6.0)
     hot = log.table.assign(ambient_temperature_c=42.7)
     bare = log.table.drop(columns="ambient_temperature_c")
-    plain = mission().model_copy(update={"air": type(mission().air)()})
+    plain = FLIGHT.model_copy(update={"air": type(FLIGHT.air)()})
 
     def warmest(table, where):
-        detail = verify(aircraft(), log_from_table(table, "x"), where).samples.detail
+        detail = verify(AS2, log_from_table(table, "x"), where).samples.detail
         return float(detail["module_temperature_c"].max())
 
-    of_mission = warmest(bare, mission())
+    of_mission = warmest(bare, FLIGHT)
     # The feedback of the temperature on power takes back a little of 20 K.
-    assert warmest(hot, mission()) - of_mission == pytest.approx(20.0, abs=0.8)
+    assert warmest(hot, FLIGHT) - of_mission == pytest.approx(20.0, abs=0.8)
     # Standard air at 536 m has 11.5 C, 11.2 K less than the mission.
     assert warmest(bare, plain) - of_mission == pytest.approx(-11.2, abs=0.5)
 
@@ -190,7 +181,7 @@ def test_limited_power_is_left_out(missing):
 def test_low_power_at_half_charge_is_not_blamed_on_the_battery():
     log = made(faults=Faults(battery_full=(24.0, 27.0)))
     table = log.table.assign(state_of_charge=0.5)
-    result = verify(aircraft(), log_from_table(table, "x.csv"), mission())
+    result = verify(AS2, log_from_table(table, "x.csv"), FLIGHT)
     assert reasons(result) == []
 
 
@@ -203,7 +194,7 @@ def test_without_a_charge_the_fall_of_power_to_the_load_is_left_out():
         held, np.minimum(table["solar_power_w"], table["load_w"]), table["solar_power_w"]
     )
     rows = table.assign(solar_power_w=power).drop(columns="state_of_charge")
-    result = verify(aircraft(), log_from_table(rows, "x.csv"), mission())
+    result = verify(AS2, log_from_table(rows, "x.csv"), FLIGHT)
     assert reasons(result) == ["battery_full"]
     inside = (result.samples.time_s > START_UTC_S + 24.1 * 3600.0) & result.excluded
     assert inside.sum() > 0.95 * 3.2 * 360
@@ -217,7 +208,7 @@ def test_no_power_is_left_out_and_dusk_is_not():
     dead = (hours > 3.0) & (hours < 3.5)
     noise = np.random.default_rng(1).normal(0.0, 0.5, len(table))
     rows = table.assign(solar_power_w=np.where(dead, noise, table["solar_power_w"]))
-    result = verify(aircraft(), log_from_table(rows, "x.csv"), mission())
+    result = verify(AS2, log_from_table(rows, "x.csv"), FLIGHT)
     (gone,) = result.left_out
     assert gone.reason == "no_power"
     assert gone.count == dead.sum()
@@ -259,7 +250,7 @@ def altered(log, clock_min=0.0, heading_deg=0.0):
 @pytest.mark.parametrize(("clock_min", "heading_deg"), [(0, 0), (37, 0), (-120, 90), (0, 8)])
 def test_offsets_are_estimated_and_applied_on_request(clock_min, heading_deg):
     log = altered(made(bias=-0.0175), clock_min, heading_deg)
-    result = verify(aircraft(), log, mission())
+    result = verify(AS2, log, FLIGHT)
     truths = {"clock_offset": clock_min, "heading_offset": heading_deg, "solar_factor": 1 / 0.9825}
     for name, truth in truths.items():
         assert covers(result, name, truth), (name, estimate(result, name))
@@ -269,7 +260,7 @@ def test_offsets_are_estimated_and_applied_on_request(clock_min, heading_deg):
     applied = verify(
         load_aircraft("atlantiksolar-as2", [factor[1]]),
         log,
-        mission(),
+        FLIGHT,
         clock_offset_min=float(clock[1]),
         heading_offset_deg=float(heading[1]),
     )
@@ -285,7 +276,7 @@ def test_offsets_are_estimated_and_applied_on_request(clock_min, heading_deg):
 
 def test_without_attitude_a_clock_is_estimated_and_no_heading():
     log = altered(made(), 60.0)  # CAM errs by up to 7 % in wind
-    result = verify(aircraft(), replace(log, attitude=None), mission())
+    result = verify(AS2, replace(log, attitude=None), FLIGHT)
     assert covers(result, "clock_offset", 60.0)
     heading = estimate(result, "heading_offset")
     assert heading.value is None
@@ -296,7 +287,7 @@ def test_without_attitude_a_clock_is_estimated_and_no_heading():
 def test_what_is_known_to_nothing_is_not_determined():
     log = made(start_utc_s=MORNING_S, duration_h=3.0).log()
     level = replace(log, attitude=EulerAngles(*(0.01 * angle for angle in log.attitude or ())))
-    forward = Forward(level, aircraft(), mission(), np.arange(len(log)))
+    forward = Forward(level, AS2, FLIGHT, np.arange(len(log)))
     names = ("factor", "clock_s", "heading")
     fit = Fit(names, np.zeros(3), np.diag([0.01, 7200.0, 1.0]) ** 2, 1.0)
     clock, heading, _, _ = estimates(forward, np.zeros(0, int), fit, Applied())
@@ -313,30 +304,28 @@ def test_what_is_known_to_nothing_is_not_determined():
 def test_units_and_signs_are_named(factor, words):
     log = made().log()
     wrong = replace(log, solar_power_w=factor * log.solar_power_w)
-    item = estimate(verify(aircraft(), wrong, mission()), "solar_factor")
+    item = estimate(verify(AS2, wrong, FLIGHT), "solar_factor")
     assert words in item.why
     assert item.apply == ()
 
 
 def test_power_of_level_flight_is_the_load_without_avionics():
     log = made().log()  # 43 W in the mean, gusts of 2 W
-    constant_w = design_of(aircraft(), mission()).constant_power_w
-    of_load = verify(aircraft(), log, mission())
+    constant_w = design_of(AS2, FLIGHT).constant_power_w
+    of_load = verify(AS2, log, FLIGHT)
     assert covers(of_load, "level_power", 43.0 - constant_w)
     (key,) = estimate(of_load, "level_power").apply[1:]
     craft = load_aircraft("atlantiksolar-as2", [key])
     value = estimate(of_load, "level_power").value
-    assert design_of(craft, mission()).propulsion_power_w == pytest.approx(value, rel=1e-3)
+    assert design_of(craft, FLIGHT).propulsion_power_w == pytest.approx(value, rel=1e-3)
     balance = replace(log, load_w=None, battery_power_w=log.solar_power_w - log.load_w)
-    assert estimate(verify(aircraft(), balance, mission()), "level_power").value == pytest.approx(
-        value
-    )
-    nothing = verify(aircraft(), replace(log, load_w=None), mission())
+    assert estimate(verify(AS2, balance, FLIGHT), "level_power").value == pytest.approx(value)
+    nothing = verify(AS2, replace(log, load_w=None), FLIGHT)
     assert estimate(nothing, "level_power").why == "neither load_w nor battery_power_w is logged"
 
 
 def test_parametric_aircraft_have_a_key_for_the_power_of_level_flight():
-    craft, where = load_aircraft("atlantiksolar-design"), mission()
+    craft, where = load_aircraft("atlantiksolar-design"), FLIGHT
     power_w = 1.1 * design_of(craft, where).propulsion_power_w
     key, value = level_power_key(craft, where, power_w)
     again = load_aircraft("atlantiksolar-design", [f"{key}={value}"])
@@ -350,8 +339,8 @@ def test_parametric_aircraft_have_a_key_for_the_power_of_level_flight():
 )
 def test_intervals_hold_on_flights_of_another_simulation(number, truth):
     """Sun, sky, glass and temperatures of pvlib, turbidity of 2 to 5, attitude off by 0.3 deg."""
-    rows = made_elsewhere(aircraft(), truth, 5000 + number).rows
-    result = verify(aircraft(), log_from_table(rows, "elsewhere.csv"), mission())
+    rows = made_elsewhere(AS2, truth, 5000 + number).rows
+    result = verify(AS2, log_from_table(rows, "elsewhere.csv"), FLIGHT)
     for name in ("clock", "heading"):
         item = estimate(result, f"{name}_offset")
         # Three standard errors: two, the interval, are passed by one in twenty.
@@ -378,14 +367,14 @@ def test_residuals_are_errors_of_bins():
 
 def test_dead_modules_are_seen_beside_the_other_mppts():
     log = made(start_utc_s=MORNING_S, duration_h=6.0).log()
-    forward = Forward(log, aircraft(), mission(), np.arange(len(log)))
+    forward = Forward(log, AS2, FLIGHT, np.arange(len(log)))
     each = forward.power_by_surface_w()
     assert each.sum(axis=1) == pytest.approx(forward.power_w(), abs=1e-6)
     power = {f"P {side}": each[:, i : i + 2].sum(axis=1) for i, side in
              ((0, "left"), (2, "centre"), (4, "right"))}  # fmt: skip
     power["P right"] = 0.5 * power["P right"]
     log = replace(log, mppt_power_w=power, solar_power_w=np.sum(list(power.values()), axis=0))
-    result = verify(aircraft(), log, mission())
+    result = verify(AS2, log, FLIGHT)
     each = result.mppts.each
     assert [item.modules[0] for item in each] == ["left front", "centre front", "right front"]
     assert [item.ratio for item in each] == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
@@ -435,16 +424,16 @@ def test_aircraft_without_geometry():
         update={"modules": craft.modules.model_copy(update={"geometry": None})}
     )
     log = made(start_utc_s=MORNING_S, duration_h=2.0)
-    result = verify(craft, log.log(), mission())
+    result = verify(craft, log.log(), FLIGHT)
     assert "has no modules.geometry" in result.notes[0]
 
 
 def test_a_tail_that_is_not_modelled_is_told():
-    modules = aircraft().modules.model_copy(update={"tail": None})
+    modules = AS2.modules.model_copy(update={"tail": None})
     log = made(start_utc_s=MORNING_S, duration_h=2.0).log()
-    bare = verify(aircraft().model_copy(update={"modules": modules}), log, mission())
+    bare = verify(AS2.model_copy(update={"modules": modules}), log, FLIGHT)
     assert any("has no modules.tail" in note for note in bare.notes)
-    assert not any("tail" in note for note in verify(aircraft(), log, mission()).notes)
+    assert not any("tail" in note for note in verify(AS2, log, FLIGHT).notes)
 
 
 def test_log_by_night_is_refused():
@@ -527,7 +516,7 @@ def test_printed_options_run_as_printed(log_file):
 
 
 def test_figures_show_what_is_left_out(log_file):
-    result = verify(aircraft(), str(log_file), mission(), windows=[Window(5.0, 6.0)])
+    result = verify(AS2, str(log_file), FLIGHT, windows=[Window(5.0, 6.0)])
     drawn = plots.residual_figure(result)
     labels = [axes.get_xlabel() for axes in drawn.axes]
     assert labels == [
@@ -545,12 +534,12 @@ def test_figures_show_what_is_left_out(log_file):
     for line, other in zip(power.lines, error.lines, strict=False):
         if line.get_label() != "measured":
             assert other.get_ydata() == pytest.approx(line.get_ydata() - measured, nan_ok=True)
-    no_attitude = verify(aircraft(), replace(result.log, attitude=None), mission())
+    no_attitude = verify(AS2, replace(result.log, attitude=None), FLIGHT)
     assert len(plots.residual_figure(no_attitude).axes) == 3
 
 
 def test_result_prints_itself_and_reads_its_own_log(log_file):
-    result = verify(aircraft(), log_file, windows=["5.71:5.79"])
+    result = verify(AS2, log_file, windows=["5.71:5.79"])
     assert result.mission == "rafz-28h"
     assert len(str(result).splitlines()) <= 25
     text = " ".join(str(result.at_level(2)).split())  # the path may be wider than a line
@@ -563,7 +552,7 @@ def test_result_prints_itself_and_reads_its_own_log(log_file):
     assert frame["fm_w"].to_numpy() == pytest.approx(result.samples.modelled_w["FM"])
     assert result.to_csv().count("\n") == len(frame) + 1
     with pytest.raises(ValueError, match="must be a:b in solar hours"):
-        verify(aircraft(), log_file, windows=["9:8"])
+        verify(AS2, log_file, windows=["9:8"])
 
 
 def test_command_names_mistakes_in_the_map(log_file, tmp_path):

@@ -91,13 +91,8 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypa
     (row,) = (line.split() for line in table.out.splitlines() if line.startswith("44° N"))
     assert row[-1] == "1"
     data = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
-    flags = dict(
-        zip(
-            data["status"].attrs["flag_meanings"].split(),
-            data["status"].attrs["flag_values"].tolist(),
-            strict=True,
-        )
-    )
+    meanings, values = (data["status"].attrs[f"flag_{of}"] for of in ("meanings", "values"))
+    flags = dict(zip(meanings.split(), values.tolist(), strict=True))
     failed = (data["status"] == flags["failed"]).values
     assert failed.sum() == 1
     assert failed[2, 2]

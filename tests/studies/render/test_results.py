@@ -16,22 +16,19 @@ from studies import quantities as q
 from studies.render.analysis import flight_table
 from studies.render.parts import relaxation_table
 
-
-@pytest.fixture(scope="module")
-def design():
-    return sizing.load_aircraft("atlantiksolar-design")
+DESIGN = sizing.load_aircraft("atlantiksolar-design")
 
 
 @pytest.fixture(scope="module")
-def analysis(design):
+def analysis():
     mission = missions.load_mission("central-europe-summer")
-    return sizing.analyse(design, mission, model="CAM", correction="report")
+    return sizing.analyse(DESIGN, mission, model="CAM", correction="report")
 
 
 @pytest.fixture(scope="module")
-def sized(design):
+def sized():
     mission = missions.load_mission("central-europe-summer")
-    return sizing.size(design, mission, "min_wingspan", required_excess_time_h=3.0)
+    return sizing.size(DESIGN, mission, "min_wingspan", required_excess_time_h=3.0)
 
 
 def test_an_analysis_prints_itself(analysis):
@@ -85,13 +82,13 @@ def test_a_sizing_prints_itself_in_25_lines_of_80_columns(sized):
 
 
 @pytest.mark.parametrize("objective", ["min_mass", "max_payload_mass", "max_excess_time"])
-def test_a_margin_is_the_sizing_of_a_mission_that_has_it(design, objective):
+def test_a_margin_is_the_sizing_of_a_mission_that_has_it(objective):
     july = missions.load_mission("rafz-july")
-    both = sizing.size(design, july, objective, required_excess_time_h=2.0, with_margin=True)
+    both = sizing.size(DESIGN, july, objective, required_excess_time_h=2.0, with_margin=True)
     guarded = both.with_margin
     margins = {"uncertainty_margins.solar_model_sigmas": 1.0}
     alone = sizing.size(
-        design, missions.load_mission("rafz-july", margins), objective, required_excess_time_h=2.0
+        DESIGN, missions.load_mission("rafz-july", margins), objective, required_excess_time_h=2.0
     )
     # Two ways to the same optimum, to the tolerance of the search.
     assert guarded.result.objective_value == pytest.approx(alone.result.objective_value, rel=2e-3)
@@ -110,26 +107,23 @@ def test_a_margin_is_the_sizing_of_a_mission_that_has_it(design, objective):
     assert "on the edge" not in str(both)
 
 
-def test_a_margin_that_no_design_keeps_is_told(design):
+def test_a_margin_that_no_design_keeps_is_told():
     july = missions.load_mission("rafz-july")
-    best = sizing.size(design, july, "max_excess_time", with_margin=True)
+    best = sizing.size(DESIGN, july, "max_excess_time", with_margin=True)
     least_h, most_h = best.with_margin.result.objective_value, best.result.objective_value
     between = (least_h + most_h) / 2.0
-    both = sizing.size(design, july, required_excess_time_h=between, with_margin=True)
+    both = sizing.size(DESIGN, july, required_excess_time_h=between, with_margin=True)
     assert both.feasible
     assert "less solar power as margin no design was found" in " ".join(str(both).split())
     record = both.to_dict()["with_margin"]
-    assert (record["status"], record["wingspan_m"], record["excess_time_h"]) == (
-        "infeasible",
-        None,
-        None,
-    )
+    assert record["status"] == "infeasible"
+    assert record["wingspan_m"] is record["excess_time_h"] is None
 
 
-def test_a_mission_with_margins_gets_no_others(design):
+def test_a_mission_with_margins_gets_no_others():
     guarded = missions.load_mission("rafz-july", {"uncertainty_margins.solar_model_sigmas": 0.5})
-    assert sizing.size(design, guarded, with_margin=True).with_margin is None
-    assert "with_margin" not in sizing.size(design, guarded, with_margin=True).to_dict()
+    assert sizing.size(DESIGN, guarded, with_margin=True).with_margin is None
+    assert "with_margin" not in sizing.size(DESIGN, guarded, with_margin=True).to_dict()
 
 
 def test_less_sun_is_told_of_the_scenario_that_it_weakens_most(sized):
@@ -171,18 +165,18 @@ def test_a_sized_aircraft_flies_as_the_sizing_says(sized):
     assert sized.scenarios()["excess_time_h"].min() == simulated["excess_time_h"]
 
 
-def test_a_variable_at_its_bound_is_said_first(design):
+def test_a_variable_at_its_bound_is_said_first():
     mission = missions.load_mission("rafz-july")
-    largest = sizing.size(design, mission, "max_excess_time")
+    largest = sizing.size(DESIGN, mission, "max_excess_time")
     said = " ".join(str(largest).splitlines()[1:3])
     assert said.startswith("at the end of the design space: ")
     assert "wingspan at its maximum (design_space.wingspan_m.maximum)" in said
 
 
 @pytest.fixture(scope="module")
-def infeasible(design):
+def infeasible():
     mission = missions.load_mission("central-europe-summer", {"clearness": 0.1})
-    return sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
+    return sizing.size(DESIGN, mission, "min_wingspan", required_excess_time_h=12.0)
 
 
 def test_an_infeasible_sizing_has_no_design_and_says_why(infeasible):
@@ -225,9 +219,9 @@ def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told():
         ),
     ],
 )
-def test_options_are_checked_at_the_call(design, options, message):
+def test_options_are_checked_at_the_call(options, message):
     with pytest.raises(ValueError, match=message):
-        sizing.size(design, missions.load_mission("rafz-july"), **options)
+        sizing.size(DESIGN, missions.load_mission("rafz-july"), **options)
 
 
 def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual():
@@ -241,12 +235,12 @@ def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual():
     assert math.isfinite(short.to_frame()["endurance_h"][0])
 
 
-def test_names_are_no_aircraft_and_no_mission(design):
+def test_names_are_no_aircraft_and_no_mission():
     mission = missions.load_mission("rafz-july")
     with pytest.raises(TypeError, match=r"sizing.load_aircraft\(name or path\) reads one"):
         sizing.analyse("atlantiksolar-as2", mission)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="expected Mission \\(got str\\)"):
-        sizing.size(design, "rafz-july")  # type: ignore[arg-type]
+        sizing.size(DESIGN, "rafz-july")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="overrides are a mapping or a list of texts"):
         sizing.load_aircraft("sky-sailor", "power.avionics_w=8")
 
@@ -313,19 +307,19 @@ def test_frames_of_an_infeasible_sizing_hold_nan(infeasible, sized):
         ("", {"battery": 3}, "Aircraft: battery: must be a mapping"),
     ],
 )
-def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(design, part, update, said):
+def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(part, update, said):
     mission = missions.load_mission("rafz-july")
-    changed = getattr(design, part).model_copy(update=update) if part else None
-    wrong = design.model_copy(update={part: changed} if part else update)
+    changed = getattr(DESIGN, part).model_copy(update=update) if part else None
+    wrong = DESIGN.model_copy(update={part: changed} if part else update)
     for use in (sizing.analyse, sizing.size):
         with pytest.raises(missions.InputError, match=said):
             use(wrong, mission)
-    right = design.model_copy(
-        update={"battery": design.battery.model_copy(update={"mass_kg": 3.0})}
+    right = DESIGN.model_copy(
+        update={"battery": DESIGN.battery.model_copy(update={"mass_kg": 3.0})}
     )
     assert sizing.analyse(right, mission).masses_kg["battery"] == 3.0
     with pytest.raises(missions.InputError, match="clearness"):
-        sizing.analyse(design, mission.model_copy(update={"clearness": -1.0}))
+        sizing.analyse(DESIGN, mission.model_copy(update={"clearness": -1.0}))
 
 
 def test_modules_beyond_their_coverage_are_told():
