@@ -16,11 +16,7 @@ FORMULAS = (
     "missions/loiter_power.py",
     "sizing/aerodynamics",
     "sizing/battery",
-    "sizing/day/balance.py",
-    "sizing/day/battery.py",
-    "sizing/day/cycle.py",
-    "sizing/day/flight.py",
-    "sizing/day/march.py",
+    *(f"sizing/day/{name}.py" for name in ("balance", "battery", "cycle", "flight", "march")),
     "sizing/propulsion",
     "sizing/structures",
 )

@@ -155,9 +155,8 @@ def test_metrics_equal_the_slow_simulation(name):
     # error where the charger takes over is of that size too.
     assert float(found.excess_time_h) == pytest.approx(expected.excess_time_h, abs=0.01)
     assert float(found.missing_h) == pytest.approx(expected.missing_h, abs=0.01)
-    assert float(found.minimum_state_of_charge) == pytest.approx(
-        expected.minimum_state_of_charge, abs=5e-4
-    )
+    least = pytest.approx(expected.minimum_state_of_charge, abs=5e-4)
+    assert found.minimum_state_of_charge == least
     # The end of charging is flat: with the taper's 2 % per hour an error of 1e-4 of the charge,
     # made where the charger takes over within 5 min, is 0.005 h; two such instants.
     assert found.full_charge_h == pytest.approx(expected.full_charge_h, abs=0.02, nan_ok=True)

@@ -51,18 +51,14 @@ def test_window_is_that_of_every_number_by_itself(conversion):
 
 def test_trouble_names_key_and_what_is_allowed():
     assert strings(30).problem(60, LOSS_PER_K, None) is None
-    assert strings(31).problem(60, LOSS_PER_K, None) == (
-        "cells_in_series",
-        "must divide the 60 cells into whole strings (got 31)",
-    )
-    assert strings(60).problem(60, LOSS_PER_K, None) == (
-        "cells_in_series",
-        "must be from 17 to 51: the MPPT takes 8 to 40 V, the modules have -20 to 75 °C (got 60)",
-    )
-    assert strings(30, strings_per_mppt=2).problem(60, LOSS_PER_K, None) == (
-        "strings_per_mppt",
-        "must be at most 1: the MPPT takes 7 A, a string gives 5.93 A (got 2)",
-    )
+    window = "the MPPT takes 8 to 40 V, the modules have -20 to 75 °C"
+    current, two = "the MPPT takes 7 A, a string gives 5.93 A", strings(30, strings_per_mppt=2)
+    for found, key, message in (
+        (strings(31), "cells_in_series", "must divide the 60 cells into whole strings (got 31)"),
+        (strings(60), "cells_in_series", f"must be from 17 to 51: {window} (got 60)"),
+        (two, "strings_per_mppt", f"must be at most 1: {current} (got 2)"),
+    ):
+        assert found.problem(60, LOSS_PER_K, None) == (key, message)
 
 
 def test_a_coefficient_of_the_voltage_takes_precedence():

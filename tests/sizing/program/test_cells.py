@@ -21,30 +21,22 @@ pytestmark = pytest.mark.slow
 LATITUDES = np.arange(0.0, 75.0, 12.0)
 DAYS = np.array([1, 80, 130, 172, 230, 300])
 CELLS = Scenarios(np.repeat(LATITUDES, len(DAYS)), np.tile(DAYS, len(LATITUDES)))
+AIRCRAFT = load_aircraft("atlantiksolar-design", ["design_space.wingspan_m.maximum=7"])
+MISSION = load_mission("central-europe-summer", ["required_excess_time_h=2.0"])
 
 
-@pytest.fixture(scope="module")
-def aircraft():
-    return load_aircraft("atlantiksolar-design", ["design_space.wingspan_m.maximum=7"])
-
-
-@pytest.fixture(scope="module")
-def mission():
-    return load_mission("central-europe-summer", ["required_excess_time_h=2.0"])
-
-
-def at(mission, cell):
+def at(cell):
     on = Dates(on=date_code(int(CELLS.day_of_year[cell])))
     place = float(CELLS.latitude_deg[cell])
-    return mission.model_copy(update={"latitude_deg": place, "dates": on})
+    return MISSION.model_copy(update={"latitude_deg": place, "dates": on})
 
 
 @pytest.mark.parametrize("objective", SINGLE_OBJECTIVES)
-def test_cells_are_sized_as_one_by_one(aircraft, mission, objective):
-    found = size_cells(aircraft, mission, CELLS, objective)
+def test_cells_are_sized_as_one_by_one(objective):
+    found = size_cells(AIRCRAFT, MISSION, CELLS, objective)
     feasible = 0
     for cell in range(0, len(CELLS), 5):
-        alone = size_aircraft(aircraft, at(mission, cell), objective)
+        alone = size_aircraft(AIRCRAFT, at(cell), objective)
         sized = found.status[cell] in (SizingStatus.cross_checked, SizingStatus.optimal)
         assert sized == alone.feasible, CELLS.label(cell)
         if not sized:
@@ -59,18 +51,18 @@ def test_cells_are_sized_as_one_by_one(aircraft, mission, objective):
     assert 0 < feasible < len(range(0, len(CELLS), 5))
 
 
-def test_a_cell_without_design_says_what_a_sizing_alone_says(aircraft, mission):
+def test_a_cell_without_design_says_what_a_sizing_alone_says():
     cell = CELLS.label(place := int(np.argmax(LATITUDES == 60.0)) * len(DAYS))
-    found = size_cells(aircraft, mission, CELLS, Objective.min_wingspan)
-    alone = size_aircraft(aircraft, at(mission, place), Objective.min_wingspan)
+    found = size_cells(AIRCRAFT, MISSION, CELLS, Objective.min_wingspan)
+    alone = size_aircraft(AIRCRAFT, at(place), Objective.min_wingspan)
     (text,) = [one.text for one in alone.violations if one.requirement == found.requirement[place]]
     assert cell in text
     # By how much is a matter of the nearest design, of which a hopeless cell has many.
     assert found.message[place].partition(" short by ")[0] == text.partition(" short by ")[0]
 
 
-def test_no_cell_is_left_open_and_all_optima_are_cross_checked(aircraft, mission):
-    found = size_cells(aircraft, mission, CELLS, Objective.min_wingspan)
+def test_no_cell_is_left_open_and_all_optima_are_cross_checked():
+    found = size_cells(AIRCRAFT, MISSION, CELLS, Objective.min_wingspan)
     counted = np.bincount(found.status, minlength=5)
     assert counted[SizingStatus.not_converged] == 0
     assert counted[SizingStatus.optimal] == 0
@@ -78,11 +70,11 @@ def test_no_cell_is_left_open_and_all_optima_are_cross_checked(aircraft, mission
     assert counted[SizingStatus.infeasible] > 3
 
 
-def test_reported_numbers_are_the_simulators(aircraft, mission):
-    found = size_cells(aircraft, mission, CELLS, Objective.min_mass)
+def test_reported_numbers_are_the_simulators():
+    found = size_cells(AIRCRAFT, MISSION, CELLS, Objective.min_mass)
     for cell in np.flatnonzero(found.status == SizingStatus.cross_checked)[::4]:
         variables = found.variables.mapped(lambda v, cell=cell: float(v[cell]))
-        perf = performance_of_designs(aircraft, at(mission, int(cell)), variables)
+        perf = performance_of_designs(AIRCRAFT, at(int(cell)), variables)
         assert float(perf.cycle.excess_time_h[0]) == pytest.approx(
             found.excess_time_h[cell], rel=1e-9
         )
@@ -92,21 +84,21 @@ def test_reported_numbers_are_the_simulators(aircraft, mission):
         )
 
 
-def test_payload_of_each_cell_counts(aircraft, mission):
+def test_payload_of_each_cell_counts():
     same = Scenarios(np.full(5, 47.6), np.full(5, 172))
     payload = np.array([0.0, 0.5, 1.0, 2.0, 60.0])
-    found = size_cells(aircraft, mission, same, Objective.min_wingspan, payload_mass_kg=payload)
+    found = size_cells(AIRCRAFT, MISSION, same, Objective.min_wingspan, payload_mass_kg=payload)
     assert np.all(np.diff(found.objective_value[:4]) > 0.0)
     assert found.status[4] == SizingStatus.infeasible
     np.testing.assert_allclose(found.variables.payload_mass_kg[:4], payload[:4], atol=1e-12)
     drawing = size_cells(
-        aircraft, mission, same, Objective.min_wingspan, payload_power_w=10.0 * payload
+        AIRCRAFT, MISSION, same, Objective.min_wingspan, payload_power_w=10.0 * payload
     )
     assert np.all(np.diff(drawing.objective_value[:3]) > 0.0)
 
 
-def test_same_cells_give_the_same_bits(aircraft, mission):
-    one, other = (size_cells(aircraft, mission, CELLS, Objective.min_wingspan) for _ in range(2))
+def test_same_cells_give_the_same_bits():
+    one, other = (size_cells(AIRCRAFT, MISSION, CELLS, Objective.min_wingspan) for _ in range(2))
 
     def columns(found):
         plain = [found.status, found.objective_value, found.total_mass_kg, found.shortfall]
@@ -116,26 +108,26 @@ def test_same_cells_give_the_same_bits(aircraft, mission):
         np.testing.assert_array_equal(a, b)
 
 
-def test_polar_night_and_midnight_sun_are_ordinary_cells(aircraft, mission):
-    found = size_cells(aircraft, mission, Scenarios(np.array([80.0, 80.0]), np.array([355, 172])))
+def test_polar_night_and_midnight_sun_are_ordinary_cells():
+    found = size_cells(AIRCRAFT, MISSION, Scenarios(np.array([80.0, 80.0]), np.array([355, 172])))
     assert found.status[0] == SizingStatus.infeasible
     assert found.status[1] in (SizingStatus.cross_checked, SizingStatus.optimal)
 
 
-def test_best_of_designs_without_end_is_cross_checked(aircraft, mission):
+def test_best_of_designs_without_end_is_cross_checked():
     # All neighbours of such an optimum are without end as well: none is better.
     pole = Scenarios(np.array([90.0]), np.array([172]))
     with np.errstate(invalid="raise"):
-        cells = size_cells(aircraft, mission, pole, Objective.max_excess_time)
+        cells = size_cells(AIRCRAFT, MISSION, pole, Objective.max_excess_time)
     assert cells.status[0] == SizingStatus.cross_checked
     assert np.isposinf(cells.excess_time_h[0])
 
 
-def test_ranges_and_measured_aircraft_are_refused(aircraft, mission):
+def test_ranges_and_measured_aircraft_are_refused():
     with pytest.raises(ValueError, match="is a range"):
-        size_cells(aircraft, mission, CELLS, Objective.longest_season)
+        size_cells(AIRCRAFT, MISSION, CELLS, Objective.longest_season)
     with pytest.raises(TypeError, match="measured aircraft"):
-        size_cells(load_aircraft("atlantiksolar-as2"), mission, CELLS)
+        size_cells(load_aircraft("atlantiksolar-as2"), MISSION, CELLS)
 
 
 def test_payload_of_cells_that_differ_much_from_their_neighbours():

@@ -194,9 +194,6 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(aircraft, alt
     assert compared > 200
 
 
-# ---- Single results
-
-
 @pytest.mark.parametrize(
     ("aircraft", "where"),
     list(
@@ -337,9 +334,6 @@ def test_a_path_flown_at_another_airspeed_is_told():
     flight = performance(AS2, mission(flight_path=path), SolarModel("VM"))
     assert quantities(extrapolations(AS2, flight)) == {"airspeed_m_per_s of flight_path"}
     assert extrapolations(AS2, performance(AS2, mission(flight_path=path))) == ()
-
-
-# ---- Many results
 
 
 def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count():

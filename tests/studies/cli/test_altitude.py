@@ -23,9 +23,6 @@ def climb(tmp_path):
     return "climb.yaml"
 
 
-# ---- ceiling
-
-
 def test_ceiling_writes_table_and_figure(run, tmp_path):
     outcome = run("ceiling", AS2, "--step", "4000", "--csv", "a.csv", "--plot", "a.png")
     assert outcome.code == 0
@@ -65,9 +62,6 @@ def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run):
 def test_endless_day_is_no_number_in_json(run):
     outcome = run("ceiling", AS2, "--step", "8000", "--json", "--set", "mission.latitude_deg=85.0")
     assert outcome.json()["best_excess_time_h"] is None
-
-
-# ---- climbs
 
 
 def test_analyse_uses_the_climb(run, climb, tmp_path):

@@ -309,9 +309,6 @@ def test_odd_names_of_aircraft(run, name):
     assert len(outcome.err) < 1000
 
 
-# ---- as a process ---------------------------------------------------------------------
-
-
 ROOT = str(Path(cli.__file__).parents[2])
 
 

@@ -159,9 +159,6 @@ def test_a_stopped_command_says_how_to_go_on(tmp_path, signum, workers):
     assert found <= {SizingStatus.cross_checked, SizingStatus.optimal, SizingStatus.infeasible}
 
 
-# ---- the best design of each cell
-
-
 @pytest.fixture(scope="module")
 def sized():
     return resized_map(DESIGN, JULY, "min_wingspan", latitudes=[0.0, 47.6, 75.0], days=[172, 355])
@@ -235,9 +232,6 @@ def test_figure_of_best_designs_hatches_what_has_none(sized):
         "polar night",
     ]
     assert any(c.get_hatch() for c in figure.axes[0].collections)
-
-
-# ---- in Python
 
 
 def test_maps_in_python_are_those_of_the_command(run, tmp_path):

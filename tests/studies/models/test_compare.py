@@ -30,9 +30,6 @@ def designs():
     return study.compare(AIRCRAFT, MISSION, models=models, required_excess_time_h=3.0)
 
 
-# ---- Python
-
-
 def test_predictions_are_those_of_single_analyses(designs):
     for case in designs.cases:
         single = performance(AIRCRAFT, MISSION, case.solar)
@@ -172,9 +169,6 @@ def test_result_prints_itself_and_gives_its_numbers(designs):
 def test_wrong_names_are_refused_at_the_call(options, said):
     with pytest.raises(ValueError, match=said):
         study.compare(options.pop("aircraft", AIRCRAFT), MISSION, **options)
-
-
-# ---- Command
 
 
 def test_whole_comparison_as_json(run):
