@@ -124,7 +124,7 @@ def test_best_of_designs_without_end_is_cross_checked():
 
 
 def test_ranges_and_measured_aircraft_are_refused():
-    with pytest.raises(ValueError, match="is a range"):
+    with pytest.raises(ValueError, match="counts days or degrees"):
         size_cells(AIRCRAFT, MISSION, CELLS, Objective.longest_season)
     with pytest.raises(TypeError, match="measured aircraft"):
         size_cells(load_aircraft("atlantiksolar-as2"), MISSION, CELLS)
