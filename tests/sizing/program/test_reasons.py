@@ -6,6 +6,7 @@ from builders import DESIGN, mission
 
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import variables_of
+from sizing.limits import MASS_BUDGET
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by
@@ -46,6 +47,16 @@ def test_a_day_that_returns_next_to_enough_lacks_the_least_share_of_its_load():
     assert missed_by(TASK, None, perf) == {
         "energy_balance": pytest.approx(LACKING * load_wh / full_wh, rel=1e-6)
     }
+
+
+def test_what_nobody_can_lift_is_missed_by_more_with_more_payload():
+    missed = []
+    for mass_kg in (1e5, 2e5, 4e5):
+        there = mission(payload={"mass_kg": mass_kg})
+        perf = performance_of_designs(DESIGN, there, variables_of(DESIGN), day=DAY)
+        task = SizingTask(DESIGN, there, Objective.min_mass, UNCORRECTED_CAM, DAY, 0.0)
+        missed.append(missed_by(task, None, perf)[MASS_BUDGET])
+    assert 0.0 < missed[0] < missed[1] < missed[2] < np.inf
 
 
 def test_a_variable_that_is_held_is_no_bound_that_limits():
