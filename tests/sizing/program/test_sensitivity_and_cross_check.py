@@ -233,7 +233,7 @@ def test_spoiled_optimum_is_found_out(objective):
     assert check.advantage > 0.0
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.004, "none is better"), (0.006, "better by")])
+@pytest.mark.parametrize(("share", "told"), [(0.0049, "none is better"), (0.0051, "better by")])
 def test_only_more_than_half_a_per_cent_is_told_to_be_better(share, told):
     # As documented: less may be the time steps' and the solver's tolerances.
     check = CrossCheck(

@@ -170,7 +170,15 @@ def test_strings_leave_numbers_of_cells_out():
         "mppt": {"minimum_voltage_v": 9.0, "maximum_voltage_v": 16.0, "maximum_current_a": 7.0},
     }
     layout = WHOLE_CELLS | {"bays": [{"cells": [18, 18]}], "strings": strings}
-    cells = sized(plane(layout)).whole_cells
+    data = plane(layout).model_dump(mode="json", exclude_unset=True)
+    del data["modules"]["mppt_mass_kg_per_w"]
+    data["modules"]["layout"]["strings"]["mppt"]["mass_kg"] = 0.06
+    study = sized(Aircraft.model_validate(data))
+    cells = study.whole_cells
+    # With the MPPTs that the written aircraft has.
+    flown = sizing.analyse(study.sized_aircraft(), MISSION).performance
+    assert flown.design.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-6)
+    assert flown.design.masses.mppt == pytest.approx(0.06 * cells.chosen.mppts, rel=1e-6)
     # By hand: 9 V / (0.63 V * 0.865) = 16.5 and 16 V / (0.73 V * 1.135) = 19.3 cells in series.
     allowed = [n for n in range(2, 200, 2) if any(n % series == 0 for series in (17, 18, 19))]
     assert cells.chosen.cells in allowed
