@@ -3,11 +3,15 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import missions
 import sizing
-from sizing.program.own_terms import NAMES
+from sizing.design import variables_of
+from sizing.limits import DesignInFlight
+from sizing.mass_budget import closed_design
+from sizing.program.own_terms import NAMES, with_own_terms
 
 REQUIRED_H = 3.0
 MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": REQUIRED_H})
@@ -112,6 +116,15 @@ def test_the_function_counts_as_it_is_when_it_is_given():
     weight = 10.0
     short = sizing.size(DESIGN, MISSION, weighted)
     assert short.variables.wingspan_m < 0.95 * light.variables.wingspan_m
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_a_constraint_of_a_batch_has_an_answer_for_each_design(count):
+    held, _ = with_own_terms(DESIGN, JULY, None, [lambda it: it.wingspan_m <= 4.5])
+    spans = np.linspace(4.0, 5.0, count)
+    batch = closed_design(held, JULY, variables_of(DESIGN)._replace(wingspan_m=spans))
+    (row,) = held.design_space.user_requirements(DesignInFlight(held, batch))
+    assert row.value == pytest.approx((4.5 - spans) / 4.5)
 
 
 @pytest.mark.parametrize(
