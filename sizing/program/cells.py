@@ -44,6 +44,9 @@ from sizing.program.task import SizingTask, Values
 from solar.types import FloatArray, IntArray
 
 _STRIDE = 16  # cells between those that start from no neighbour; a power of two
+# Of the cubic polynomial half-way between the inner two of four places.
+_CUBIC = (9.0, 9.0, -1.0, -1.0)
+_LEAST = 1e-12  # of a value whose logarithm is taken
 _NEIGHBOURS = 24  # of every optimum that its cross-check simulates
 _PAYLOADS = ("payload_mass_kg", "payload_power_w")
 
@@ -163,8 +166,8 @@ class _Cells:
 
     def run(self, seed: int) -> CellSizings:
         """Search in every cell, and once more where a search ends without a verdict."""
-        for wave in _waves(len(self.tasks)):
-            self._run({cell: self._search(cell) for cell in wave})
+        for stride, wave in _waves(len(self.tasks)):
+            self._run({cell: self._search(cell, stride) for cell in wave})
         open_status = SizingStatus.not_converged
         without = [cell for cell, search in self.searches.items() if search.status is open_status]
         self._run({cell: Search(self.tasks[cell]) for cell in without})
@@ -176,21 +179,21 @@ class _Cells:
         self._run(branches)
         return self._results(seed)
 
-    def _search(self, cell: int) -> Search:
-        """Return a search that starts between the nearest known cells on both sides."""
-        before = [i for i in self.searches if i < cell]
-        behind = [i for i in self.searches if i > cell]
-        ends = [max(before)] if before else []
-        ends += [min(behind)] if behind else []
-        known = [judged for i in ends if (judged := self.searches[i].outcome) is not None]
-        search = Search(self.tasks[cell], active_set=self.active_set)
-        if known:
-            columns = {name: [end.values[name] for end in known] for name in known[0].values}
-            search.first = {
-                name: float(np.exp(np.log(np.maximum(values, 1e-12)).mean()))
-                for name, values in columns.items()
-            }
-            search.warm = known[0].solution
+    def _search(self, cell: int, stride: int) -> Search:
+        """Return a search that starts between known cells, a stride and three of them away."""
+        search, known = Search(self.tasks[cell], active_set=self.active_set), []
+        for away in (-stride, stride, -3 * stride, 3 * stride):
+            there = self.searches.get(cell + away)
+            if there is not None and there.outcome is not None:
+                known.append(there)
+        sized = [there for there in known if there.best is not None]
+        used, weights = (sized, _CUBIC) if len(sized) == 4 else (known[:2], None)
+        if used:
+            designs = [there.outcome.values for there in used if there.outcome is not None]
+            logs = np.log([[max(v, _LEAST) for v in values.values()] for values in designs])
+            middle = np.exp(np.average(logs, axis=0, weights=weights))
+            search.first = dict(zip(designs[0], middle.tolist(), strict=True))
+            search.warm = used[0].solution
         return search
 
     def _run(self, searches: dict[int, Search]) -> None:
@@ -326,13 +329,16 @@ class _Cells:
         return CellSizings(**columns)
 
 
-def _waves(count: int) -> Iterator[range]:
-    """Yield every so many of the places, then those half-way between, until none is left."""
+def _waves(count: int) -> Iterator[tuple[int, range]]:
+    """Yield every so many of the places, then those half-way between, until none is left.
+
+    With the distance to those before.
+    """
     stride = _STRIDE
-    yield range(0, count, stride)
+    yield stride, range(0, count, stride)
     while stride > 1:
         stride //= 2
-        yield range(stride, count, 2 * stride)
+        yield stride, range(stride, count, 2 * stride)
 
 
 def _missed_most(search: Search) -> Violation:

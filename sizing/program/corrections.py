@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sizing.day.balance import positive_part_wh
 from sizing.day.battery import Store
 from sizing.design import Design
 from sizing.limits import design_requirements
@@ -25,7 +24,11 @@ from sizing.program.climbing import Profile, power_beyond_floor
 from sizing.program.intervals import (
     Day,
     Held,
+    bends_in_climbs,
     day_means,
+    deficit_wh,
+    dips_wh,
+    equal_power_step,
     held_back,
     light_at_heights,
     nodes_of,
@@ -42,7 +45,7 @@ from sizing.program.transcription import (
     power_surface,
 )
 from sizing.program.variables import scales_of
-from solar.types import FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
 # Excess time above the required one that is aimed at: steps leave so much between simulator and
@@ -58,7 +61,8 @@ _STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly 
 class Linearisation:
     """Light and load of a simulated design in the blocks of a program, with their derivatives.
 
-    ``values``: of the design. ``charge``: of every block at its nodes, to start from.
+    ``values``: of the design. ``charge``: of every block at its nodes, to start from. ``least``:
+    what it must be there, as it is lower in between. ``height``, ``speed``: to start from.
     ``load_w``: nominal load that charges count in. ``mass_kg``: of the design. ``parts``: of a
     propulsion at its operating point. ``known``: of the scenarios.
     """
@@ -66,6 +70,7 @@ class Linearisation:
     values: dict[str, float]
     blocks: tuple[BlockData, ...]
     charge: tuple[FloatArray, ...]
+    least: tuple[FloatArray, ...]
     height: tuple[FloatArray, ...]
     speed: tuple[FloatArray, ...]
     load_w: float
@@ -79,24 +84,28 @@ class Linearisation:
 class Scenario:
     """What a search knows of a scenario.
 
-    ``bias_h``: excess time that the last program had beyond its simulated flight. ``margin``: by
-    how much more a night takes, relative. ``nodes``: of its intervals, ``clock_h``: of these,
-    ``held``: how the battery holds back in them; None where a flight is to tell. ``profile``:
-    heights that are flown.
+    ``bias_h``: excess time that programs have beyond their flights. ``margin``: by how much more a
+    night takes, relative. ``begin``: state of charge that the last program begins its day with.
+    ``nodes``: of its intervals, ``clock_h``: of these, ``held``: how the battery holds back in
+    them; None where a flight is to tell. ``profile``: heights that are flown.
     """
 
     bias_h: float = CUSHION_H
     margin: float = FIRST_MARGIN
+    begin: float | None = None
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
     held: Held | None = None
     profile: Profile | None = None
 
+    def share_at(self, time_h: FloatArray) -> FloatArray:
+        """Return the heights over the way to the ceiling."""
+        return np.zeros(len(time_h)) if self.profile is None else self.profile.at(time_h)
+
     def share(self) -> FloatArray:
         """Return the heights at the nodes, over the way to the ceiling."""
         assert self.clock_h is not None
-        level = np.zeros(len(self.clock_h))
-        return level if self.profile is None else self.profile.at(self.clock_h)
+        return self.share_at(self.clock_h)
 
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
@@ -119,32 +128,31 @@ def linearised(
     values: Values,
     perf: Performance,
     known: Mapping[int, Scenario],
-    excess_h: FloatArray,
 ) -> Linearisation:
     """Return light and load of a design in scenarios, from its flight and its neighbours'.
 
     ``perf``: of :func:`neighbours`, in all scenarios of the task. ``known``: what is known of the
-    scenarios that make the blocks, in their order. ``excess_h``: of the design in every scenario,
-    with climbs at its best heights.
+    scenarios that make the blocks, in their order.
     """
     nominal_w = np.asarray(perf.nominal_load_w)
     nominal_w = np.broadcast_to(nominal_w, (nominal_w.shape[0], task.count))
     ordered_w = np.sort(nominal_w[0])  # a median by hand: NumPy's imports masked arrays
     load_w = float(ordered_w[(task.count - 1) // 2] + ordered_w[task.count // 2]) / 2.0
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    blocks, charges = [], []
+    unit = full_wh / (RESERVE_SCALE_H * load_w)
+    blocks, charges, least = [], [], []
     for number, scenario in known.items():
-        block, path = _block(
-            task, perf, number, scenario, nominal_w[:, number], float(excess_h[number])
-        )
+        block, path, lowest = _block(task, perf, number, scenario, nominal_w[:, number])
         blocks.append(block)
-        charges.append(np.clip(path, *INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
+        charges.append(np.clip(path, *INSIDE) * unit)
+        least.append(lowest * unit)
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
     form = task.form(len(known))
     return Linearisation(
         dict(values),
         tuple(blocks),
         charge=tuple(charges),
+        least=tuple(least),
         height=tuple(
             np.clip(it.share(), *INSIDE) if form.climbs else np.zeros(0) for it in known.values()
         ),
@@ -172,10 +180,8 @@ def day_of(task: SizingTask, perf: Performance, number: int) -> Day:
 def unserved(task: SizingTask, perf: Performance, number: int) -> float:
     """Energy that the load of a design lacks in a scenario, relative to what its night takes."""
     day = day_of(task, perf, number)
-    net = day.solar_w[0] - day.load_w[0]
-    night_wh = float(positive_part_wh(-net[:-1], -net[1:], np.diff(day.time_h)).sum())
     lacking_wh = np.broadcast_to(perf.cycle.energy_budget.unserved_wh, perf.cycle.status.shape)
-    return float(lacking_wh[0, number]) / max(night_wh, 1e-9)
+    return float(lacking_wh[0, number]) / max(deficit_wh(day), 1e-9)
 
 
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:
@@ -250,18 +256,22 @@ def _block(
     number: int,
     scenario: Scenario,
     nominal_w: FloatArray,
-    excess_h: float,
-) -> tuple[BlockData, FloatArray]:
-    """Data of one scenario, and the state of charge at its nodes."""
+) -> tuple[BlockData, FloatArray, FloatArray]:
+    """Data of one scenario, and the state of charge at its nodes: of the flight, and the least."""
     battery, time_h = task.aircraft.battery, task.day.time_h
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
     ends_h = None if task.window_h is None else task.window_h[number]
     day = day_of(task, perf, number)
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
-    path = _path(task, perf, day, number, store)
+    path = _path(task, perf, day, number, store, scenario.begin)
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
-        scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
+        bends: BoolArray | bool = False
+        if task.form(1).climbs:
+            bends = bends_in_climbs(day, scenario.share_at(day.time_h), nominal_w[0])
+        scenario.nodes = nodes_of(
+            day, path, into, out_of, full_wh, nominal_w[0], task.form(1), bends
+        )
     scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
@@ -282,9 +292,7 @@ def _block(
             at_heights, scenario.nodes, scenario.share(), mean_light
         ).ravel(order="F")
     if scenario.held is None:
-        scenario.held = Held.nowhere(means.hours)
-        if perf.cycle.sufficient[0, number]:
-            scenario.held = held_back(store, path[scenario.nodes], means)
+        scenario.held = held_back(store, path[scenario.nodes], means)
     load_w = load_w + scenario.held.turned_away_w
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
@@ -292,12 +300,9 @@ def _block(
         closes = np.broadcast_to(perf.cycle.perpetual, (len(load), task.count))[:, number]
         load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
     reserve = reserve_nodes(day, scenario.nodes, nominal_w[0])
-    shift_h, way_h = np.zeros(len(nominal_w)), 0.0
-    if ends_h is None:
-        shift_h = _beyond_h(perf, day, number, scenario.nodes[reserve], nominal_w, excess_h)
-    else:  # of a landing, which is a node, the program knows all
-        hours = full_wh * out_of / nominal_w[0]
-        way_h = hours * float(path[scenario.nodes].min() - path.min())
+    shift_h = np.zeros(len(nominal_w))
+    if ends_h is None:  # of a landing, which is a node, the program knows all
+        shift_h = _beyond_h(perf, day, number, scenario.nodes[reserve], nominal_w)
     block = BlockData(
         hours=means.hours,
         limit_h=scenario.held.limit_h,
@@ -310,29 +315,24 @@ def _block(
         shift_h=shift_h[0] + scenario.bias_h,
         shift_slope_h=_derivatives(task, shift_h[:, np.newaxis]).ravel(),
         reserve=reserve.astype(float),
-        way_h=way_h + CUSHION_H,
         margin=scenario.margin,
         continuous=float(task.continuous),
         lowest_w_per_m2=task.continuous * light[0, -1],
         repeated=float(ends_h is None),
         wind_m_per_s=task.winds_m_per_s[number],
+        share=scenario.share() if task.form(1).climbs else np.zeros(0),
     )
-    return block, path[scenario.nodes]
+    least = dips_wh(day, scenario.nodes, into, out_of) + CUSHION_H * nominal_w[0]
+    return block, path[scenario.nodes], least / full_wh
 
 
 def _beyond_h(
-    perf: Performance,
-    day: Day,
-    number: int,
-    nodes: IntArray,
-    nominal_w: FloatArray,
-    excess_h: float,
+    perf: Performance, day: Day, number: int, nodes: IntArray, nominal_w: FloatArray
 ) -> FloatArray:
     """Excess time of designs at the nodes of a morning beyond that of their flights [h].
 
-    The program knows the charge at nodes alone, of which the least is not that at equal power.
-    ``excess_h``: of the first design. Zero for it where its day does not close, and as for it where
-    that of another does not.
+    The program knows the charge at nodes alone, of which the least is not that at equal power. Zero
+    where the day of the first design does not close, and as for it where that of another does not.
     """
     shape = (len(nominal_w), *perf.cycle.status.shape[1:])
     hours = np.broadcast_to(perf.cycle.excess_time_h, shape)[:, number]
@@ -343,20 +343,32 @@ def _beyond_h(
     energy_wh = np.broadcast_to(perf.cycle.energy_wh, (*shape, steps + 1))[:, number]
     least_wh = energy_wh[:, (day.first + nodes) % steps].min(axis=-1)
     beyond_h = least_wh * perf.store.discharge_efficiency / nominal_w - hours
-    return np.asarray(np.where(closes, beyond_h, beyond_h[0]) + hours[0] - excess_h)
+    return np.asarray(np.where(closes, beyond_h, beyond_h[0]))
 
 
-def _path(task: SizingTask, perf: Performance, day: Day, number: int, store: Store) -> FloatArray:
+def _path(
+    task: SizingTask, perf: Performance, day: Day, number: int, store: Store, begin: float | None
+) -> FloatArray:
     """State of charge over a day that repeats itself, or over a flight from its launch.
 
-    ``store``: battery of the first design.
+    ``store``: battery of the first design. ``begin``: state of charge that a day begins with which
+    does not close; where none is planned, what lasts until equal power, with the required excess
+    time left, or as much more as the day is short of a full battery.
     """
     if task.window_h is not None:
         return day.path(store, 1.0)
-    charge = perf.cycle.energy_wh[0, number]
-    steps = len(charge) - 1
-    at = (day.first + np.arange(steps + 1)) % steps
-    return np.asarray(charge[at] / float(store.battery_energy_wh[0]))
+    full_wh = float(store.battery_energy_wh[0])
+    if perf.cycle.sufficient[0, number]:
+        charge = perf.cycle.energy_wh[0, number]
+        steps = len(charge) - 1
+        return np.asarray(charge[(day.first + np.arange(steps + 1)) % steps] / full_wh)
+    if begin is not None:
+        return day.path(store, begin)
+    nominal_w = float(np.broadcast_to(perf.nominal_load_w, perf.cycle.status.shape)[0, number])
+    needed_wh = deficit_wh(day, equal_power_step(day, nominal_w)) + task.goal_h * nominal_w
+    needed = min(needed_wh / task.aircraft.battery.mean_discharge_efficiency / full_wh, 1.0)
+    short = 1.0 - float(day.path(store, needed).max())
+    return day.path(store, min(needed + short, 1.0))
 
 
 def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:

@@ -13,9 +13,11 @@ from sizing.day.march import ChargingDay
 from sizing.program.transcription import Form, lagrange
 from solar.types import BoolArray, FloatArray, IntArray
 
-# Weights in the length of an interval, where steps within half an hour of those in which the charge
-# limit holds back count as 1: little bends the charge by light, and nothing by night.
-_FAR = 0.2
+# Weights in the length of an interval, where steps within a quarter of an hour of those in which
+# the battery holds back count as 1: little bends the charge by light, and nothing by night; heights
+# bend all day.
+_CLIMBING = 0.2
+_FAR = 0.03
 _DARK = 1e-3
 _ROUNDING = 1e-9  # of a state of charge
 
@@ -75,12 +77,24 @@ class Day(NamedTuple):
         )
         return cls(clock, solar, load, 0, lands=True)
 
+    def stored_wh(self, into: float, out_of: float) -> FloatArray:
+        """Return what every step puts into a battery that takes all, or takes from it [Wh]."""
+        net_w, hours = self.solar_w - self.load_w, np.diff(self.time_h)
+        surplus = positive_part_wh(net_w[:, :-1], net_w[:, 1:], hours)
+        return into * surplus - positive_part_wh(-net_w[:, :-1], -net_w[:, 1:], hours) / out_of
+
     def path(self, store: Store, soc: float) -> FloatArray:
         """Return the state of charge of the batch's first over the day, from its begin on."""
         full = np.asarray(store.battery_energy_wh, float).reshape(1)
         balance = PowerBalance.of(self.time_h, (self.solar_w[:1] - self.load_w[:1]).T)
         run = ChargingDay.of(balance).run(store, soc * full)
         return np.asarray(run.energy_at_nodes_wh()[:, 0] / full[0])
+
+
+def deficit_wh(day: Day, until: int | None = None) -> float:
+    """Return what the load of the first of a batch takes beyond the light, to a step [Wh]."""
+    net_w, hours = (day.load_w - day.solar_w)[0], np.diff(day.time_h)
+    return float(positive_part_wh(net_w[:-1], net_w[1:], hours)[:until].sum())
 
 
 def equal_power_step(day: Day, nominal_w: float) -> int:
@@ -97,10 +111,20 @@ def reserve_nodes(day: Day, nodes: IntArray, nominal_w: float) -> BoolArray:
     return np.asarray(at <= 1 + np.argmin(np.abs(nodes - equal_power_step(day, nominal_w))))
 
 
+def bends_in_climbs(day: Day, share: FloatArray, nominal_w: float) -> BoolArray:
+    """Return the steps of a flight along heights in which these bend most.
+
+    A glide follows the light, and is short where nothing feeds it.
+    """
+    light_w = day.solar_w[0, :-1]
+    return np.asarray((np.diff(share) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w)))
+
+
 def nodes_of(
     day: Day,
     path: FloatArray,
     into: float,
+    out_of: float,
     full_wh: float,
     nominal_w: float,
     form: Form,
@@ -118,8 +142,8 @@ def nodes_of(
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
     turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
     turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
-    surplus = into * positive_part_wh(net[:-1], net[1:], np.diff(day.time_h))
-    held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
+    stored = day.stored_wh(into, out_of)[0]
+    held = (stored > 0.0) & (full_wh * np.diff(path) < 0.999 * stored)
     changes = np.flatnonzero(held[1:] != held[:-1]) + 1
     # In the step itself the battery holds back for a part.
     changes = np.concatenate([changes, changes + np.where(held[changes], 1, -1)])
@@ -128,9 +152,9 @@ def nodes_of(
         if len(nodes) + len(steps_there) <= form.intervals:
             nodes |= set(steps_there.tolist())
     ends = sorted(nodes)
-    an_hour = min(round(1.0 / float(np.diff(day.time_h).max())) + 1, steps)
-    near = (np.convolve(held, np.ones(an_hour), "same") > 0.0) | close
-    elsewhere = np.where(light | form.climbs, _FAR, _DARK)
+    half_an_hour = min(round(0.5 / float(np.diff(day.time_h).max())) + 1, steps)
+    near = (np.convolve(held, np.ones(half_an_hour), "same") > 0.0) | close
+    elsewhere = _CLIMBING if form.climbs else np.where(light, _FAR, _DARK)
     weight = np.where(near, 1.0, elsewhere) if light.any() else np.ones(steps)
     length = np.concatenate([[0.0], np.cumsum(weight)])
     while len(ends) < form.intervals + 1:
@@ -154,16 +178,23 @@ class DayMeans(NamedTuple):
 
 def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans:
     """Return the means over the intervals of a day."""
-    h = np.diff(day.time_h)
-    net, solar = day.solar_w - day.load_w, day.solar_w
-    surplus = positive_part_wh(net[:, :-1], net[:, 1:], h)
-    deficit = positive_part_wh(-net[:, :-1], -net[:, 1:], h)
-    stored = into * surplus - deficit / out_of
-    light = (solar[:, :-1] + solar[:, 1:]) / 2.0 * h
-    gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in (stored, light))
+    light = (day.solar_w[:, :-1] + day.solar_w[:, 1:]) / 2.0 * np.diff(day.time_h)
+    steps = day.stored_wh(into, out_of), light
+    gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in steps)
     hours = np.diff(day.time_h[nodes])
     equal = np.where(gain > 0.0, gain / into, gain * out_of)
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
+
+
+def dips_wh(day: Day, nodes: IntArray, into: float, out_of: float) -> FloatArray:
+    """Return by how much the charge of the first of a batch is lower beside each node than there.
+
+    Where the sun begins to carry a flight, or a climb begins, it is least within an interval.
+    """
+    charge = np.concatenate([[0.0], np.cumsum(day.stored_wh(into, out_of)[0])])
+    least = np.minimum.reduceat(charge, nodes[:-1])
+    dips = np.maximum(np.minimum(charge[nodes[:-1]], charge[nodes[1:]]) - least, 0.0)
+    return np.asarray(np.maximum(np.append(dips, 0.0), np.append(0.0, dips)))
 
 
 class Held(NamedTuple):

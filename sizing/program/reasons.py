@@ -16,13 +16,13 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.balance import positive_part_wh
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
 from sizing.mass_budget import parametric_design
 from sizing.parameters import with_parameter
 from sizing.performance import Performance
 from sizing.program.corrections import day_of
+from sizing.program.intervals import deficit_wh
 from sizing.program.objectives import Objective
 from sizing.program.result import Violation
 from sizing.program.solve import LACKING, Solution
@@ -160,18 +160,16 @@ def _energy_missed(
     worst = nearest.worst_scenario()
     if task.window_h is not None:
         return {"excess_time": task.required_h - float(nearest.cycle.excess_time_h[worst])}
-    day, out_of = day_of(task, nearest, worst), task.aircraft.battery.mean_discharge_efficiency
-    full_wh = float(np.ravel(nearest.design.battery_energy_wh)[0])
-    net_w = day.load_w - day.solar_w
-    night = positive_part_wh(net_w[:, :-1], net_w[:, 1:], np.diff(day.time_h))
-    night_soc = float(night.sum()) / out_of / full_wh
-    store = nearest.store.flat((task.count,)).select(np.array([worst]))
-    path = day.path(store, max(1.0 - night_soc, 0.0))
+    day, store = day_of(task, nearest, worst), nearest.store.flat((task.count,))
+    store = store.select(np.array([worst]))
+    full_wh = float(store.battery_energy_wh[0])
+    needed = deficit_wh(day) / task.aircraft.battery.mean_discharge_efficiency / full_wh
+    path = day.path(store, max(1.0 - needed, 0.0))
     fullest = int(np.argmax(path))
     returned = float(path[fullest] - path[: fullest + 1].min())
-    missed = {"battery_capacity": night_soc - 1.0}
-    if returned < min(night_soc, 1.0) - LACKING:  # a larger battery would be no fuller
-        missed["energy_balance"] = night_soc - returned
+    missed = {"battery_capacity": needed - 1.0}
+    if returned < min(needed, 1.0) - LACKING:  # a larger battery would be no fuller
+        missed["energy_balance"] = needed - returned
     missed = {name: short for name, short in missed.items() if short > LACKING}
     if not missed:  # over many days
         lack = LACKING if solution is None else max(float(solution.lack.max()), LACKING)

@@ -23,7 +23,9 @@ from sizing.program.intervals import (
     Day,
     DayMeans,
     Held,
+    bends_in_climbs,
     day_means,
+    dips_wh,
     light_at_heights,
     nodes_of,
     reserve_nodes,
@@ -50,6 +52,7 @@ from solar.types import BoolArray, FloatArray
 FORM = Form(1, climbs=True)
 _HEIGHTS = slice(-FORM.heights, None)
 _FIRST_CHARGE = 1 + FORM.intervals
+_CHARGES = slice(_FIRST_CHARGE, -FORM.heights)
 _ROUNDS = 6  # of program and simulator, at most
 _AGREED_H = 0.02  # excess time within which they agree
 _WIDER = 3.0  # factor on the margin of a day's return where that is too little
@@ -187,6 +190,7 @@ def best_heights(
     x0 = np.concatenate(start)
     low, most = np.zeros(len(x0)), np.full(len(x0), np.inf)
     most[0], most[_HEIGHTS] = LONGEST_H, 1.0
+    low[_CHARGES] = around.least_wh / unit_wh
     if window is not None:  # which begins and ends without height
         low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = window.begin_wh / unit_wh
         most[_HEIGHTS.start] = 0.0
@@ -206,7 +210,8 @@ class _Around(NamedTuple):
 
     ``light_w``: mean power of the modules by heights and intervals. ``power_w``: of level flight,
     by heights. ``clock_h``, ``soc``, ``share``: at the nodes time of the day, state of charge and
-    height over the way ``climb_m`` to the ceiling; ``reserve``: where the excess time must be left.
+    height over the way ``climb_m`` to the ceiling; ``reserve``: where the excess time must be left;
+    ``least_wh``: charge that must be left at the nodes, as it is lower in between.
     """
 
     full_wh: float
@@ -219,6 +224,7 @@ class _Around(NamedTuple):
     soc: FloatArray
     share: FloatArray
     reserve: BoolArray
+    least_wh: FloatArray
 
     @classmethod
     def of(
@@ -249,10 +255,8 @@ class _Around(NamedTuple):
             at_heights = window.day(time_h, light, dark)
             path = day.path(store, window.begin_wh / full_wh)
         height_m = np.interp(day.time_h % 24.0, time_h, climbs.height_m[i])
-        # A glide follows the light, and is short where nothing feeds it.
-        light_w = day.solar_w[0, :-1]
-        close = (np.diff(height_m) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w))
-        nodes = nodes_of(day, path, into, full_wh, nominal_w, FORM, close)
+        close = bends_in_climbs(day, height_m, nominal_w)
+        nodes = nodes_of(day, path, into, out_of, full_wh, nominal_w, FORM, close)
         means, share = day_means(day, nodes, into, out_of), height_m[nodes] / climb_m
         return cls(
             full_wh,
@@ -265,6 +269,7 @@ class _Around(NamedTuple):
             path[nodes],
             share,
             reserve_nodes(day, nodes, nominal_w),
+            dips_wh(day, nodes, into, out_of),
         )
 
 
@@ -306,12 +311,12 @@ def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: flo
         shift_h=0.0,
         shift_slope_h=np.zeros(0),
         reserve=around.reserve.astype(float),
-        way_h=0.0,
         margin=margin,
         continuous=0.0,
         lowest_w_per_m2=0.0,
         repeated=1.0,
         wind_m_per_s=np.zeros(LEVELS),
+        share=around.share,
     )
 
 

@@ -42,6 +42,7 @@ _NEAR = 0.15  # relative change of a design within which its linearisation holds
 # Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; half
 # of a step that turns back.
 _REACH = 0.5
+_LEAST_REACH = 1e-3
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,6 @@ class Search:
     _blocks: list[int] = field(default_factory=list)
     _rounds_without_gain: int = 0
     _violation: float = math.inf
-    _turns_back: bool = False
 
     def run(self) -> Search:
         """Search until program and simulator agree."""
@@ -122,7 +122,7 @@ class Search:
 
     def rounds(self) -> Generator[Values, Performance, None]:
         """Search, yielding every design whose flight, with its neighbours', is needed."""
-        solution, judged, reach = self.warm, None, math.inf
+        task, solution, judged, reach = self.task, self.warm, None, math.inf
         if self.first is None:
             values = self.task.first_values(most_promising(self.task))
         else:
@@ -132,14 +132,16 @@ class Search:
             if self._ends(judged):
                 break
             self._learn_from(judged)
-            point = linearised(self.task, judged.values, judged.perf, self._known, judged.excess_h)
+            point = linearised(self.task, judged.values, judged.perf, self._known)
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
             solution = self._solved(replace(point, reach=reach), judged, solution)
             reach, last = solution.linearisation.reach, judged.solution
-            self._turns_back = last is not None and float(solution.step @ last.step) < 0.0
-            if self._turns_back:
-                reach = max(min(reach, solution.stride) / 2.0, _NEAR**2)
+            level = (
+                task.mission.climb is None
+            )  # heights that are chosen anew turn back as they like
+            if level and last is not None and float(solution.step @ last.step) < 0.0:
+                reach = max(min(reach, solution.stride) / 2.0, _LEAST_REACH)
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -304,17 +306,16 @@ class Search:
     def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
         """Correct what the last solution promised of a scenario, and its flight does not hold."""
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
-        scenario.held = None
-        if scenario.profile is None:  # heights are those at the nodes
-            scenario.nodes = None
+        scenario.begin, scenario.held, scenario.nodes = solution.first_soc(block), None, None
+        if scenario.profile is None:
+            return
+        # Heights are other ones in every program, and none of them quite those of the best flight.
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
-            # The derivatives are those of other heights, or of the other side of a bend.
-            elsewhere = scenario.profile is not None or self._turns_back
-            if elsewhere and self.task.window_h is None and math.isfinite(simulated_h):
+            if self.task.window_h is None and math.isfinite(simulated_h):
                 scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H
         elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
-            # A day along the program's heights that does not close shows how much it lacks.
+            # A day that does not close shows how much it lacks.
             scenario.margin += FIRST_MARGIN + unserved(self.task, judged.perf, number)
 
 

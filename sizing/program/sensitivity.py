@@ -20,7 +20,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.day.light import SolarDay, solar_day
 from sizing.design import variable_keys
 from sizing.parameters import build_scales, catalogue, parameter_value, with_parameter
 from sizing.program.climbing import Profile, simulate
@@ -35,6 +35,7 @@ from sizing.program.variables import TOTAL_MASS, WORST_EXCESS, Role, scales_of
 
 # Of a parameter: in double precision differences are then good to about five digits.
 _RELATIVE_STEP = 1e-5
+_FINE_STEP_H = 1.0 / 60.0
 # Multipliers below this are what the solver leaves of an inactive constraint.
 LEAST_MULTIPLIER = 1e-5
 
@@ -60,9 +61,7 @@ class Sensitivity:
         return self.derivative * self.value / 100.0
 
 
-def sensitivities(
-    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
-) -> list[Sensitivity]:
+def sensitivities(aircraft: Aircraft, mission: Mission, result: SizingResult) -> list[Sensitivity]:
     """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 
     Returns largest change of the objective per per cent first; empty where the excess time is
@@ -85,7 +84,7 @@ def sensitivities(
         step = _RELATIVE_STEP * abs(value) if value != 0.0 else _RELATIVE_STEP
         low, high = max(value - step, 0.0), value + step  # no parameter may become negative
         below, above = (
-            _lagrangian(optimum, *with_parameter(aircraft, mission, name, moved), solar)
+            _lagrangian(optimum, *with_parameter(aircraft, mission, name, moved))
             for moved in (low, high)
         )
         derivative = to_units * (above - below) / (high - low)
@@ -137,6 +136,7 @@ def _optimum(result: SizingResult, purpose: str) -> tuple[Solution, float]:
     if solution is None or result.simulated is None or result.objective_value is None:
         raise ValueError(f"the sizing is {result.status.name}: only an optimum has {purpose}")
     task, point = solution.task, solution.linearisation
+    task = replace(task, day=_fine_day(task, task.aircraft, task.mission))
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
     known = {number: replace(it, nodes=None, held=None) for number, it in point.known.items()}
@@ -154,7 +154,13 @@ def _linearised(
     """Light and load of a design and its neighbours, at heights that are known."""
     profiles = {n: it.profile for n, it in known.items() if it.profile is not None}
     perf = simulate(task, designs, profiles)
-    return linearised(task, dict(designs[0]), perf, known, np.asarray(perf.cycle.excess_time_h)[0])
+    return linearised(task, dict(designs[0]), perf, known)
+
+
+def _fine_day(task: SizingTask, aircraft: Aircraft, mission: Mission) -> SolarDay:
+    """Light in steps so short that it hardly counts when in one a battery begins to hold back."""
+    scenarios = task.day.scenarios
+    return solar_day(aircraft, mission, task.solar, scenarios=scenarios, step_h=_FINE_STEP_H)
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:
@@ -170,12 +176,10 @@ def _objective_per_cost(optimum: Solution, objective_value: float) -> float:
     return float((scale if task.variables[place].linear else objective_value) / weights[place])
 
 
-def _lagrangian(
-    optimum: Solution, aircraft: Aircraft, mission: Mission, solar: SolarModel
-) -> float:
+def _lagrangian(optimum: Solution, aircraft: Aircraft, mission: Mission) -> float:
     """Lagrangian with other data, the point and the multipliers held."""
     point, task_then = optimum.linearisation, optimum.task
-    day = solar_day(aircraft, mission, solar, scenarios=task_then.day.scenarios)
+    day = _fine_day(task_then, aircraft, mission)
     task: SizingTask = replace(task_then, aircraft=aircraft, mission=mission, day=day)
     # A payload that is not chosen is the mission's.
     held = {

@@ -169,12 +169,6 @@ class Solution:
         """Return the change from the design before, in the program's variables."""
         return np.asarray(self.x[self.program.parts["design"]] - self.centre)
 
-    def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
-        """Sum of the multipliers of the rows in which the excess time must be left, or others."""
-        reserve = self.linearisation.blocks[block].reserve
-        held = np.abs(self.row_multipliers[self._of("excess_time", block)])
-        return float((1.0 - reserve if on_way else reserve) @ held)
-
     def multiplier(self, name: str, block: int | None) -> float:
         """Sum of the multipliers of the rows of a name."""
         return float(np.abs(self.row_multipliers[self._of(name, block)]).sum())
@@ -203,6 +197,10 @@ class Solution:
         charges = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)
         return np.asarray(charges[block])
 
+    def first_soc(self, block: int) -> float:
+        """State of charge at the first node."""
+        return min(float(self._charge(block)[0]) / self.full(block), 1.0)
+
     def by_hour(self) -> list[float]:
         """What an hour of excess time costs in every block."""
         costs = np.abs(self._rows_by_hour * self.row_multipliers)
@@ -210,9 +208,15 @@ class Solution:
         return [float(costs[[b == i for b in blocks]].sum()) for i in range(self.program.blocks)]
 
     def cost_of_hour(self, *, on_way: bool = False) -> float:
-        """What an hour of required excess time costs, relative to the objective."""
-        blocks = range(self.program.blocks)
-        by_row = sum(self.excess_multiplier(block, on_way=on_way) for block in blocks)
+        """What an hour of required excess time costs, relative to the objective.
+
+        ``on_way``: an hour of what must be left before instead.
+        """
+        if on_way:
+            bounds = self.bound_multipliers[self.program.parts["charge"]]
+            by_row = float(-np.minimum(bounds, 0.0).sum())
+        else:
+            by_row = sum(self.multiplier("excess_time", i) for i in range(self.program.blocks))
         if self.task.objective.payload_key is None:
             return by_row / RESERVE_SCALE_H
         unknowns = self.x[: self.program.parts["excess"].stop]
@@ -241,6 +245,7 @@ def solve(
     )
     parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
+    low[program.parts["charge"]] = np.concatenate(point.least)
     for i, v in enumerate(task.variables):
         if v.name in task.moved and v.role is Role.design and math.isfinite(point.reach):
             value, factor = point.values[v.name], math.exp(point.reach)

@@ -71,6 +71,10 @@ _OFF = 1e3  # beyond any row of order one: a row that is not required
 PRICE = 1000.0
 _BUDGET = 10.0  # of the price, for requirements on the design: next to none can be missed
 FULLER = 1e-6  # of the cost: charges that nothing holds are as high as they can be
+# Cost of other heights than the flight's, as a mean square over the way to the ceiling: of heights
+# that are as good those nearest to it are proposed, and none where they agree (a proximal point:
+# Rockafellar, R. T. 1976, SIAM J. Control Optim. 14:877).
+NEAR_FLIGHT = 0.4
 
 _NUMBERS_OF_A_KIND = (
     "airframe.structure.cruise_gust_m_per_s",
@@ -88,11 +92,11 @@ class BlockData(NamedTuple):
     ``nominal``: nominal load, likewise. ``light_slope``, ``load_slope``: derivative of the
     logarithm of light and load by the design variables. ``shift_h``: excess time of the program
     beyond that of the simulator, with its derivative ``shift_slope_h`` by the design variables.
-    ``reserve``: 1 at the nodes where it must be left. ``way_h``: what must be left at all other
-    nodes, as the charge is lower in between. ``margin``: by how much more a night takes, relative.
-    ``continuous``: 1 where the sun must carry the nominal load at all times, with
+    ``reserve``: 1 at the nodes where it must be left. ``margin``: by how much more a night takes,
+    relative. ``continuous``: 1 where the sun must carry the nominal load at all times, with
     ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it begins with a full
     battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the place is held.
+    ``share``: heights of the flight at the nodes, over the way to the ceiling.
     """
 
     hours: Any
@@ -106,12 +110,12 @@ class BlockData(NamedTuple):
     shift_h: Any
     shift_slope_h: Any
     reserve: Any
-    way_h: Any
     margin: Any
     continuous: Any
     lowest_w_per_m2: Any
     repeated: Any
     wind_m_per_s: Any
+    share: Any
 
 
 class PartsData(NamedTuple):
@@ -320,6 +324,8 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
         rows += [(c._replace(block=i), value) for c, value in day]
     cost = ca.dot(data["weights"], ca.vertcat(x, worst_h))
     cost += data["price"] * (ca.sum1(lack) + _BUDGET * ca.sum1(missed))
+    for i, block in enumerate(blocks):
+        cost += near_flight(height[:, i], block) / form.blocks
     cost -= FULLER * ca.sum1(ca.vec(charge)) / form.blocks
     symbols = {
         "x": ca.vertcat(x, worst_h, missed, lack, *(ca.vec(v) for v in (charge, height, speed))),
@@ -490,8 +496,7 @@ def day_rows(
         rows.append((Constraint("charge_limit"), block.limit_h - (clock[1:] - clock[:-1])))
     rows.append((Constraint("battery_capacity"), full * block.most - charge))
     shift_h = block.shift_h + ca.dot(block.shift_slope_h, moved)
-    required_h = block.reserve * (unknown.excess_h + shift_h) + (1.0 - block.reserve) * block.way_h
-    required = required_h * nominal_w / unit_wh
+    required = block.reserve * (unknown.excess_h + shift_h) * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
     sun = (sun_w + lack_w) / nominal_w - 1.0 - CONTINUOUS_MARGIN
     rows.append((Constraint("excess_time"), charge * out_of - required + _OFF * block.continuous))
@@ -557,6 +562,11 @@ def _motion(
     return Motion(weights, floor, beyond_w), rows
 
 
+def near_flight(height: Any, block: BlockData) -> Any:
+    """Return the cost of other heights than those of the flight."""
+    return NEAR_FLIGHT * ca.sumsqr(height - block.share) / max(height.shape[0], 1)
+
+
 def _places(count: int) -> list[float]:
     return [i / (count - 1) for i in range(count)] if count > 1 else [0.0]
 
@@ -585,6 +595,7 @@ def block_symbols(count: int, form: Form) -> BlockData:
     sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}
     sizes |= dict.fromkeys(("light_slope", "load_slope"), (form.intervals + 1) * count)
     sizes |= dict.fromkeys(("most", "reserve"), form.intervals + 1) | {"shift_slope_h": count}
+    sizes |= {"share": form.heights}
     return BlockData(**{name: ca.SX.sym(name, size) for name, size in sizes.items()})
 
 

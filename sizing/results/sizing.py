@@ -137,7 +137,7 @@ def size(
     aspects: dict[str, Any] = {}
     if study.feasible and with_sensitivities:
         multipliers = sorted(constraint_multipliers(study.result), key=lambda row: -row.gain)
-        aspects |= {"sensitivities": sensitivities(*optimum), "multipliers": multipliers}
+        aspects |= {"sensitivities": sensitivities(*optimum[:3]), "multipliers": multipliers}
     if study.feasible and with_cross_check:
         aspects["cross_check"] = cross_check(*optimum)
     if study.feasible and with_margin and study.coverage is None:

@@ -34,7 +34,8 @@ def day_of(step_h=DEFAULT_STEP_H, **changes):
 
 def cut(day, nominal_w, form):
     """Return the nodes of a day on which nothing is known of the charge."""
-    return nodes_of(day, np.linspace(0.5, 0.9, len(day.time_h)), INTO, 700.0, nominal_w, form)
+    path = np.linspace(0.5, 0.9, len(day.time_h))
+    return nodes_of(day, path, INTO, OUT_OF, 700.0, nominal_w, form)
 
 
 def energy_wh(day, power_w):

@@ -66,7 +66,8 @@ def test_a_constraint_is_a_bound_of_the_design_space(free, key, limit, constrain
     bounded = sizing.load_aircraft("atlantiksolar-design", {f"design_space.{key}": limit})
     expected = sizing.size(bounded, MISSION)
     found = sizing.size(DESIGN, MISSION, constraints=[constraint])
-    assert found.result.objective_value == pytest.approx(expected.result.objective_value, rel=1e-5)
+    # What two searches leave of the objective where it is an excess time.
+    assert found.result.objective_value == pytest.approx(expected.result.objective_value, rel=5e-5)
     assert found.result.objective_value > 1.0005 * free.result.objective_value
     assert any("<=" in one for one in found.result.active_constraints)
     assert found.aircraft == DESIGN
