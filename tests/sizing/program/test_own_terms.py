@@ -176,4 +176,5 @@ def test_a_reliability_knows_own_terms():
         reliability=0.9,
     )
     assert found.reliability is not None
-    assert found.design.total_mass_kg == pytest.approx(expected.design.total_mass_kg, rel=1e-3)
+    # A search ends within 0.02 of an index that is worth some 4 % of the mass.
+    assert found.design.total_mass_kg == pytest.approx(expected.design.total_mass_kg, rel=2e-3)
