@@ -366,9 +366,11 @@ def _path(
         return day.path(store, begin)
     nominal_w = float(np.broadcast_to(perf.nominal_load_w, perf.cycle.status.shape)[0, number])
     needed_wh = deficit_wh(day, equal_power_step(day, nominal_w)) + task.goal_h * nominal_w
-    needed = min(needed_wh / task.aircraft.battery.mean_discharge_efficiency / full_wh, 1.0)
-    short = 1.0 - float(day.path(store, needed).max())
-    return day.path(store, min(needed + short, 1.0))
+    battery = task.aircraft.battery
+    into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
+    needed = needed_wh / out_of / full_wh
+    taken = np.cumsum(day.stored_wh(into, out_of)[0]) / full_wh
+    return day.path(store, min(max(needed, 1.0 - float(taken.max())), 1.0))
 
 
 def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
