@@ -50,11 +50,11 @@ class JudgedDesign:
     """A design that the simulator has judged.
 
     ``perf``: of the design and its neighbours, with climbs at the heights ``profiles`` of the
-    program. ``climbs``: flight at the heights that are best for the design, where those of the
-    program are insufficient. ``excess_h``: of every scenario. ``merit``: objective, the larger the
-    better.
+    program. ``best_climbs``: whether some of those are insufficient, and the best were looked for.
+    ``excess_h``: of every scenario. ``merit``: objective, the larger the better.
     """
 
+    task: SizingTask
     values: dict[str, float]
     perf: Performance
     excess_h: FloatArray
@@ -62,7 +62,7 @@ class JudgedDesign:
     accepted: bool
     solution: Solution | None
     profiles: Mapping[int, Profile]
-    climbs: Performance | None
+    best_climbs: bool
 
     @property
     def worst(self) -> int:
@@ -72,8 +72,10 @@ class JudgedDesign:
     @property
     def flight(self) -> Performance:
         """Flight of the design without its neighbours."""
-        if self.accepted and self.climbs is not None:
-            return self.climbs
+        if self.accepted and self.best_climbs:
+            task = self.task
+            design = picked(self.perf.design, 0)
+            return fly(task.simulated_aircraft, task.mission, task.solar, design, task.day)
         return self.perf.of_designs(0)
 
     @property
@@ -220,19 +222,21 @@ class Search:
         self, values: dict[str, float], solution: Solution | None, perf: Performance
     ) -> JudgedDesign:
         """Judge a design by its flight."""
-        task, climbs = self.task, None
+        task = self.task
         excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
         promising = bool(self.profiles) if solution is None else solution.violation <= LACKING
-        if promising and task.mission.climb is not None and not task.is_enough(excess_h):
+        short = np.flatnonzero(~task.is_enough(excess_h[:, np.newaxis]))
+        best_climbs = promising and task.mission.climb is not None and len(short) > 0
+        if best_climbs:
             # Heights of the program are no more than a proposal: the best for the design count.
-            climbs = fly(
-                task.simulated_aircraft, task.mission, task.solar, picked(perf.design, 0), task.day
-            )
-            excess_h = np.maximum(excess_h, climbs.cycle.excess_time_h)
+            design, day = picked(perf.design, 0), task.day.at(short)
+            best = fly(task.simulated_aircraft, task.mission, task.solar, design, day)
+            excess_h[short] = np.maximum(excess_h[short], best.cycle.excess_time_h)
         judged = JudgedDesign(
+            task=task,
             values=values,
             perf=perf,
             excess_h=excess_h,
@@ -240,7 +244,7 @@ class Search:
             accepted=bool(task.is_enough(excess_h)) and task.meets(perf),
             solution=solution,
             profiles=self.profiles,
-            climbs=climbs,
+            best_climbs=best_climbs,
         )
         if judged.accepted:
             gain = judged.merit - self.merit
