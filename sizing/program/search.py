@@ -37,7 +37,9 @@ from solar.types import FloatArray
 
 MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are few
 _MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
-_TOLERANCE = 3e-4  # of the objective: a search ends where no more is left to gain
+# Of the objective: a search ends where no more is left to gain. With climbs, whose best heights are
+# known to half a per cent, rounds go to and fro by less than the latter.
+_TOLERANCE, _OF_CLIMBS = 3e-4, 2e-3
 _NEAR = 0.15  # relative change of a design within which its linearisation holds
 # Logarithm of a size over which derivatives hold, of propulsion parts from the first round on; half
 # of a step that turns back.
@@ -171,6 +173,11 @@ class Search:
         return best or (None if self.nearest is None else self.nearest.solution)
 
     @property
+    def _tolerance(self) -> float:
+        """Part of the objective that a round must gain."""
+        return _TOLERANCE if self.task.mission.climb is None else _OF_CLIMBS
+
+    @property
     def _known(self) -> dict[int, Scenario]:
         """Scenarios in the program, in the order of its blocks."""
         return {number: self.scenarios[number] for number in self._blocks}
@@ -250,7 +257,8 @@ class Search:
             gain = judged.merit - self.merit
             if self.best is not None:
                 # Of two infinite excess times it is no number.
-                self._rounds_without_gain += not gain >= _TOLERANCE * max(abs(self.merit), 1e-3)
+                least = self._tolerance * max(abs(self.merit), 1e-3)
+                self._rounds_without_gain += not gain >= least
             if gain > 0.0:
                 self.best = judged
         if solution is not None or self.nearest is None:
@@ -287,7 +295,7 @@ class Search:
         if task.window_h is not None:
             on_way_h = _least_left_h(judged.perf, judged.worst)
             to_gain += on_way_h * solution.cost_of_hour(on_way=True)
-        settled = task.continuous or (not task.maximises_excess and to_gain < _TOLERANCE)
+        settled = task.continuous or (not task.maximises_excess and to_gain < self._tolerance)
         if near and not solution.is_limited and judged.worst in self._blocks and settled:
             return True
         return self._rounds_without_gain >= 2
