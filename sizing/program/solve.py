@@ -30,7 +30,7 @@ from solar.types import BoolArray, FloatArray
 
 LACKING = 1e-4  # relative: a smaller violation is what the solver leaves
 _PAYLOAD_SHARE = 0.1  # of mass or load: a smaller payload counts as this in the cost
-_MOST_STEPS = 4  # of Newton, which doubles its digits each time; more is no neighbour
+_MOST_STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
 _LARGEST_STEP = 1.0  # of the logarithm of a size
 _SETTLED_STEP = 3e-3  # in variables of order one: about its square is what is left
 
