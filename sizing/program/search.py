@@ -128,22 +128,21 @@ class Search:
         """Search, yielding every design whose flight, with its neighbours', is needed."""
         task, solution, judged, reach = self.task, self.warm, None, math.inf
         if self.first is None:
-            values = self.task.first_values(most_promising(self.task))
+            values = task.first_values(most_promising(task))
         else:
-            values = self.task.within_bounds(self.task.held | dict(self.first))
+            values = task.within_bounds(task.held | dict(self.first))
         for number in range(_MOST_ROUNDS):
             judged = yield from self._flying(values, solution if number else None, judged)
             if self._ends(judged):
                 break
             self._learn_from(judged)
-            point = linearised(self.task, judged.values, judged.perf, self._known)
+            point = linearised(task, judged.values, judged.perf, self._known)
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
             solution = self._solved(replace(point, reach=reach), judged, solution)
             reach, last = solution.linearisation.reach, judged.solution
-            level = (
-                task.mission.climb is None
-            )  # heights that are chosen anew turn back as they like
+            # Of climbs the heights are chosen anew, and turn back as they like.
+            level = task.mission.climb is None
             if level and last is not None and float(solution.step @ last.step) < 0.0:
                 reach = max(min(reach, solution.stride) / 2.0, _LEAST_REACH)
             values = solution.values

@@ -210,4 +210,7 @@ def _lagrangian(optimum: Solution, aircraft: Aircraft, mission: Mission) -> floa
         parts = moved_point.parts._replace(slope=parts.slope, bend=parts.bend)
     moved = replace(point, blocks=blocks, parts=parts)
     cost, rows = program.evaluated(x, parameters_of(task, program, moved, scales, centre))
-    return cost + float(rows @ optimum.row_multipliers)
+    # What must be left between the nodes is a bound on the charge there.
+    least = np.concatenate(moved_point.least) * moved_point.load_w / point.load_w
+    bounds = optimum.bound_multipliers[optimum.program.parts["charge"]]
+    return cost + float(rows @ optimum.row_multipliers - bounds @ least)
