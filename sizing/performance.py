@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,7 @@ from sizing.day.light import (
     solar_day,
 )
 from sizing.day.load import Load
-from sizing.day.metrics import Cycle
+from sizing.day.metrics import Cycle, joined
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
 from solar.types import BoolArray, FloatArray
@@ -97,6 +97,36 @@ class Performance:
             store=replace(self.store, battery_energy_wh=energy_wh[designs]),
             cycle=self.cycle.mapped(lambda values: values[designs]),
             altitude_m=None if self.altitude_m is None else self.altitude_m[designs],
+        )
+
+    def replaced_in(self, scenarios: BoolArray, other: Performance) -> Performance:
+        """Return the flights of a single design, in marked scenarios those of another schedule.
+
+        Parameters
+        ----------
+        scenarios : ndarray of bool, shape (scenario,)
+            Where the design flies otherwise.
+        other : Performance
+            Flights of the same design along other heights.
+
+        Returns
+        -------
+        Performance
+        """
+
+        def chosen(values: list[Any]) -> Any:
+            marked = scenarios.reshape(-1, *(1,) * (values[0].ndim - 1))
+            return np.where(marked, values[1], values[0])
+
+        cycle, names = joined([self.cycle, other.cycle], chosen), ("solar_power_w", "load_w")
+        powers = {n: chosen([getattr(self, n), getattr(other, n)]) for n in names}
+        altitude_m, program_h = self.altitude_m, self.program_excess_h
+        if altitude_m is not None:
+            altitude_m = chosen([altitude_m, other.altitude_m])
+        if program_h is not None:  # of other heights nothing is known
+            program_h = np.where(scenarios, np.nan, program_h)
+        return replace(
+            self, **powers, cycle=cycle, altitude_m=altitude_m, program_excess_h=program_h
         )
 
     @cached_property

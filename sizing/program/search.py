@@ -73,12 +73,17 @@ class JudgedDesign:
 
     @property
     def flight(self) -> Performance:
-        """Flight of the design without its neighbours."""
-        if self.accepted and self.best_climbs:
-            task = self.task
-            design = picked(self.perf.design, 0)
-            return fly(task.simulated_aircraft, task.mission, task.solar, design, task.day)
-        return self.perf.of_designs(0)
+        """Flight of the design without its neighbours.
+
+        Where it was accepted for its best climbs along these, but in scenarios for which heights of
+        the program are enough, and those that are found best are not.
+        """
+        task, proposed = self.task, self.perf.of_designs(0)
+        if not (self.accepted and self.best_climbs):
+            return proposed
+        best = fly(task.simulated_aircraft, task.mission, task.solar, proposed.design, task.day)
+        short = ~task.is_enough(best.cycle.excess_time_h[:, np.newaxis])
+        return best.replaced_in(short, proposed) if short.any() else best
 
     @property
     def flies(self) -> bool:
