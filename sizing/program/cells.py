@@ -49,6 +49,7 @@ _CUBIC = (9.0, 9.0, -1.0, -1.0)
 _LEAST = 1e-12  # of a value whose logarithm is taken
 _NEIGHBOURS = 24  # of every optimum that its cross-check simulates
 _PAYLOADS = ("payload_mass_kg", "payload_power_w")
+_OPEN = SizingStatus.not_converged
 
 
 @dataclass(frozen=True)
@@ -168,8 +169,7 @@ class _Cells:
         """Search in every cell, and once more where a search ends without a verdict."""
         for stride, wave in _waves(len(self.tasks)):
             self._run({cell: self._search(cell, stride) for cell in wave})
-        open_status = SizingStatus.not_converged
-        without = [cell for cell, search in self.searches.items() if search.status is open_status]
+        without = [cell for cell, search in self.searches.items() if search.status is _OPEN]
         self._run({cell: Search(self.tasks[cell]) for cell in without})
         branches = {
             cell: Search(replace(task, continuous=True))
@@ -197,7 +197,11 @@ class _Cells:
         return search
 
     def _run(self, searches: dict[int, Search]) -> None:
-        """Run searches; the designs of all are simulated together in every round."""
+        """Run searches; the designs of all are simulated together in every round.
+
+        Of two searches in a cell the better one counts; where none has a design, the later one of
+        the same task if the first had no verdict.
+        """
         rounds = {cell: search.rounds() for cell, search in searches.items()}
         needed = {cell: next(steps) for cell, steps in rounds.items()}
         while needed:
@@ -209,7 +213,11 @@ class _Cells:
                     needed[cell] = rounds[cell].send(perf)
         for cell, search in searches.items():
             known = self.searches.get(cell)
-            if known is None or search.merit > known.merit:
+            if (
+                known is None
+                or search.merit > known.merit
+                or (known.status is _OPEN and search.task is known.task)
+            ):
                 self.searches[cell] = search
 
     def _simulated(

@@ -328,7 +328,7 @@ class Search:
         # Heights are other ones in every program, and none of them quite those of the best flight.
         if float(np.asarray(judged.perf.cycle.excess_time_h)[0, number]) > 0.0:
             scenario.margin = max(FIRST_MARGIN, scenario.margin / 2.0)
-            if self.task.window_h is None and math.isfinite(simulated_h):
+            if not self.task.continuous and math.isfinite(simulated_h):
                 scenario.bias_h += solution.planned_h(block) - simulated_h + CUSHION_H
         elif solution.violation <= LACKING and solution.largest_change <= _NEAR:
             # A day that does not close shows how much it lacks.

@@ -1,5 +1,6 @@
 """Where the sun never sets: designs that live on it at all times, and those that need a battery."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import builders
@@ -10,15 +11,18 @@ from builders import mission as july_day
 from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.light import SolarModel
+from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.design import variables_of
 from sizing.performance import performance_of_designs
-from sizing.program.cells import size_cells
+from sizing.program.cells import _Cells, size_cells
+from sizing.program.corrections import CUSHION_H
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus, objective_value
+from sizing.program.search import Search
 from sizing.program.size import size_aircraft
+from sizing.program.task import SizingTask
 
 # A structure as heavy as AtlantikSolar's at its size, by a formula that known designs can rely on.
 STRUCTURE = "airframe.structure={model: power_law, coefficient_kg: 0.0131, span_exponent: 3.1, "
@@ -209,3 +213,28 @@ def test_later_cell_of_two_midnight_suns_has_the_design_of_a_single_sizing():
     assert np.isinf(cells.excess_time_h[1])
     # Both stop within 0.012 h of the requirement.
     assert cells.objective_value[1] == pytest.approx(alone.objective_value, rel=1e-3)
+
+
+def test_climbs_under_a_sun_that_never_sets_have_no_excess_time_to_correct():
+    plane, climb = builders.DESIGN, {"ceiling_m": 2536.0}
+    there = july_day(latitude_deg=80.0, dates={"on": "06-21"}, climb=climb)
+    goal = Objective.min_wingspan, SolarModel(), solar_day(plane, there), 1.0
+    task = SizingTask(plane, there, *goal, continuous=True)
+    # The first optimum of the program has a battery's excess time left: 2.4 h, which is none of
+    # the row that is switched off.
+    large = {"wingspan_m": 5.5, "battery_mass_kg": 4.0, "module_area_m2": 1.2}
+    search = Search(task, task.first_values(variables_of(plane)._replace(**large))).run()
+    assert search.status is SizingStatus.optimal
+    assert search.scenarios[0].bias_h == CUSHION_H
+    assert search.report.solves == 2
+
+
+def test_a_second_search_of_a_cell_has_its_verdict_where_the_first_had_none():
+    plane, dark = builders.DESIGN, july_day(latitude_deg=80.0, dates={"on": "12-21"})
+    day = solar_day(plane, dark)
+    task = SizingTask(plane, dark, MIN_MASS, SolarModel(), day, 0.0)
+    cells = _Cells([task], day, searches={0: Search(task)})  # which ended open
+    cells._run({0: Search(replace(task, continuous=True))})
+    assert cells.searches[0].status is SizingStatus.not_converged
+    cells._run({0: Search(task)})
+    assert cells.searches[0].status is SizingStatus.infeasible
