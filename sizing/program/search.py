@@ -138,7 +138,7 @@ class Search:
             values = task.within_bounds(task.held | dict(self.first))
         for number in range(_MOST_ROUNDS):
             judged = yield from self._flying(values, solution if number else None, judged)
-            if self._ends(judged):
+            if self._ends(judged) or number == _MOST_ROUNDS - 1:
                 break
             self._learn_from(judged)
             point = linearised(task, judged.values, judged.perf, self._known)
@@ -251,7 +251,7 @@ class Search:
             values=values,
             perf=perf,
             excess_h=excess_h,
-            merit=task.merit(values, perf, float(excess_h.min())),
+            merit=task.merit(perf, float(excess_h.min())),
             accepted=bool(task.is_enough(excess_h)) and task.meets(perf),
             solution=solution,
             profiles=self.profiles,

@@ -200,7 +200,7 @@ class SizingTask:
         values |= {v.name: v.minimum for v in self.variables if v.name not in values}
         return self.within_bounds(values)
 
-    def merit(self, values: Values, perf: Performance, worst_excess_h: float) -> float:
+    def merit(self, perf: Performance, worst_excess_h: float) -> float:
         """Return the objective of the first of simulated designs, the larger the better."""
         if self.objective is Objective.max_excess_time:
             return worst_excess_h

@@ -7,7 +7,8 @@ kink in a simulation is an inequality here, of which the lesser side holds by it
 * balance: ``dE <= eta_c (A p - P) dt / E_full`` and ``dE <= (A p - P) dt / (eta_d E_full)``: what
   charges loses, what discharges loses; light that is not stored is thrown away;
 * charger: ``dE <= rate(E) dt``;
-* reserve: ``E eta_d E_full / P >= T`` at all times: the excess time, wherever the charge is least;
+* reserve: ``E eta_d E_full / P >= T`` up to the morning's equal power, or at a landing: the excess
+  time; elsewhere no more than that the battery is not empty;
 * return: the last charge of a repeated day is at least the first.
 
 Light ``p`` and load ``P`` come from the simulated flight of a design as data: means over the
