@@ -41,11 +41,10 @@ from sizing.program.result import (
 from sizing.program.search import Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
+from sizing.program.transcription import lagrange
 from solar.types import FloatArray, IntArray
 
 _STRIDE = 16  # cells between those that start from no neighbour; a power of two
-# Of the cubic polynomial half-way between the inner two of four places.
-_CUBIC = (9.0, 9.0, -1.0, -1.0)
 _LEAST = 1e-12  # of a value whose logarithm is taken
 _NEIGHBOURS = 24  # of every optimum that its cross-check simulates
 _PAYLOADS = ("payload_mass_kg", "payload_power_w")
@@ -181,19 +180,18 @@ class _Cells:
 
     def _search(self, cell: int, stride: int) -> Search:
         """Return a search that starts between known cells, a stride and three of them away."""
-        search, known = Search(self.tasks[cell], active_set=self.active_set), []
-        for away in (-stride, stride, -3 * stride, 3 * stride):
-            there = self.searches.get(cell + away)
-            if there is not None and there.outcome is not None:
-                known.append(there)
-        sized = [there for there in known if there.best is not None]
-        used, weights = (sized, _CUBIC) if len(sized) == 4 else (known[:2], None)
-        if used:
-            designs = [there.outcome.values for there in used if there.outcome is not None]
+        search = Search(self.tasks[cell], active_set=self.active_set)
+        around = [self.searches.get(cell + place * stride) for place in (-3, -1, 1, 3)]
+        known = [it for it in around[1:3] + around[::3] if it is not None and it.outcome][:2]
+        if known:
+            search.warm = known[0].solution
+            sized = [it for it in around if it is not None and it.best is not None]
+            used = sized if len(sized) == 4 else known
+            designs = [it.outcome.values for it in used if it.outcome is not None]
             logs = np.log([[max(v, _LEAST) for v in values.values()] for values in designs])
-            middle = np.exp(np.average(logs, axis=0, weights=weights))
+            # A cubic through four designs, or the mean of two.
+            middle = np.exp(np.asarray(lagrange(0.5, len(used))) @ logs)
             search.first = dict(zip(designs[0], middle.tolist(), strict=True))
-            search.warm = used[0].solution
         return search
 
     def _run(self, searches: dict[int, Search]) -> None:
