@@ -25,7 +25,7 @@ from sizing.program.corrections import day_of
 from sizing.program.intervals import deficit_wh
 from sizing.program.objectives import Objective
 from sizing.program.result import Violation
-from sizing.program.solve import LACKING, Solution
+from sizing.program.solve import LACKING, Solution, within_reach
 from sizing.program.start import grid_of
 from sizing.program.task import SizingTask
 from sizing.program.transcription import RESERVE_SCALE_H
@@ -77,8 +77,11 @@ def limits_of(solution: Solution) -> list[Limit]:
     bounds = solution.bound_multipliers[program.parts["design"]]  # positive at an upper one
     for v, multiplier in zip(solution.task.variables, bounds, strict=True):
         free = v.role is Role.design or v.name in solution.task.free_names
-        if free and v.minimum < v.maximum:
-            end = "maximum" if multiplier > 0.0 else "minimum"
+        low, high = within_reach(solution.task, solution.linearisation, v)
+        end, own = (
+            ("maximum", v.maximum == high) if multiplier > 0.0 else ("minimum", v.minimum == low)
+        )
+        if free and own and v.minimum < v.maximum:
             strengths[f"{v.name} at its {end}", "1 % of the bound"] += abs(float(multiplier))
     least = LIMITING_FRACTION * max(strengths.values(), default=0.0)
     shares = {"1 h": 1.0 / RESERVE_SCALE_H}

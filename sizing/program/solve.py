@@ -25,7 +25,7 @@ from sizing.program.transcription import (
     Program,
     build_program,
 )
-from sizing.program.variables import WORST_EXCESS, Role, scales_of
+from sizing.program.variables import WORST_EXCESS, Role, Variable, scales_of
 from solar.types import BoolArray, FloatArray
 
 LACKING = 1e-4  # relative: a smaller violation is what the solver leaves
@@ -244,13 +244,8 @@ def solve(
         [v.to_program(point.values[v.name], s) for v, s in zip(task.variables, scales, strict=True)]
     )
     parameters = parameters_of(task, program, point, scales, centre)
-    low, high = _bounds(task, program, scales)
+    low, high = _bounds(task, program, point, scales)
     low[program.parts["charge"]] = np.concatenate(point.least)
-    for i, v in enumerate(task.variables):
-        if v.name in task.moved and v.role is Role.design and math.isfinite(point.reach):
-            value, factor = point.values[v.name], math.exp(point.reach)
-            low[i] = max(low[i], v.to_program(value / factor, scales[i]))
-            high[i] = min(high[i], v.to_program(value * factor, scales[i]))
     parts = program.parts
     start = np.zeros(parts["speed"].stop)
     start[parts["design"]], start[parts["excess"]] = centre, excess_h
@@ -339,17 +334,22 @@ def _weights(task: SizingTask, point: Linearisation, scales: FloatArray) -> Floa
 
 
 def _bounds(
-    task: SizingTask, program: Program, scales: FloatArray
+    task: SizingTask, program: Program, point: Linearisation, scales: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the bounds of the decision vector."""
     parts = program.parts
     low, high = np.zeros(parts["speed"].stop), np.full(parts["speed"].stop, np.inf)
-    for ends, name in ((low, "minimum"), (high, "maximum")):
-        ends[parts["design"]] = [
-            v.to_program(getattr(v, name), scale)
-            for v, scale in zip(task.variables, scales, strict=True)
-        ]
+    for i, (v, scale) in enumerate(zip(task.variables, scales, strict=True)):
+        low[i], high[i] = (v.to_program(end, scale) for end in within_reach(task, point, v))
     high[parts["height"]], high[parts["speed"]] = 1.0, FASTEST
     low[parts["excess"]] = task.goal_h
     high[parts["excess"]] = LONGEST_H if task.maximises_excess else task.goal_h
     return low, high
+
+
+def within_reach(task: SizingTask, point: Linearisation, v: Variable) -> tuple[float, float]:
+    """Return the ends of a variable in a program: its bounds, or how far one step may go."""
+    if v.name not in task.moved or v.role is not Role.design or math.isinf(point.reach):
+        return v.minimum, v.maximum
+    value, factor = point.values[v.name], math.exp(point.reach)
+    return max(v.minimum, value / factor), min(v.maximum, value * factor)

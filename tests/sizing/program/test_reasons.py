@@ -1,5 +1,7 @@
 """What the nearest design misses: of energy, to the battery's capacity."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import DESIGN, mission
@@ -8,10 +10,12 @@ from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import variables_of
 from sizing.limits import MASS_BUDGET
 from sizing.performance import performance_of_designs
+from sizing.program.climbing import simulate
+from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
-from sizing.program.reasons import missed_by
+from sizing.program.reasons import limits_of, missed_by
 from sizing.program.size import size_aircraft
-from sizing.program.solve import LACKING
+from sizing.program.solve import LACKING, solve
 from sizing.program.task import SizingTask
 
 DAY = solar_day(DESIGN, mission())
@@ -65,3 +69,13 @@ def test_a_variable_that_is_held_is_no_bound_that_limits():
     )
     assert float(held.design.variables.battery_mass_kg) == 3.3
     assert not any("battery_mass_kg" in name for name in held.active_constraints)
+
+
+def test_how_far_a_step_may_go_is_no_bound_that_limits():
+    first = TASK.first_values(variables_of(DESIGN))
+    perf = simulate(TASK, neighbours(TASK, first), {})
+    point = linearised(TASK, first, perf, {0: Scenario()})
+    solution = solve(TASK, replace(point, reach=0.01), excess_h=0.0)
+    assert solution.is_limited
+    assert np.abs(solution.bound_multipliers[solution.program.parts["design"]]).max() > 0.01
+    assert not any(" at its " in limit.name for limit in limits_of(solution))
