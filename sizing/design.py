@@ -251,9 +251,12 @@ def each(value: Any, function: Callable[[Any], Any]) -> Any:
 
 def picked(design: Design, rows: Any) -> Design:
     """Return a part of a batch of designs, of every array; numbers stay."""
-    return cast(
-        Design, each(design, lambda value: value[rows] if getattr(value, "ndim", 0) else value)
-    )
+
+    def part(value: Any) -> Any:
+        return value[rows] if getattr(value, "ndim", 0) else value
+
+    chain = None if design.chain is None else design.chain.mapped(part)
+    return cast(Design, each(design, part))._replace(chain=chain)
 
 
 def variables_of(aircraft: Aircraft) -> DesignVariables:

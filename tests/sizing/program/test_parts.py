@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
-from builders import DESIGN
+from builders import DESIGN, shipped_mission
 from propulsors import PARTS, aircraft
 
 import sizing
 from missions.library import load_mission
+from missions.mission import Scenarios
+from missions.mission.scenarios import Dates
 from sizing.design import DesignVariables
 from sizing.mass_budget import ImpossibleDesignError, level_point
 from sizing.performance import performance_of_designs
+from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.program.sensitivity import sensitivities
 from sizing.program.size import size_aircraft
@@ -114,3 +117,22 @@ def test_what_the_parts_cannot_do_has_a_reason():
     fast = aircraft(gear=PARTS["gear"] | {"ratio": 9.0})
     with pytest.raises(ImpossibleDesignError, match=r"level flight .* bus voltage 18 V is below"):
         size_aircraft(fast, MISSION, Objective.min_mass)
+
+
+def test_cells_with_parts_are_sized_as_one_by_one():
+    latitudes_deg = [30.0, 45.0]
+    days = np.full(2, 172)
+    found = size_cells(TWIN, MISSION, Scenarios(np.array(latitudes_deg), days), Objective.min_mass)
+    for latitude_deg, mass_kg in zip(latitudes_deg, found.objective_value, strict=True):
+        there = {"latitude_deg": latitude_deg, "dates": Dates(on="06-21")}
+        alone = size_aircraft(TWIN, MISSION.model_copy(update=there), Objective.min_mass)
+        assert mass_kg == pytest.approx(alone.objective_value, rel=2e-3)
+
+
+def test_parts_climb_by_day_and_are_lighter_for_it():
+    climbing = shipped_mission(climb={"ceiling_m": 2536.0})
+    level, result = (
+        size_aircraft(TWIN, where, Objective.min_mass) for where in (MISSION, climbing)
+    )
+    assert np.all(result.simulated.cycle.excess_time_h > 0.0)
+    assert result.objective_value < 0.99 * level.objective_value
