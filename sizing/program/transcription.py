@@ -267,6 +267,7 @@ def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
     )
 
 
+@lru_cache(maxsize=_PROGRAMS_KEPT)
 def kind_of(aircraft: Aircraft) -> Aircraft:
     """Return the aircraft without its name and the numbers that are parameters."""
     values: dict[str, Any] = {
@@ -276,7 +277,6 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     return all_replaced(aircraft, values | {"name": "kind", "description": ""})
 
 
-@lru_cache(maxsize=_PROGRAMS_KEPT)
 def build_program(aircraft: Aircraft, form: Form) -> Program:
     """Return the program of an aircraft in a form, built once for aircraft of its kind."""
     return _program(kind_of(aircraft), tuple(aircraft.design_space.limit_rows()), form)
