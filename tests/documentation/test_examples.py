@@ -46,7 +46,7 @@ DRAWING = [
         r"for a clear sky: 3\.\d\d m, 3\d\.\d % of the days\n50 %: \d\.\d\d m",
     ),
     ("payload_against_latitude.py", r" 2\.0 kg  ( +\d\.\d\d m){10}"),
-    ("climb_gain.py", r"have no design in one of both\n 0 N: 9\.\d to 1\d\.\d % lighter"),
+    ("climb_gain.py", r"have no design in one of both\n 0 N: 10\.\d to 1\d\.\d % lighter"),
     (
         "resized_map.py",
         r" -70 N: .*; else missed: .*sun\n(.*\n)+   0 N: 27 of 27 days have a design, \d\.\d\d to",
