@@ -13,7 +13,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import NO_FLIGHT_W, DesignVariables
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
-from sizing.performance import Performance
+from sizing.performance import performance_of_designs
 from sizing.program.climbing import Profile
 from sizing.program.corrections import Scenario
 from sizing.program.objectives import Objective, refuse_range
@@ -58,8 +58,8 @@ def size_aircraft(
     if explain and search.best is None and aircraft.propulsion.is_limited:
         _check_parts(best_search(replace(task, beyond_limits=True), first))
     result = _explained(search) if explain and search.best is None else _result(search)
-    if result.simulated is not None:
-        _check_held(task, result.simulated)
+    if result.design is not None:
+        _check_held(task, result.design.variables)
     return result
 
 
@@ -90,10 +90,13 @@ def best_search(
     return kept
 
 
-def _check_held(task: SizingTask, perf: Performance) -> None:
+def _check_held(task: SizingTask, variables: DesignVariables) -> None:
     """Refuse parts that cannot hold the wind: a search knows them near the design's airspeed."""
-    loads_w = np.asarray(perf.nominal_load_w)
-    if task.aircraft.propulsion.is_limited and np.any(loads_w > NO_FLIGHT_W / 2.0):
+    if not (task.aircraft.propulsion.is_limited and task.winds_m_per_s.any()):
+        return
+    at_the_floor = task.aircraft, task.heights[0], variables.mapped(float), task.solar
+    loads_w = np.asarray(performance_of_designs(*at_the_floor, day=task.day).nominal_load_w)
+    if np.any(loads_w > NO_FLIGHT_W / 2.0):
         wind, mission = np.max(task.winds_m_per_s), task.mission
         raise ImpossibleDesignError(
             f"the propulsion of {task.aircraft.name} cannot hold the wind of {wind:.3g} m/s on "
