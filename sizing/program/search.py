@@ -150,6 +150,8 @@ class Search:
             level = task.mission.climb is None
             if level and last is not None and float(solution.step @ last.step) < 0.0:
                 reach = max(min(reach, solution.stride) / 2.0, _LEAST_REACH)
+            elif solution.is_limited:  # and goes on
+                reach *= 2.0
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
