@@ -32,8 +32,8 @@ from sizing.program.transcription import RESERVE_SCALE_H
 from sizing.program.variables import Role
 
 # A requirement limits if its multiplier is at least this fraction of the largest one: what the
-# barrier of interior points leaves on others is below 0.0007 of it.
-LIMITING_FRACTION = 1e-3
+# barrier of interior points leaves on others is below 0.0035 of it.
+LIMITING_FRACTION = 5e-3
 PERCENT = 0.01
 # Masses that a design might have, as multiples of its payload and battery.
 _HEAVIER = np.geomspace(1.0, 100.0, 9)
