@@ -11,9 +11,9 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.day.load import Load
 from sizing.design import NO_FLIGHT_W, DesignVariables
-from sizing.mass_budget import ImpossibleDesignError, operating_trouble
-from sizing.performance import performance_of_designs
+from sizing.mass_budget import ImpossibleDesignError, closed_design, operating_trouble
 from sizing.program.climbing import Profile
 from sizing.program.corrections import Scenario
 from sizing.program.objectives import Objective, refuse_range
@@ -94,9 +94,9 @@ def _check_held(task: SizingTask, variables: DesignVariables) -> None:
     """Refuse parts that cannot hold the wind: a search knows them near the design's airspeed."""
     if not (task.aircraft.propulsion.is_limited and task.winds_m_per_s.any()):
         return
-    at_the_floor = task.aircraft, task.heights[0], variables.mapped(float), task.solar
-    loads_w = np.asarray(performance_of_designs(*at_the_floor, day=task.day).nominal_load_w)
-    if np.any(loads_w > NO_FLIGHT_W / 2.0):
+    design = closed_design(task.aircraft, task.mission, variables.mapped(float)).over_scenarios()
+    load = Load.of(task.aircraft, task.mission, design, task.day.scenarios)
+    if np.any(load.without_thermals(task.mission) > NO_FLIGHT_W / 2.0):
         wind, mission = np.max(task.winds_m_per_s), task.mission
         raise ImpossibleDesignError(
             f"the propulsion of {task.aircraft.name} cannot hold the wind of {wind:.3g} m/s on "
