@@ -20,7 +20,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.light import SolarDay, solar_day
+from sizing.day.light import FINE_STEP_H, SolarDay, solar_day
 from sizing.design import variable_keys
 from sizing.parameters import build_scales, catalogue, parameter_value, with_parameter
 from sizing.program.climbing import Profile, simulate
@@ -35,7 +35,6 @@ from sizing.program.variables import TOTAL_MASS, WORST_EXCESS, Role, scales_of
 
 # Of a parameter: in double precision differences are then good to about five digits.
 _RELATIVE_STEP = 1e-5
-_FINE_STEP_H = 1.0 / 60.0
 # Multipliers below this are what the solver leaves of an inactive constraint.
 LEAST_MULTIPLIER = 1e-5
 
@@ -160,7 +159,7 @@ def _linearised(
 def _fine_day(task: SizingTask, aircraft: Aircraft, mission: Mission) -> SolarDay:
     """Light in steps so short that it hardly counts when in one a battery begins to hold back."""
     scenarios = task.day.scenarios
-    return solar_day(aircraft, mission, task.solar, scenarios=scenarios, step_h=_FINE_STEP_H)
+    return solar_day(aircraft, mission, task.solar, scenarios=scenarios, step_h=FINE_STEP_H)
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:
