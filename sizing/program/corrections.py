@@ -263,15 +263,14 @@ def _block(
     ends_h = None if task.window_h is None else task.window_h[number]
     day = day_of(task, perf, number)
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
+    stored_wh = day.stored_wh(into, out_of)[0]
     path = _path(task, perf, day, number, store, scenario.begin)
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
         bends: BoolArray | bool = False
         if task.form(1).climbs:
             bends = bends_in_climbs(day, scenario.share_at(day.time_h), nominal_w[0])
-        scenario.nodes = nodes_of(
-            day, path, into, out_of, full_wh, nominal_w[0], task.form(1), bends
-        )
+        scenario.nodes = nodes_of(day, path, stored_wh, full_wh, nominal_w[0], task.form(1), bends)
     scenario.clock_h = day.time_h[scenario.nodes]
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
@@ -322,7 +321,7 @@ def _block(
         wind_m_per_s=task.winds_m_per_s[number],
         share=scenario.share() if task.form(1).climbs else np.zeros(0),
     )
-    least = dips_wh(day, scenario.nodes, into, out_of) + CUSHION_H * nominal_w[0]
+    least = dips_wh(stored_wh, scenario.nodes) + CUSHION_H * nominal_w[0]
     return block, path[scenario.nodes], least / full_wh
 
 

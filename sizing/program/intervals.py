@@ -123,8 +123,7 @@ def bends_in_climbs(day: Day, share: FloatArray, nominal_w: float) -> BoolArray:
 def nodes_of(
     day: Day,
     path: FloatArray,
-    into: float,
-    out_of: float,
+    stored_wh: FloatArray,
     full_wh: float,
     nominal_w: float,
     form: Form,
@@ -135,6 +134,7 @@ def nodes_of(
     They lie where light begins and ends, where power is equal, and around the steps in which the
     battery begins and ceases to hold back; the rest halve the longest interval of light, again and
     again, of climbs those of night as well. They are close near these, and in some steps.
+    ``stored_wh``: what every step puts into a battery that takes all.
     """
     steps = len(day.time_h) - 1
     net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
@@ -142,8 +142,7 @@ def nodes_of(
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
     turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
     turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
-    stored = day.stored_wh(into, out_of)[0]
-    held = (stored > 0.0) & (full_wh * np.diff(path) < 0.999 * stored)
+    held = (stored_wh > 0.0) & (full_wh * np.diff(path) < 0.999 * stored_wh)
     changes = np.flatnonzero(held[1:] != held[:-1]) + 1
     # In the step itself the battery holds back for a part.
     changes = np.concatenate([changes, changes + np.where(held[changes], 1, -1)])
@@ -186,12 +185,12 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
 
 
-def dips_wh(day: Day, nodes: IntArray, into: float, out_of: float) -> FloatArray:
-    """Return by how much the charge of the first of a batch is lower beside each node than there.
+def dips_wh(stored_wh: FloatArray, nodes: IntArray) -> FloatArray:
+    """Return by how much the charge of a flight is lower beside each node than there.
 
     Where the sun begins to carry a flight, or a climb begins, it is least within an interval.
     """
-    charge = np.concatenate([[0.0], np.cumsum(day.stored_wh(into, out_of)[0])])
+    charge = np.concatenate([[0.0], np.cumsum(stored_wh)])
     least = np.minimum.reduceat(charge, nodes[:-1])
     dips = np.maximum(np.minimum(charge[nodes[:-1]], charge[nodes[1:]]) - least, 0.0)
     return np.asarray(np.maximum(np.append(dips, 0.0), np.append(0.0, dips)))

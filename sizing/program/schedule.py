@@ -256,7 +256,8 @@ class _Around(NamedTuple):
             path = day.path(store, window.begin_wh / full_wh)
         height_m = np.interp(day.time_h % 24.0, time_h, climbs.height_m[i])
         close = bends_in_climbs(day, height_m, nominal_w)
-        nodes = nodes_of(day, path, into, out_of, full_wh, nominal_w, FORM, close)
+        stored_wh = day.stored_wh(into, out_of)[0]
+        nodes = nodes_of(day, path, stored_wh, full_wh, nominal_w, FORM, close)
         means, share = day_means(day, nodes, into, out_of), height_m[nodes] / climb_m
         return cls(
             full_wh,
@@ -269,7 +270,7 @@ class _Around(NamedTuple):
             path[nodes],
             share,
             reserve_nodes(day, nodes, nominal_w),
-            dips_wh(day, nodes, into, out_of),
+            dips_wh(stored_wh, nodes),
         )
 
 

@@ -35,7 +35,7 @@ def day_of(step_h=DEFAULT_STEP_H, **changes):
 def cut(day, nominal_w, form):
     """Return the nodes of a day on which nothing is known of the charge."""
     path = np.linspace(0.5, 0.9, len(day.time_h))
-    return nodes_of(day, path, INTO, OUT_OF, 700.0, nominal_w, form)
+    return nodes_of(day, path, day.stored_wh(INTO, OUT_OF)[0], 700.0, nominal_w, form)
 
 
 def energy_wh(day, power_w):
