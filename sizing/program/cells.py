@@ -224,13 +224,17 @@ class _Cells:
         profiles: Mapping[int, Mapping[int, Profile]],
         *,
         keep: bool = False,
+        of_others: bool = False,
     ) -> dict[int, Performance]:
-        """Simulate the designs of each cell, with climbs along the cell's profiles."""
+        """Simulate the designs of each cell, with climbs along the cell's profiles.
+
+        ``of_others``: along those of another design, as far as each can.
+        """
         first = self.tasks[0]
         mission = first.mission  # whose flights are no batch of pairs
         if mission.climb is not None or mission.holds_station or first.window_h is not None:
             return {
-                cell: simulate(self.tasks[cell], values, profiles[cell])
+                cell: simulate(self.tasks[cell], values, profiles[cell], of_others=of_others)
                 for cell, values in designs.items()
             }
         cells = np.repeat(list(designs), [len(values) for values in designs.values()])
@@ -276,7 +280,7 @@ class _Cells:
     def _checked(self, kept: IntArray, merits: FloatArray, seed: int) -> NDArray[np.bool_]:
         """Return whether no random neighbour of a design is better by more than the tolerance.
 
-        ``kept``: cells with a design. ``merits``: theirs.
+        ``kept``: cells with a design. ``merits``: theirs. Climbs follow the heights of the design.
         """
         first, rng = self.tasks[0], np.random.default_rng(seed)
         factors = random_factors(first.moved, _NEIGHBOURS, rng)
@@ -284,7 +288,7 @@ class _Cells:
         for cell in kept.tolist():
             best, task = self.searches[cell].best, self.tasks[cell]
             assert best is not None
-            profiles[cell] = best.profiles
+            profiles[cell] = best.best_profiles
             designs[cell] = [
                 task.within_bounds(
                     best.values | {name: best.values[name] * by[i] for name, by in factors.items()}
@@ -292,7 +296,9 @@ class _Cells:
                 for i in range(_NEIGHBOURS)
             ]
         highest = np.full(len(kept), -np.inf)
-        for place, (cell, perf) in enumerate(self._simulated(designs, profiles).items()):
+        for place, (cell, perf) in enumerate(
+            self._simulated(designs, profiles, of_others=True).items()
+        ):
             task = self.tasks[cell]
             good = task.is_enough(perf.cycle.excess_time_h) & meets_requirements(
                 task.simulated_aircraft, perf.design, wind_m_per_s=task.conditions.wind_m_per_s
@@ -322,8 +328,9 @@ class _Cells:
             columns["total_mass_kg"][cell] = perf.design.total_mass_kg
             columns["airspeed_m_per_s"][cell] = perf.design.airspeed_m_per_s
             columns["load_w"][cell] = np.ravel(perf.nominal_load_w)[0]
+            worst = perf.worst_scenario()
             for name in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge"):
-                columns[name][cell] = getattr(perf.cycle, name)[judged.worst]
+                columns[name][cell] = getattr(perf.cycle, name)[worst]
             chosen = task.held | task.design_variables(judged.values).chosen()
             for name in chosen.keys() & set(DesignVariables._fields):
                 variables.setdefault(name, np.full(count, np.nan))[cell] = chosen[name]

@@ -36,9 +36,16 @@ class Profile(NamedTuple):
 
 
 def simulate(
-    task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]
+    task: SizingTask,
+    designs: list[Values],
+    profiles: Mapping[int, Profile],
+    *,
+    of_others: bool = False,
 ) -> Performance:
-    """Simulate designs in all scenarios; climbs along profiles, else at the floor."""
+    """Simulate designs in all scenarios; climbs along profiles, else at the floor.
+
+    ``of_others``: profiles of another design, of which each flies the share that it can.
+    """
     if task.mission.climb is None:
         aircraft, variables = task.simulated_aircraft, task.stacked(designs)
         return performance_of_designs(aircraft, task.mission, variables, task.solar, day=task.day)
@@ -50,7 +57,8 @@ def simulate(
     for number, profile in profiles.items():
         height_m[number] = profile.at(time_h) * task.climb_height_m
     store = Store.of(task.aircraft.battery, every.battery_energy_wh)
-    climbs = flown_along(time_h, levels, store.flat(shape), np.tile(height_m, (len(designs), 1)))
+    heights_m = np.tile(height_m, (len(designs), 1))
+    climbs = flown_along(time_h, levels, store.flat(shape), heights_m, of_others=of_others)
     return performance_along(
         design, task.mission, task.solar, task.day, store, levels, climbs, shape
     )

@@ -12,7 +12,7 @@ import math
 import time
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -71,7 +71,7 @@ class JudgedDesign:
         """Scenario of the least excess time."""
         return int(np.argmin(self.excess_h))
 
-    @property
+    @cached_property
     def flight(self) -> Performance:
         """Flight of the design without its neighbours.
 
@@ -84,6 +84,15 @@ class JudgedDesign:
         best = fly(task.simulated_aircraft, task.mission, task.solar, proposed.design, task.day)
         short = ~task.is_enough(best.cycle.excess_time_h[:, np.newaxis])
         return best.replaced_in(short, proposed) if short.any() else best
+
+    @property
+    def best_profiles(self) -> dict[int, Profile]:
+        """Heights of the flight, by scenario; none of level flight."""
+        task, altitude_m = self.task, self.flight.altitude_m
+        if altitude_m is None or task.climb_height_m == 0.0:
+            return {}
+        share = (altitude_m - task.mission.altitude_m) / task.climb_height_m
+        return {number: Profile(task.day.time_h, row) for number, row in enumerate(share)}
 
     @property
     def flies(self) -> bool:

@@ -162,9 +162,10 @@ def test_high_up_the_modules_of_each_cell_are_cooled_by_its_own_design():
         assert found.status[cell] == SizingStatus.cross_checked
 
 
+@pytest.mark.parametrize("climb", [[], ["climb={ceiling_m: 2500}"]])
 @pytest.mark.parametrize(("worse", "checked"), [(0.0, True), (0.02, False)])
-def test_a_span_that_neighbours_undercut_is_not_cross_checked(worse, checked):
-    aircraft, mission = load_aircraft("atlantiksolar-design"), load_mission("rafz-july")
+def test_a_span_that_neighbours_undercut_is_not_cross_checked(worse, checked, climb):
+    aircraft, mission = load_aircraft("atlantiksolar-design"), load_mission("rafz-july", climb)
     day = solar_day(aircraft, mission)
     goal = Objective.min_wingspan, UNCORRECTED_CAM, day, 2.0
     cells = _Cells([SizingTask(aircraft, mission, *goal)], day)
