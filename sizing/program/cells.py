@@ -316,9 +316,9 @@ class _Cells:
         columns |= {"status": status, "message": np.full(count, "", object)}
         columns["requirement"] = np.full(count, "", "<U40")
         for cell in np.flatnonzero(status == SizingStatus.infeasible).tolist():
-            worst = _missed_most(self.searches[cell])
-            columns["requirement"][cell], columns["message"][cell] = worst.requirement, worst.text
-            columns["shortfall"][cell] = worst.shortfall
+            missed = _missed_most(self.searches[cell])
+            columns["requirement"][cell], columns["message"][cell] = missed.requirement, missed.text
+            columns["shortfall"][cell] = missed.shortfall
         best = {cell: it for cell in range(count) if (it := self.searches[cell].best)}
         names = {*variables_of(first.aircraft).chosen(), *_PAYLOADS}
         variables = {name: np.full(count, np.nan) for name in names}

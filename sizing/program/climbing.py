@@ -18,6 +18,7 @@ from sizing.design import Design
 from sizing.held_station import flight_faster
 from sizing.mass_budget import closed_design, parametric_design
 from sizing.performance import Performance, performance_along, performance_of_designs
+from sizing.program.intervals import CutDay
 from sizing.program.schedule import flown_along
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import LEVELS, lagrange
@@ -64,14 +65,12 @@ def simulate(
     )
 
 
-def power_beyond_floor(
-    task: SizingTask, design: Design, number: int, heights: FloatArray, hours: FloatArray
-) -> FloatArray:
+def power_beyond_floor(task: SizingTask, design: Design, number: int, day: CutDay) -> FloatArray:
     """Return the load above that of level flight at the floor, as the program has it [W].
 
-    ``design``: a batch. ``heights``: at the nodes, over the way to the ceiling. Returns of shape
-    ``(design, interval)``.
+    ``design``: a batch. Returns of shape ``(design, interval)``.
     """
+    heights, hours = day.share, day.means.hours
     weights = np.stack(lagrange((heights[1:] + heights[:-1]) / 2.0, LEVELS))[:, np.newaxis]
     designs = [
         parametric_design(task.simulated_aircraft, air, design.variables, design.total_mass_kg)

@@ -22,17 +22,13 @@ from sizing.mass_budget import closed_design
 from sizing.performance import Performance
 from sizing.program.climbing import Profile, power_beyond_floor
 from sizing.program.intervals import (
+    CutDay,
     Day,
     Held,
-    bends_in_climbs,
-    day_means,
     deficit_wh,
-    dips_wh,
     equal_power_step,
     held_back,
     light_at_heights,
-    nodes_of,
-    reserve_nodes,
 )
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
@@ -45,7 +41,7 @@ from sizing.program.transcription import (
     power_surface,
 )
 from sizing.program.variables import scales_of
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
 # Excess time above the required one that is aimed at: steps leave so much between simulator and
@@ -61,23 +57,45 @@ _STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly 
 class Linearisation:
     """Light and load of a simulated design in the blocks of a program, with their derivatives.
 
-    ``values``: of the design. ``charge``: of every block at its nodes, to start from. ``least``:
-    what it must be there, as it is lower in between. ``height``, ``speed``: to start from.
-    ``load_w``: nominal load that charges count in. ``mass_kg``: of the design. ``parts``: of a
-    propulsion at its operating point. ``known``: of the scenarios.
+    ``values``: of the design. ``days``, ``held``: of every block, its intervals and how the battery
+    holds back in them. ``speed``: of every block, to start from. ``load_w``: nominal load that
+    charges count in. ``full_wh``, ``mass_kg``: of the design. ``parts``: of a propulsion at its
+    operating point. ``known``: of the scenarios.
     """
 
     values: dict[str, float]
     blocks: tuple[BlockData, ...]
-    charge: tuple[FloatArray, ...]
-    least: tuple[FloatArray, ...]
-    height: tuple[FloatArray, ...]
+    days: tuple[CutDay, ...]
+    held: tuple[Held, ...]
     speed: tuple[FloatArray, ...]
     load_w: float
+    full_wh: float
     mass_kg: float
     parts: PartsData | None
     known: dict[int, Scenario]
     reach: float = math.inf
+
+    @property
+    def charge(self) -> FloatArray:
+        """State of charge at the nodes of all blocks, to start from, in the program's unit."""
+        soc = np.clip(np.concatenate([day.soc for day in self.days]), *INSIDE)
+        return np.asarray(soc * self.full_wh / self._unit_wh)
+
+    @property
+    def least(self) -> FloatArray:
+        """Charge that must be left there, in the program's unit."""
+        least_wh = np.concatenate([day.least_wh for day in self.days])
+        return np.asarray(least_wh / self._unit_wh)
+
+    @property
+    def height(self) -> FloatArray:
+        """Heights at the nodes, to start from, over the way to the ceiling."""
+        share = np.concatenate([block.share for block in self.blocks])
+        return np.asarray(np.clip(share, *INSIDE))
+
+    @property
+    def _unit_wh(self) -> float:
+        return RESERVE_SCALE_H * self.load_w
 
 
 @dataclass
@@ -86,26 +104,17 @@ class Scenario:
 
     ``bias_h``: excess time that programs have beyond their flights. ``margin``: by how much more a
     night takes, relative. ``begin``: state of charge that the last program begins its day with.
-    ``nodes``: of its intervals, ``clock_h``: of these, ``held``: how the battery holds back in
-    them; None where a flight is to tell. ``profile``: heights that are flown.
+    ``profile``: heights that are flown.
     """
 
     bias_h: float = CUSHION_H
     margin: float = FIRST_MARGIN
     begin: float | None = None
-    nodes: IntArray | None = None
-    clock_h: FloatArray | None = None
-    held: Held | None = None
     profile: Profile | None = None
 
     def share_at(self, time_h: FloatArray) -> FloatArray:
         """Return the heights over the way to the ceiling."""
         return np.zeros(len(time_h)) if self.profile is None else self.profile.at(time_h)
-
-    def share(self) -> FloatArray:
-        """Return the heights at the nodes, over the way to the ceiling."""
-        assert self.clock_h is not None
-        return self.share_at(self.clock_h)
 
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
@@ -128,37 +137,39 @@ def linearised(
     values: Values,
     perf: Performance,
     known: Mapping[int, Scenario],
+    like: Linearisation | None = None,
 ) -> Linearisation:
     """Return light and load of a design in scenarios, from its flight and its neighbours'.
 
     ``perf``: of :func:`neighbours`, in all scenarios of the task. ``known``: what is known of the
-    scenarios that make the blocks, in their order.
+    scenarios that make the blocks, in their order. ``like``: one of the same scenarios, whose
+    intervals, and how the battery holds back in them, are kept.
     """
     nominal_w = np.asarray(perf.nominal_load_w)
     nominal_w = np.broadcast_to(nominal_w, (nominal_w.shape[0], task.count))
     ordered_w = np.sort(nominal_w[0])  # a median by hand: NumPy's imports masked arrays
-    load_w = float(ordered_w[(task.count - 1) // 2] + ordered_w[task.count // 2]) / 2.0
-    full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    unit = full_wh / (RESERVE_SCALE_H * load_w)
-    blocks, charges, least = [], [], []
-    for number, scenario in known.items():
-        block, path, lowest = _block(task, perf, number, scenario, nominal_w[:, number])
-        blocks.append(block)
-        charges.append(np.clip(path, *INSIDE) * unit)
-        least.append(lowest * unit)
-    mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
-    form = task.form(len(known))
+    blocks = [
+        _block(
+            task,
+            perf,
+            number,
+            scenario,
+            nominal_w[:, number],
+            None if like is None else (like.days[i].nodes, like.held[i]),
+        )
+        for i, (number, scenario) in enumerate(known.items())
+    ]
+    data, days, held = zip(*blocks, strict=True)
+    speeds = task.form(len(known)).speeds
     return Linearisation(
         dict(values),
-        tuple(blocks),
-        charge=tuple(charges),
-        least=tuple(least),
-        height=tuple(
-            np.clip(it.share(), *INSIDE) if form.climbs else np.zeros(0) for it in known.values()
-        ),
-        speed=tuple(np.full(form.speeds, _speed(task, perf, number)) for number in known),
-        load_w=load_w,
-        mass_kg=mass_kg,
+        data,
+        days,
+        held,
+        speed=tuple(np.full(speeds, _speed(task, perf, number)) for number in known),
+        load_w=float(ordered_w[(task.count - 1) // 2] + ordered_w[task.count // 2]) / 2.0,
+        full_wh=float(np.asarray(perf.design.battery_energy_wh)[0]),
+        mass_kg=float(np.asarray(perf.design.total_mass_kg)[0]),
         parts=_parts(task, values, perf),
         known={number: replace(scenario) for number, scenario in known.items()},
     )
@@ -256,56 +267,33 @@ def _block(
     number: int,
     scenario: Scenario,
     nominal_w: FloatArray,
-) -> tuple[BlockData, FloatArray, FloatArray]:
-    """Data of one scenario, and the state of charge at its nodes: of the flight, and the least."""
-    battery, time_h = task.aircraft.battery, task.day.time_h
-    into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
-    ends_h = None if task.window_h is None else task.window_h[number]
-    day = day_of(task, perf, number)
+    known: tuple[IntArray, Held] | None,
+) -> tuple[BlockData, CutDay, Held]:
+    """Data of one scenario, its day, and how the battery holds back, where that is not known."""
+    whole = day_of(task, perf, number)
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
-    stored_wh = day.stored_wh(into, out_of)[0]
-    path = _path(task, perf, day, number, store, scenario.begin)
-    full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    if scenario.nodes is None:
-        bends: BoolArray | bool = False
-        if task.form(1).climbs:
-            bends = bends_in_climbs(day, scenario.share_at(day.time_h), nominal_w[0])
-        scenario.nodes = nodes_of(day, path, stored_wh, full_wh, nominal_w[0], task.form(1), bends)
-    scenario.clock_h = day.time_h[scenario.nodes]
-    means = day_means(day, scenario.nodes, into, out_of)
-    area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
+    path = _path(task, perf, whole, number, store, scenario.begin)
+    form, share = task.form(1), scenario.share_at(whole.time_h)
+    nodes, held = known or (None, None)
+    day = CutDay.of(whole, path, store, float(nominal_w[0]), form, share, nodes)
+    held = held or held_back(store, day)
+    light, load, mean_light = _light_and_load(task, perf, number, whole, day, nominal_w)
+    load[:, :-1] += held.turned_away_w
     level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
     if task.mission.holds_station or task.mission.climb is not None:
         level_w = nominal_w  # as fast as the wind of the scenario
-    lowest = day.solar_w.min(axis=-1, keepdims=True) / area
-    light = np.hstack([means.light_w / area, lowest])
-    load_w, mean_light = means.load_w, light[0, :-1]
-    if (levels := perf.levels) is not None:
-        load_w = load_w - power_beyond_floor(
-            task, perf.design, number, scenario.share(), means.hours
-        )
-        way_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
-        rows, _ = levels.at_heights(number, way_m)  # of the first design
-        at_heights = Day.of(time_h, rows, np.zeros_like(rows), day.first)
-        mean_light = light_at_heights(
-            at_heights, scenario.nodes, scenario.share(), mean_light
-        ).ravel(order="F")
-    if scenario.held is None:
-        scenario.held = held_back(store, path[scenario.nodes], means)
-    load_w = load_w + scenario.held.turned_away_w
-    load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
+    load = load / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.
         closes = np.broadcast_to(perf.cycle.perpetual, (len(load), task.count))[:, number]
         load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
-    reserve = reserve_nodes(day, scenario.nodes, nominal_w[0])
     shift_h = np.zeros(len(nominal_w))
-    if ends_h is None:  # of a landing, which is a node, the program knows all
-        shift_h = _beyond_h(perf, day, number, scenario.nodes[reserve], nominal_w)
+    if task.window_h is None:  # of a landing, which is a node, the program knows all
+        shift_h = _beyond_h(perf, whole, number, day.nodes[day.reserve], nominal_w)
     block = BlockData(
-        hours=means.hours,
-        limit_h=scenario.held.limit_h,
-        most=scenario.held.most,
+        hours=day.means.hours,
+        limit_h=held.limit_h,
+        most=held.most,
         light_w_per_m2=mean_light,
         load=load[0, :-1],
         nominal=load[0, -1],
@@ -313,16 +301,41 @@ def _block(
         load_slope=_slopes(task, load),
         shift_h=shift_h[0] + scenario.bias_h,
         shift_slope_h=_derivatives(task, shift_h[:, np.newaxis]).ravel(),
-        reserve=reserve.astype(float),
+        reserve=day.reserve.astype(float),
         margin=scenario.margin,
         continuous=float(task.continuous),
         lowest_w_per_m2=task.continuous * light[0, -1],
-        repeated=float(ends_h is None),
+        repeated=float(task.window_h is None),
         wind_m_per_s=task.winds_m_per_s[number],
-        share=scenario.share() if task.form(1).climbs else np.zeros(0),
+        share=day.share if form.climbs else np.zeros(0),
     )
-    least = dips_wh(stored_wh, scenario.nodes) + CUSHION_H * nominal_w[0]
-    return block, path[scenario.nodes], least / full_wh
+    least_wh = day.least_wh + CUSHION_H * nominal_w[0]
+    return block, day._replace(least_wh=least_wh), held
+
+
+def _light_and_load(
+    task: SizingTask,
+    perf: Performance,
+    number: int,
+    whole: Day,
+    day: CutDay,
+    nominal_w: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Specific power and load of a batch over the intervals of a day, and light at all heights.
+
+    After the intervals: the lowest light of the day, and the nominal load.
+    """
+    area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
+    lowest = whole.solar_w.min(axis=-1, keepdims=True) / area
+    light = np.hstack([day.means.light_w / area, lowest])
+    load_w, mean_light = day.means.load_w, light[0, :-1]
+    if (levels := perf.levels) is not None:
+        load_w = load_w - power_beyond_floor(task, perf.design, number, day)
+        way_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
+        rows, _ = levels.at_heights(number, way_m)  # of the first design
+        at_heights = Day.of(task.day.time_h, rows, np.zeros_like(rows), whole.first)
+        mean_light = light_at_heights(at_heights, day, mean_light).ravel(order="F")
+    return light, np.hstack([load_w, nominal_w[:, np.newaxis]]), mean_light
 
 
 def _beyond_h(

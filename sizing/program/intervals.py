@@ -175,14 +175,69 @@ class DayMeans(NamedTuple):
     load_w: FloatArray
 
 
-def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans:
-    """Return the means over the intervals of a day."""
-    light = (day.solar_w[:, :-1] + day.solar_w[:, 1:]) / 2.0 * np.diff(day.time_h)
-    steps = day.stored_wh(into, out_of), light
-    gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in steps)
-    hours = np.diff(day.time_h[nodes])
-    equal = np.where(gain > 0.0, gain / into, gain * out_of)
-    return DayMeans(hours, sun / hours, (sun - equal) / hours)
+def mean_light_w(day: Day, nodes: IntArray) -> FloatArray:
+    """Return the mean power of the modules over the intervals of a day [W]."""
+    light_wh = (day.solar_w[:, :-1] + day.solar_w[:, 1:]) / 2.0 * np.diff(day.time_h)
+    return np.asarray(np.add.reduceat(light_wh, nodes[:-1], axis=-1) / np.diff(day.time_h[nodes]))
+
+
+class CutDay(NamedTuple):
+    """A simulated day that is cut into the intervals of a program.
+
+    Arrays of the nodes, of a batch's first: ``nodes`` on the time axis, ``clock_h`` solar time,
+    ``soc`` state of charge, ``share`` height over the way to the ceiling, ``reserve`` whether the
+    excess time must be left, ``least_wh`` charge that must be left, as it is lower beside the node.
+    ``means``: over the intervals, of the whole batch.
+    """
+
+    nodes: IntArray
+    clock_h: FloatArray
+    soc: FloatArray
+    share: FloatArray
+    reserve: BoolArray
+    least_wh: FloatArray
+    means: DayMeans
+
+    @classmethod
+    def of(
+        cls,
+        day: Day,
+        path: FloatArray,
+        store: Store,
+        nominal_w: float,
+        form: Form,
+        share: FloatArray,
+        nodes: IntArray | None = None,
+    ) -> CutDay:
+        """Cut a day at the nodes that suit it, or at those that are known.
+
+        ``path``, ``share``: state of charge and height along it. ``store``: battery of the first.
+        """
+        into, out_of = efficiencies(store)
+        stored_wh = day.stored_wh(into, out_of)
+        if nodes is None:
+            close = bends_in_climbs(day, share, nominal_w) if form.climbs else False
+            full_wh = float(store.battery_energy_wh[0])
+            nodes = nodes_of(day, path, stored_wh[0], full_wh, nominal_w, form, close)
+        gain_wh = np.add.reduceat(stored_wh, nodes[:-1], axis=-1)
+        light_w, hours = mean_light_w(day, nodes), np.diff(day.time_h[nodes])
+        net_w = np.where(gain_wh > 0.0, gain_wh / into, gain_wh * out_of) / hours
+        return cls(
+            nodes,
+            day.time_h[nodes],
+            path[nodes],
+            share[nodes],
+            reserve_nodes(day, nodes, nominal_w),
+            dips_wh(stored_wh[0], nodes),
+            DayMeans(hours, light_w, light_w - net_w),
+        )
+
+
+def efficiencies(store: Store) -> tuple[float, float]:
+    """Return the charge and the discharge efficiency of batteries that share them."""
+    values = store.charge_efficiency, store.discharge_efficiency
+    into, out_of = (float(np.ravel(value)[0]) for value in values)
+    return into, out_of
 
 
 def dips_wh(stored_wh: FloatArray, nodes: IntArray) -> FloatArray:
@@ -215,17 +270,15 @@ class Held(NamedTuple):
         return cls(hours, np.zeros(len(hours)), np.ones(len(hours) + 1))
 
 
-def held_back(store: Store, soc: FloatArray, means: DayMeans) -> Held:
+def held_back(store: Store, day: CutDay) -> Held:
     """Return how a battery holds back what the batch's first charges.
 
-    ``soc``: its state of charge at the nodes. With this the rows of the program hold for its
-    flight as equations, and the nearest of power, limit and capacity tells how they change.
+    With this the rows of the program hold for its flight as equations, and the nearest of power,
+    limit and capacity tells how they change.
     """
-    hours = means.hours
+    soc, means, hours = day.soc, day.means, day.means.hours
     full_wh, gained = store.battery_energy_wh[0], np.diff(soc)
-    into, out_of = (
-        float(np.ravel(value)[0]) for value in (store.charge_efficiency, store.discharge_efficiency)
-    )
+    into, out_of = efficiencies(store)
     surplus_w = (means.light_w - means.load_w)[0]
     by_power = np.where(surplus_w > 0.0, into * surplus_w, surplus_w / out_of) * hours / full_wh
     limited = store.clock.after(soc[:-1], hours)
@@ -242,16 +295,13 @@ def held_back(store: Store, soc: FloatArray, means: DayMeans) -> Held:
     )
 
 
-def light_at_heights(
-    at_heights: Day, nodes: IntArray, share: FloatArray, light: FloatArray
-) -> FloatArray:
+def light_at_heights(at_heights: Day, day: CutDay, light: FloatArray) -> FloatArray:
     """Return the light at all heights of a program over the intervals, ``(height, interval)``.
 
-    ``at_heights``: powers there. ``light``: of the flight, ``share`` of the way at the nodes, with
-    which it agrees.
+    ``at_heights``: powers there. ``light``: mean of the flight, with which it agrees.
     """
-    known = day_means(at_heights, nodes, 1.0, 1.0).light_w
-    weights = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, len(known)))
+    known = mean_light_w(at_heights, day.nodes)
+    weights = np.stack(lagrange((day.share[1:] + day.share[:-1]) / 2.0, len(known)))
     mean = np.sum(weights * known, axis=0)
     bright = mean > 0.0
     return np.asarray(known * np.where(bright, light / np.where(bright, mean, 1.0), 1.0))

@@ -20,15 +20,11 @@ from sizing.day.cycle import simulate_cycle
 from sizing.day.heights import FlightLevels
 from sizing.day.metrics import Cycle
 from sizing.program.intervals import (
+    CutDay,
     Day,
-    DayMeans,
     Held,
-    bends_in_climbs,
-    day_means,
-    dips_wh,
+    efficiencies,
     light_at_heights,
-    nodes_of,
-    reserve_nodes,
 )
 from sizing.program.transcription import (
     FIRST_MARGIN,
@@ -47,7 +43,7 @@ from sizing.program.transcription import (
     day_rows,
     lagrange,
 )
-from solar.types import BoolArray, FloatArray
+from solar.types import FloatArray
 
 FORM = Form(1, climbs=True)
 _HEIGHTS = slice(-FORM.heights, None)
@@ -177,20 +173,20 @@ def best_heights(
     ``margin``: by how much more a night takes, relative.
     """
     around = _Around.of(time_h, levels, store.select(slice(i, i + 1)), climbs, i, window)
-    nominal_w, full_wh = float(levels.nominal_load_w[i]), around.full_wh
+    day, nominal_w = around.day, float(levels.nominal_load_w[i])
     design, unit_wh = _design(levels, i, around), RESERVE_SCALE_H * nominal_w
     block = _block(design, around, nominal_w, margin)
-    data = (*around.efficiencies, nominal_w, around.climb_m)
+    data = (*efficiencies(around.store), nominal_w, around.climb_m)
     start = (
         [max(float(climbs.cycle.excess_time_h[i]), 0.0)],
         np.full(FORM.intervals, INSIDE[0]),
-        np.clip(around.soc, *INSIDE) * full_wh / unit_wh,
-        np.clip(around.share, *INSIDE),
+        np.clip(day.soc, *INSIDE) * around.full_wh / unit_wh,
+        np.clip(day.share, *INSIDE),
     )
     x0 = np.concatenate(start)
     low, most = np.zeros(len(x0)), np.full(len(x0), np.inf)
     most[0], most[_HEIGHTS] = LONGEST_H, 1.0
-    low[_CHARGES] = around.least_wh / unit_wh
+    low[_CHARGES] = day.least_wh / unit_wh
     if window is not None:  # which begins and ends without height
         low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = window.begin_wh / unit_wh
         most[_HEIGHTS.start] = 0.0
@@ -200,31 +196,28 @@ def best_heights(
     with lock:
         answer = solver(x0=np.clip(x0, low, most), p=parameters, **bounds)
     x = np.asarray(answer["x"]).ravel()
-    excess_h = float(x[0] - x[1:_FIRST_CHARGE] @ around.means.hours)
-    heights = np.interp(time_h, around.clock_h, np.clip(x[_HEIGHTS], 0.0, 1.0), period=24.0)
+    excess_h = float(x[0] - x[1:_FIRST_CHARGE] @ day.means.hours)
+    heights = np.interp(time_h, day.clock_h % 24.0, np.clip(x[_HEIGHTS], 0.0, 1.0), period=24.0)
     return np.asarray(around.climb_m * heights), excess_h
 
 
 class _Around(NamedTuple):
     """Flight of an element, around which its program is made.
 
-    ``light_w``: mean power of the modules by heights and intervals. ``power_w``: of level flight,
-    by heights. ``clock_h``, ``soc``, ``share``: at the nodes time of the day, state of charge and
-    height over the way ``climb_m`` to the ceiling; ``reserve``: where the excess time must be left;
-    ``least_wh``: charge that must be left at the nodes, as it is lower in between.
+    ``climb_m``: way to its ceiling. ``light_w``: mean power of the modules by heights and
+    intervals. ``power_w``: of level flight, by heights.
     """
 
-    full_wh: float
-    efficiencies: tuple[float, float]
+    store: Store
     climb_m: float
-    means: DayMeans
+    day: CutDay
     light_w: FloatArray
     power_w: FloatArray
-    clock_h: FloatArray
-    soc: FloatArray
-    share: FloatArray
-    reserve: BoolArray
-    least_wh: FloatArray
+
+    @property
+    def full_wh(self) -> float:
+        """Energy of its battery at full charge."""
+        return float(self.store.battery_energy_wh[0])
 
     @classmethod
     def of(
@@ -237,41 +230,22 @@ class _Around(NamedTuple):
         window: Window | None,
     ) -> _Around:
         """Flight of an element ``i``, whose battery ``store`` is."""
-        into, out_of = (
-            float(np.ravel(value)[0])
-            for value in (store.charge_efficiency, store.discharge_efficiency)
-        )
-        full_wh, nominal_w = float(store.battery_energy_wh[0]), float(levels.nominal_load_w[i])
-        climb_m = float(levels.reach_m[i])
+        full_wh, climb_m = float(store.battery_energy_wh[0]), float(levels.reach_m[i])
         light, power_w = levels.at_heights(i, np.linspace(0.0, climb_m, LEVELS))
         dark, powers = np.zeros_like(light), (climbs.solar_w[i : i + 1], climbs.load_w[i : i + 1])
         if window is None:
-            day = Day.of(time_h, *powers)
-            at_heights = Day.of(time_h, light, dark, day.first)
-            at = (day.first + np.arange(len(time_h))) % (len(time_h) - 1)
+            whole = Day.of(time_h, *powers)
+            at_heights = Day.of(time_h, light, dark, whole.first)
+            at = (whole.first + np.arange(len(time_h))) % (len(time_h) - 1)
             path = climbs.cycle.energy_wh[i][at] / full_wh
         else:
-            day = window.day(time_h, *powers)
+            whole = window.day(time_h, *powers)
             at_heights = window.day(time_h, light, dark)
-            path = day.path(store, window.begin_wh / full_wh)
-        height_m = np.interp(day.time_h % 24.0, time_h, climbs.height_m[i])
-        close = bends_in_climbs(day, height_m, nominal_w)
-        stored_wh = day.stored_wh(into, out_of)[0]
-        nodes = nodes_of(day, path, stored_wh, full_wh, nominal_w, FORM, close)
-        means, share = day_means(day, nodes, into, out_of), height_m[nodes] / climb_m
-        return cls(
-            full_wh,
-            (into, out_of),
-            climb_m,
-            means,
-            light_at_heights(at_heights, nodes, share, means.light_w[0]),
-            power_w,
-            day.time_h[nodes] % 24.0,
-            path[nodes],
-            share,
-            reserve_nodes(day, nodes, nominal_w),
-            dips_wh(stored_wh, nodes),
-        )
+            path = whole.path(store, window.begin_wh / full_wh)
+        share = np.interp(whole.time_h % 24.0, time_h, climbs.height_m[i]) / climb_m
+        day = CutDay.of(whole, path, store, float(levels.nominal_load_w[i]), FORM, share)
+        light_w = light_at_heights(at_heights, day, day.means.light_w[0])
+        return cls(store, climb_m, day, light_w, power_w)
 
 
 def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
@@ -292,7 +266,7 @@ def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
 
 def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: float) -> BlockData:
     """Return the data of the day of a design that is held, without slopes."""
-    share, hours = around.share, around.means.hours
+    day, share, hours = around.day, around.day.share, around.day.means.hours
     middle = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
     climb_w = design.weight_n / design.efficiency * np.diff(share) * around.climb_m
     floor_w = around.power_w[0]
@@ -305,19 +279,19 @@ def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: flo
         limit_h=held.limit_h,
         most=held.most,
         light_w_per_m2=around.light_w.ravel(order="F"),
-        load=(around.means.load_w - beyond_w) / level_w,
+        load=(day.means.load_w[0] - beyond_w) / level_w,
         nominal=nominal_w / level_w,
         light_slope=np.zeros(0),
         load_slope=np.zeros(0),
         shift_h=0.0,
         shift_slope_h=np.zeros(0),
-        reserve=around.reserve.astype(float),
+        reserve=day.reserve.astype(float),
         margin=margin,
         continuous=0.0,
         lowest_w_per_m2=0.0,
         repeated=1.0,
         wind_m_per_s=np.zeros(LEVELS),
-        share=around.share,
+        share=share,
     )
 
 

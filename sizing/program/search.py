@@ -222,8 +222,7 @@ class Search:
         )
         if solutions[-1].program.form.climbs:
             for block, scenario in enumerate(self._known.values()):
-                assert scenario.clock_h is not None
-                scenario.profile = Profile(scenario.clock_h, solutions[-1].heights(block))
+                scenario.profile = solutions[-1].profile(block)
         return solutions[-1]
 
     def _flying(
@@ -333,7 +332,7 @@ class Search:
     def _correct(self, judged: JudgedDesign, solution: Solution, block: int, number: int) -> None:
         """Correct what the last solution promised of a scenario, and its flight does not hold."""
         scenario, simulated_h = self.scenarios[number], float(judged.excess_h[number])
-        scenario.begin, scenario.held, scenario.nodes = solution.first_soc(block), None, None
+        scenario.begin = solution.first_soc(block)
         if scenario.profile is None:
             return
         # Heights are other ones in every program, and none of them quite those of the best flight.

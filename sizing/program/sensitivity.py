@@ -23,7 +23,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import FINE_STEP_H, SolarDay, solar_day
 from sizing.design import variable_keys
 from sizing.parameters import build_scales, catalogue, parameter_value, with_parameter
-from sizing.program.climbing import Profile, simulate
+from sizing.program.climbing import simulate
 from sizing.program.corrections import Linearisation, Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import limits_of
@@ -138,22 +138,23 @@ def _optimum(result: SizingResult, purpose: str) -> tuple[Solution, float]:
     task = replace(task, day=_fine_day(task, task.aircraft, task.mission))
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
-    known = {number: replace(it, nodes=None, held=None) for number, it in point.known.items()}
+    known = point.known
     if task.mission.climb is not None:
-        for block, scenario in enumerate(known.values()):
-            assert scenario.clock_h is not None
-            scenario.profile = Profile(scenario.clock_h, solution.heights(block))
+        profiles = map(solution.profile, range(len(known)))
+        known = {n: replace(known[n], profile=it) for n, it in zip(known, profiles, strict=True)}
     point = _linearised(task, neighbours(task, values), known)
     return solve(task, point, excess_h=solution.excess_time_h), result.objective_value
 
 
 def _linearised(
-    task: SizingTask, designs: list[Values], known: Mapping[int, Scenario]
+    task: SizingTask,
+    designs: list[Values],
+    known: Mapping[int, Scenario],
+    like: Linearisation | None = None,
 ) -> Linearisation:
     """Light and load of a design and its neighbours, at heights that are known."""
     profiles = {n: it.profile for n, it in known.items() if it.profile is not None}
-    perf = simulate(task, designs, profiles)
-    return linearised(task, dict(designs[0]), perf, known)
+    return linearised(task, dict(designs[0]), simulate(task, designs, profiles), known, like)
 
 
 def _fine_day(task: SizingTask, aircraft: Aircraft, mission: Mission) -> SolarDay:
@@ -186,8 +187,7 @@ def _lagrangian(optimum: Solution, aircraft: Aircraft, mission: Mission) -> floa
         for v in task.variables
         if v.role is Role.payload and v.name not in task.free_names
     }
-    known = {number: replace(scenario) for number, scenario in point.known.items()}
-    moved_point = _linearised(task, [point.values | held], known)
+    moved_point = _linearised(task, [point.values | held], point.known, point)
     blocks = tuple(
         now._replace(
             light_slope=then.light_slope,
@@ -210,6 +210,6 @@ def _lagrangian(optimum: Solution, aircraft: Aircraft, mission: Mission) -> floa
     moved = replace(point, blocks=blocks, parts=parts)
     cost, rows = program.evaluated(x, parameters_of(task, program, moved, scales, centre))
     # What must be left between the nodes is a bound on the charge there.
-    least = np.concatenate(moved_point.least) * moved_point.load_w / point.load_w
+    least = moved_point.least * moved_point.load_w / point.load_w
     bounds = optimum.bound_multipliers[optimum.program.parts["charge"]]
     return cost + float(rows @ optimum.row_multipliers - bounds @ least)

@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from sizing.parameters import parameter_value
+from sizing.program.climbing import Profile
 from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
 from sizing.program.transcription import (
@@ -127,10 +128,10 @@ class Solution:
         """Largest part by which anything is missed."""
         return float(max(self.lack.max(), max(self.missed.values(), default=0.0)))
 
-    def heights(self, block: int) -> FloatArray:
-        """Heights at the nodes of a block, over the way to the ceiling."""
-        heights = self.x[self.program.parts["height"]]
-        return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
+    def profile(self, block: int) -> Profile:
+        """Heights of a block."""
+        heights = self.x[self.program.parts["height"]].reshape(self.program.blocks, -1)[block]
+        return Profile(self.linearisation.days[block].clock_h, np.clip(heights, 0.0, 1.0))
 
     def _changes(self, names: Iterable[str]) -> list[float]:
         """Return by how much variables change, as logarithms; of those that are not zero."""
@@ -245,13 +246,13 @@ def solve(
     )
     parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, point, scales)
-    low[program.parts["charge"]] = np.concatenate(point.least)
     parts = program.parts
+    low[parts["charge"]] = point.least
     start = np.zeros(parts["speed"].stop)
     start[parts["design"]], start[parts["excess"]] = centre, excess_h
     start[parts["missed"]] = start[parts["lack"]] = INSIDE[0]
-    for name, rows in (("charge", point.charge), ("height", point.height), ("speed", point.speed)):
-        start[parts[name]] = np.concatenate(rows)
+    start[parts["charge"]], start[parts["height"]] = point.charge, point.height
+    start[parts["speed"]] = np.concatenate(point.speed)
     equation = np.array([c.equation for c in program.constraints])
     ends: dict[str, Any] = {
         "lbx": low,
