@@ -276,7 +276,7 @@ def _block(
     form, share = task.form(1), scenario.share_at(whole.time_h)
     nodes, held = known or (None, None)
     day = CutDay.of(whole, path, store, float(nominal_w[0]), form, share, nodes)
-    held = held or held_back(store, day)
+    held = held or held_back(store, day.soc, day.means)
     light, load, mean_light = _light_and_load(task, perf, number, whole, day, nominal_w)
     load[:, :-1] += held.turned_away_w
     level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
@@ -334,7 +334,7 @@ def _light_and_load(
         way_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
         rows, _ = levels.at_heights(number, way_m)  # of the first design
         at_heights = Day.of(task.day.time_h, rows, np.zeros_like(rows), whole.first)
-        mean_light = light_at_heights(at_heights, day, mean_light).ravel(order="F")
+        mean_light = light_at_heights(at_heights, day.nodes, day.share, mean_light).ravel(order="F")
     return light, np.hstack([load_w, nominal_w[:, np.newaxis]]), mean_light
 
 

@@ -270,13 +270,13 @@ class Held(NamedTuple):
         return cls(hours, np.zeros(len(hours)), np.ones(len(hours) + 1))
 
 
-def held_back(store: Store, day: CutDay) -> Held:
+def held_back(store: Store, soc: FloatArray, means: DayMeans) -> Held:
     """Return how a battery holds back what the batch's first charges.
 
-    With this the rows of the program hold for its flight as equations, and the nearest of power,
-    limit and capacity tells how they change.
+    ``soc``: its state of charge at the nodes. With this the rows of the program hold for its
+    flight as equations, and the nearest of power, limit and capacity tells how they change.
     """
-    soc, means, hours = day.soc, day.means, day.means.hours
+    hours = means.hours
     full_wh, gained = store.battery_energy_wh[0], np.diff(soc)
     into, out_of = efficiencies(store)
     surplus_w = (means.light_w - means.load_w)[0]
@@ -295,13 +295,16 @@ def held_back(store: Store, day: CutDay) -> Held:
     )
 
 
-def light_at_heights(at_heights: Day, day: CutDay, light: FloatArray) -> FloatArray:
+def light_at_heights(
+    at_heights: Day, nodes: IntArray, share: FloatArray, light: FloatArray
+) -> FloatArray:
     """Return the light at all heights of a program over the intervals, ``(height, interval)``.
 
-    ``at_heights``: powers there. ``light``: mean of the flight, with which it agrees.
+    ``at_heights``: powers there. ``light``: of the flight, ``share`` of the way at the nodes, with
+    which it agrees.
     """
-    known = mean_light_w(at_heights, day.nodes)
-    weights = np.stack(lagrange((day.share[1:] + day.share[:-1]) / 2.0, len(known)))
+    known = mean_light_w(at_heights, nodes)
+    weights = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, len(known)))
     mean = np.sum(weights * known, axis=0)
     bright = mean > 0.0
     return np.asarray(known * np.where(bright, light / np.where(bright, mean, 1.0), 1.0))

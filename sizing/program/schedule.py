@@ -244,7 +244,7 @@ class _Around(NamedTuple):
             path = whole.path(store, window.begin_wh / full_wh)
         share = np.interp(whole.time_h % 24.0, time_h, climbs.height_m[i]) / climb_m
         day = CutDay.of(whole, path, store, float(levels.nominal_load_w[i]), FORM, share)
-        light_w = light_at_heights(at_heights, day, day.means.light_w[0])
+        light_w = light_at_heights(at_heights, day.nodes, day.share, day.means.light_w[0])
         return cls(store, climb_m, day, light_w, power_w)
 
 

@@ -1,5 +1,7 @@
 """The day of a program: its intervals return the energy of the day that they are cut from."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import DESIGN, UNLIMITED_AS2, mission
@@ -9,13 +11,12 @@ from sizing.day.light import DEFAULT_STEP_H, solar_day
 from sizing.design import variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.intervals import (
+    CutDay,
     Day,
     DayMeans,
-    day_means,
     held_back,
     light_at_heights,
-    nodes_of,
-    reserve_nodes,
+    mean_light_w,
 )
 from sizing.program.transcription import LEVELS, Form, lagrange
 
@@ -33,9 +34,14 @@ def day_of(step_h=DEFAULT_STEP_H, **changes):
 
 
 def cut(day, nominal_w, form):
-    """Return the nodes of a day on which nothing is known of the charge."""
+    """Cut a day on which nothing is known of the charge."""
     path = np.linspace(0.5, 0.9, len(day.time_h))
-    return nodes_of(day, path, day.stored_wh(INTO, OUT_OF)[0], 700.0, nominal_w, form)
+    store = replace(
+        Store.of(DESIGN.battery, np.array([700.0])),
+        charge_efficiency=INTO,
+        discharge_efficiency=OUT_OF,
+    )
+    return CutDay.of(day, path, store, nominal_w, form, np.zeros(len(path)))
 
 
 def energy_wh(day, power_w):
@@ -70,14 +76,15 @@ def test_a_day_begins_at_sunrise_or_where_the_sun_is_lowest_by_any_clock(least_w
 @pytest.mark.parametrize("form", FORMS)
 def test_nodes_of_few_steps_are_all_different(form):
     day, nominal_w = day_of(step_h=0.5)
-    assert np.all(np.diff(cut(day, nominal_w, form)) > 0)
+    assert np.all(np.diff(cut(day, nominal_w, form).nodes) > 0)
 
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("date", ["01-15", "06-21"])
 def test_nodes_lie_where_light_and_surplus_begin_and_end(date, form):
     day, nominal_w = day_of(dates={"on": date})
-    nodes, steps = cut(day, nominal_w, form), len(day.time_h) - 1
+    intervals, steps = cut(day, nominal_w, form), len(day.time_h) - 1
+    nodes = intervals.nodes
     assert len(nodes) == form.intervals + 1
     assert nodes[0] == 0
     assert nodes[-1] == steps
@@ -92,7 +99,7 @@ def test_nodes_lie_where_light_and_surplus_begin_and_end(date, form):
     # Half the intervals at least are of light, in which powers change.
     assert np.count_nonzero(nodes < sunset) > form.intervals // 2
     # The excess time must be left until the sun carries the load, not after the forenoon.
-    reserve = nodes[reserve_nodes(day, nodes, nominal_w)]
+    reserve = nodes[intervals.reserve]
     assert solar_w[reserve[-1]] >= nominal_w > solar_w[reserve[-2] - 1]
     assert solar_w[reserve[-1]] < 0.9 * solar_w.max()
 
@@ -100,7 +107,7 @@ def test_nodes_lie_where_light_and_surplus_begin_and_end(date, form):
 @pytest.mark.parametrize("form", FORMS)
 def test_intervals_hold_light_and_storage_of_their_day(form):
     day, nominal_w = day_of()
-    means = day_means(day, cut(day, nominal_w, form), INTO, OUT_OF)
+    means = cut(day, nominal_w, form).means
     assert means.hours.sum() == pytest.approx(24.0)
     light_wh = float(means.light_w[0] @ means.hours)
     assert light_wh == pytest.approx(energy_wh(day, day.solar_w[0]), rel=1e-6)
@@ -116,13 +123,13 @@ def test_intervals_hold_light_and_storage_of_their_day(form):
 def test_light_of_all_heights_is_that_of_the_flight_at_its_heights():
     day, nominal_w = day_of()
     form = Form(1, climbs=True)
-    nodes = cut(day, nominal_w, form)
+    nodes = cut(day, nominal_w, form).nodes
     share = np.interp(day.time_h[nodes] % 24.0, [6.0, 12.0, 20.0], [0.0, 0.9, 0.1])
     # Half a per cent more light with every level.
     factors = 1.0 + 0.005 * np.arange(LEVELS)
     rows = factors[:, np.newaxis] * day.solar_w
     levels = Day(day.time_h, rows, np.zeros_like(rows), day.first)
-    flight_w = 1.01 * day_means(day, nodes, 1.0, 1.0).light_w[0]
+    flight_w = 1.01 * mean_light_w(day, nodes)[0]
     known = light_at_heights(levels, nodes, share, flight_w)
     weights = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
     assert np.sum(weights * known, axis=0) == pytest.approx(flight_w, rel=1e-12)
