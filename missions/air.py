@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import Record, UnitInterval
+from solar.schema import Allowed, Record, UnitInterval
 from solar.types import FloatArray
 
 TemperatureOffset = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
@@ -95,10 +95,7 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
         Outside the altitudes that the model covers.
     """
     z = np.asarray(altitude_m, float)
-    if np.any(z < MINIMUM_ALTITUDE_M) or np.any(z > MAXIMUM_ALTITUDE_M) or np.any(np.isnan(z)):
-        raise ValueError(
-            f"altitude_m must be from {MINIMUM_ALTITUDE_M:g} to {MAXIMUM_ALTITUDE_M:g} (got {z})"
-        )
+    Allowed(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M).check("altitude_m", z)
     standard_k, pressure = _standard_temperature_and_pressure(geopotential_altitude_m(z))
     return air_at(standard_k + np.asarray(temperature_offset_k, float), pressure)
 

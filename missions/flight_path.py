@@ -18,7 +18,7 @@ from pydantic import Field, Strict, model_validator
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.ground_track import Leg, Motion, Track, Turn
-from solar.schema import NonNegativeReal, PositiveReal, Record, wrong_value
+from solar.schema import NonNegativeReal, PositiveReal, Record, spell, wrong_value
 from solar.types import FloatArray
 
 MAXIMUM_BANK_DEG = 60.0
@@ -222,8 +222,8 @@ def _least_radius_m(ground_speed: float) -> float:
     return ground_speed**2 / (GRAVITY_M_PER_S2 * _TAN_MAXIMUM_BANK)
 
 
-def _rounded_up(value: float) -> str:
-    return f"{math.ceil(value * 10.0) / 10.0:.1f}"
+def _rounded_up(value: float) -> float:
+    return math.ceil(value * 10.0) / 10.0
 
 
 def _check_calm_bank(key: str, radius: float, airspeed: float | None) -> None:
@@ -233,8 +233,9 @@ def _check_calm_bank(key: str, radius: float, airspeed: float | None) -> None:
     if radius < least:
         raise wrong_value(
             key,
-            f"must be at least {_rounded_up(least)} m: at {airspeed:g} m/s a smaller turn needs "
-            f"more than {MAXIMUM_BANK_DEG:g} deg of bank (got {radius:g})",
+            f"must be at least {_rounded_up(least)} m: at {spell(airspeed)} m/s a smaller turn "
+            f"needs more than {spell(MAXIMUM_BANK_DEG)} deg of bank",
+            got=radius,
         )
 
 
@@ -253,9 +254,9 @@ def _check_wind(path: _MovingPath, wind: Wind) -> None:
     airspeed = _airspeed_m_per_s(path)
     if wind.speed_m_per_s >= airspeed:
         raise ValueError(
-            f"the wind of {wind.speed_m_per_s:g} m/s is not below the airspeed of "
-            f"{airspeed:g} m/s, so the aircraft cannot hold its position; on this "
-            f"path the wind must stay below {largest_wind_m_per_s(path):.4g} m/s"
+            f"the wind of {spell(wind.speed_m_per_s)} m/s is not below the airspeed of "
+            f"{spell(airspeed)} m/s, so the aircraft cannot hold its position; on this "
+            f"path the wind must stay below {spell(largest_wind_m_per_s(path), 4)} m/s"
         )
 
 
@@ -268,9 +269,9 @@ def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
     if radius < _least_radius_m(fastest):
         bank = math.degrees(math.atan(fastest**2 / (GRAVITY_M_PER_S2 * radius)))
         raise ValueError(
-            f"a turn of {radius:g} m radius at {airspeed:g} m/s in a wind of "
-            f"{wind.speed_m_per_s:g} m/s needs {bank:.1f} deg of bank, more than "
-            f"{MAXIMUM_BANK_DEG:g} deg; the radius must be at least "
+            f"a turn of {spell(radius)} m radius at {spell(airspeed)} m/s in a wind of "
+            f"{spell(wind.speed_m_per_s)} m/s needs {round(bank, 1)} deg of bank, more than "
+            f"{spell(MAXIMUM_BANK_DEG)} deg; the radius must be at least "
             f"{_rounded_up(_least_radius_m(fastest))} m"
         )
 

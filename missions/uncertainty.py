@@ -17,7 +17,16 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import PositiveReal, Real, Record, Text, check_below, kind_by_default, wrong_value
+from solar.schema import (
+    Allowed,
+    PositiveReal,
+    Real,
+    Record,
+    Text,
+    check_below,
+    kind_by_default,
+    wrong_value,
+)
 from solar.types import FloatArray
 
 
@@ -89,8 +98,8 @@ class Triangular(Record):
     @model_validator(mode="after")
     def _check_corners(self) -> Triangular:
         check_below(self, "low", "high")
-        if self.mode is not None and not self.low <= self.mode <= self.high:
-            raise ValueError(f"mode must lie between low and high (got {self.mode:g})")
+        if self.mode is not None:
+            Allowed(self.low, self.high).check("mode", self.mode)
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:

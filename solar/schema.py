@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from html import escape
 from itertools import pairwise
 from keyword import iskeyword
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeGuard
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, TypeGuard
 
 from pydantic import (
     AfterValidator,
@@ -28,6 +29,70 @@ else:
     ModelMetaclass = type(BaseModel)
 
 _UNCHECKED = "_changed_copy"
+
+
+# ---- Words of refusals
+
+
+def spell(value: float, digits: int = 6) -> str:
+    """Spell a number in a text, to a number of significant digits."""
+    return f"{value:.{digits}g}"
+
+
+def spell_ends(values: Iterable[float], digits: int = 6) -> str:
+    """Spell the least and the largest of some numbers, once if they are equal."""
+    every = list(values)
+    return " to ".join(dict.fromkeys(spell(end, digits) for end in (min(every), max(every))))
+
+
+def significant(value: float, digits: int = 6) -> float:
+    """Round a number to a number of significant digits."""
+    return float(spell(value, digits))
+
+
+def refusal(message: str, got: object) -> str:
+    """Return what is allowed, with the value in its place: texts as they are to be shown."""
+    return f"{message} (got {spell(got) if isinstance(got, float) else got})"
+
+
+class Allowed(NamedTuple):
+    """Allowed numbers, both for checks and in words; an end may be excluded."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    above: bool = False
+    below: bool = False
+
+    def __str__(self) -> str:
+        """Return the numbers in words: ``from 0 to 1``, ``above 0 and at most 10``."""
+        low, high = spell(self.low), spell(self.high)
+        if not (self.above or self.below) and math.isfinite(self.low) and math.isfinite(self.high):
+            return f"from {low} to {high}"
+        lower = f"{'above' if self.above else 'at least'} {low}"
+        upper = f"{'below' if self.below else 'at most'} {high}"
+        ends = ((lower, self.low), (upper, self.high))
+        return " and ".join(words for words, end in ends if math.isfinite(end))
+
+    def holds(self, values: Any) -> Any:
+        """Return true where numbers are allowed, of a number or an array; false for NaN."""
+        lower = values > self.low if self.above else values >= self.low
+        return lower & (values < self.high if self.below else values <= self.high)
+
+    def trouble(self, name: str, values: Any) -> str:
+        """Return the refusal of the first number, of one or an array, that is not allowed."""
+        if isinstance(values, int | float):
+            odd = [] if self.holds(values) else [values]
+        else:
+            odd = values[~self.holds(values)].ravel()[:1].tolist()
+        return refusal(f"{name} must be {self}".lstrip(), odd[0]) if odd else ""
+
+    def check(self, name: str, values: Any) -> None:
+        """Refuse numbers that are not allowed."""
+        if trouble := self.trouble(name, values):
+            raise ValueError(trouble)
+
+
+# ---- Records
 
 
 class _Described(ModelMetaclass):
@@ -150,26 +215,38 @@ def is_positive(value: Any) -> TypeGuard[float]:
     return number and 0.0 < value <= 1e12
 
 
-def wrong_value(key: str, message: str, **context: Any) -> PydanticCustomError:
+def wrong_value(
+    key: str, message: str, *, got: object = None, **context: Any
+) -> PydanticCustomError:
     """Return a validator's error at a key below its record; braces in the message are text.
 
-    ``context``: for instance ``problems`` in a file that the key names.
+    ``got``: the value in words of :func:`refusal`, none by default. ``context``: for instance
+    ``problems`` in a file that the key names.
     """
-    return PydanticCustomError("wrong_value", "{why}", {"key": key, "why": message, **context})
+    why = message if got is None else refusal(message, got)
+    return PydanticCustomError("wrong_value", "{why}", {"key": key, "why": why, **context})
 
 
 def check_order(record: Record, first: str, second: str, *, equal: bool = False) -> None:
     """Refuse a record whose second key is not above its first one."""
     low, high = getattr(record, first), getattr(record, second)
     if low > high or (low == high and not equal):
-        raise wrong_value(second, f"must be above {first} {low:g} (got {high:g})")
+        raise wrong_value(second, f"must be above {first} {spell(low)}", got=high)
 
 
 def check_below(record: Record, first: str, second: str) -> None:
     """Refuse a record, as a whole, whose first key is not below its second one."""
     low, high = getattr(record, first), getattr(record, second)
     if low >= high:
-        raise ValueError(f"{first} must be below {second} (got {low:g} and {high:g})")
+        got = f"{spell(low)} and {spell(high)}"
+        raise ValueError(refusal(f"{first} must be below {second}", got))
+
+
+def check_one(record: Record, first: str, second: str) -> None:
+    """Refuse a record that gives both of two keys for the same thing."""
+    value = getattr(record, second)
+    if getattr(record, first) is not None and value is not None:
+        raise wrong_value(second, f"give this or {first}, not both", got=value)
 
 
 def check_columns(record: Record, x: str, y: str) -> None:
@@ -199,8 +276,7 @@ def _at_least(limit: float) -> AfterValidator:
     """Refuse positive numbers too small for anything that flies."""
 
     def check(value: float) -> float:
-        if value < limit:
-            raise ValueError(f"must be at least {limit:g} (got {value:g})")
+        Allowed(limit).check("", value)
         return value
 
     return AfterValidator(check)
@@ -232,7 +308,7 @@ Flag = Annotated[bool, Strict()]
 def _printable(text: str) -> str:
     """Refuse control characters, which terminals obey and files of figures cannot hold."""
     if not text.isprintable():
-        raise ValueError(f"must not hold control characters (got {ascii(text)[:60]})")
+        raise ValueError(refusal("must not hold control characters", ascii(text)[:60]))
     return text
 
 

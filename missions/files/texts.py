@@ -120,5 +120,5 @@ def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
         reason = words.get(type(error), error.strerror)
         raise file_error(source, f"cannot be read: {str(reason).lower()}") from error
     if len(content) > most_bytes:
-        raise file_error(source, f"is larger than {most_bytes / 1e6:g} MB")
+        raise file_error(source, f"is larger than {most_bytes // 1_000_000} MB")
     return content

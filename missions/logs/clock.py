@@ -12,6 +12,7 @@ import pandas as pd
 
 from missions.files.errors import shown
 from missions.logs.units import SCALES
+from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 
 _DAY_S = 86400.0
@@ -189,7 +190,7 @@ def times_from_numbers(
     if epoch is None and size > _MOST_SINCE_START:
         return values, None  # refused by its size, as other times that no flight has
     if epoch is None:
-        shape = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
+        shape = f" ({spell(values[0])}, {spell(values[1])}, ...)" if len(values) > 1 else ""
         raise ValueError(
             f"counts from the start of the log, not from 1970{shape}: give the time of its first "
             "row with its zone, such as --start 2015-06-30T11:14:00+02:00"

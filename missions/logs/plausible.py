@@ -14,6 +14,7 @@ import pandas as pd
 
 from missions.logs.clock import Span
 from missions.logs.units import QUANTITIES, UNITS, Dimension, quantity_of
+from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 
 Kind = Literal[
@@ -195,7 +196,7 @@ def leave_out_held(rows: pd.DataFrame, labels: Mapping[str, str]) -> list[LeftOu
     for name in map(str, rows):
         column = rows[name].to_numpy(float, copy=True)
         for kind, mask in stretches(quantity_of(name), column, time_s):
-            example = f"{column[np.argmax(mask)]:g}"
+            example = spell(column[np.argmax(mask)])
             left.append(left_out(labels.get(name, name), kind, mask, time_s, example))
             rows.loc[mask, name] = np.nan
     return left

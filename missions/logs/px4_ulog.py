@@ -162,7 +162,7 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     lost = [_DAMAGED] if log.file_corruption else []
     if dropouts := getattr(log, "dropouts", ()):
         whole_s = 1e-3 * sum(dropout.duration for dropout in dropouts)
-        lost.append(f"the logger fell out {len(dropouts)} times, for {whole_s:.1f} s in all")
+        lost.append(f"the logger fell out {len(dropouts)} times, for {round(whole_s, 1)} s in all")
     return topics, lost
 
 

@@ -22,6 +22,7 @@ from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import Span, times_from_text
 from missions.logs.plausible import Kind, LeftOut, codes, leave_out_held, left_out, without_spans
 from missions.logs.units import ATTITUDE, EPOCH, MPPT, QUANTITIES, TIME, quantity_of
+from solar.schema import Allowed, spell
 from solar.types import BoolArray, FloatArray, IntArray
 
 REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
@@ -247,7 +248,7 @@ def _join_at_power_times(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
     ages = sorted({_AGES.get(str(name), _OTHER_AGE_S) for name in rows})
     notes.append(
         "columns are written at times of their own: for each value of the solar power the nearest "
-        f"one of the others is used, {', '.join(f'{age:g}' for age in ages)} s away at most"
+        f"one of the others is used, {', '.join(map(spell, ages))} s away at most"
     )
     return pd.DataFrame(together, index=at_s)
 
@@ -287,7 +288,7 @@ class Check:
                 return np.where(wrong, np.nan, values)
             wrong = known  # the rest is right by chance
         row = int(np.argmax(wrong))
-        value = f"{values[row]:g}" if np.isfinite(values[row]) else _cell(column.iloc[row])
+        value = spell(values[row]) if np.isfinite(values[row]) else _cell(column.iloc[row])
         example = f"{value} in line {self.lines[row]}"
         if kind == "outside":
             example += f", {message}"
@@ -324,7 +325,7 @@ def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> Flo
     if quantity == "time":
         return _drop_impossible_times(values, column, check)
     dimension, low, high = QUANTITIES[quantity][:3]
-    message = f"must be from {low:g} to {high:g}{_HINTS.get(quantity, '')}"
+    message = f"must be {Allowed(low, high)}{_HINTS.get(quantity, '')}"
     values = check.without(values, (values < low) | (values > high), column, "outside", message)
     marked = codes(dimension, values)
     return check.without(values, marked, column, "code")
@@ -344,7 +345,8 @@ def _assemble_log(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -
     if dropped > MAXIMUM_DROPPED * total:
         counts = ", ".join(f"{name} in {lacks}" for name, lacks in lacking.sum().items() if lacks)
         message = f"{dropped} of {total} rows lack a required value ({counts})"
-        raise file_error(check.source, f"{message}; allowed: at most {MAXIMUM_DROPPED:.0%}{why}")
+        most = f"at most {round(100 * MAXIMUM_DROPPED)} %"
+        raise file_error(check.source, f"{message}; allowed: {most}{why}")
     if total - dropped < 2:
         raise file_error(check.source, f"has fewer than two complete rows{why}")
     if dropped:
@@ -356,9 +358,9 @@ def _assemble_log(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -
     after = np.flatnonzero(step > GAP_STEPS * np.median(step))
     gaps = tuple(Gap(float(time_s[i]), float(time_s[i + 1])) for i in after)
     if gaps:
-        longest = max(gap.duration_s for gap in gaps)
+        longest = round(max(gap.duration_s for gap in gaps), 1)
         plural = "gap splits" if len(gaps) == 1 else "gaps split"
-        check.notes.append(f"{len(gaps)} {plural} the log, the longest of {longest:.1f} s")
+        check.notes.append(f"{len(gaps)} {plural} the log, the longest of {longest} s")
     attitude = None
     if "roll_deg" in values:
         angles = [values[name] for name in ATTITUDE]

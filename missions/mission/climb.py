@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M
-from missions.mission.scenarios import Altitude
-from solar.schema import Record, wrong_value
+from missions.mission.scenarios import OTHER_NAME, Altitude
+from solar.schema import Record, spell, wrong_value
 
 # Of a flight with climbs: between levels everything is linear.
 LEVEL_SPACING_M = 500.0
@@ -36,24 +36,15 @@ class Climb(Record):
 
     def check(self, altitude_m: float) -> None:
         """Refuse a floor or a ceiling that contradicts the mission's altitude."""
-        floor_m = self.minimum_altitude_m
+        floor_m, key = self.minimum_altitude_m, "climb.minimum_altitude_m"
         if floor_m is not None and floor_m > self.ceiling_m:
-            raise wrong_value(
-                "climb.minimum_altitude_m",
-                f"must be at most climb.ceiling_m of {self.ceiling_m:g} (got {floor_m:g})",
-            )
+            text = f"must be at most climb.ceiling_m of {spell(self.ceiling_m)}"
+            raise wrong_value(key, text, got=floor_m)
         if floor_m is not None and floor_m != altitude_m:
-            raise wrong_value(
-                "climb.minimum_altitude_m",
-                "is the mission's altitude_m by another name: leave one of them out (got "
-                f"{floor_m:g}, altitude_m is {altitude_m:g})",
-            )
+            raise wrong_value(key, OTHER_NAME.format("altitude_m", spell(altitude_m)), got=floor_m)
         if self.ceiling_m < altitude_m:
-            raise wrong_value(
-                "climb.ceiling_m",
-                f"must be at least the mission's altitude_m of {altitude_m:g} (got "
-                f"{self.ceiling_m:g})",
-            )
+            text = f"must be at least the mission's altitude_m of {spell(altitude_m)}"
+            raise wrong_value("climb.ceiling_m", text, got=self.ceiling_m)
 
     @property
     def record(self) -> dict[str, Any]:

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
 
-from missions.mission.scenarios import Scenarios, date_as_code
-from solar.schema import Record, UnitInterval, wrong_value
+from missions.mission.scenarios import OTHER_NAME, Scenarios, date_as_code
+from solar.schema import Record, UnitInterval, refusal, spell, wrong_value
 from solar.sun import HOURS_PER_DAY, NOON_H, declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
@@ -86,7 +86,7 @@ class Flight(Record):
     def _check_end(self) -> Flight:
         if (self.land is None) == (self.hours is None):
             got = "neither" if self.land is None else "both"
-            raise ValueError(f"give either 'land: sunset' or 'hours: 14' (got {got})")
+            raise ValueError(refusal("give either 'land: sunset' or 'hours: 14'", got))
         if self.launch == "sunrise" and self.utc_offset_h is not None:
             raise wrong_value("utc_offset_h", "is that of a launch HH:MM by the local clock")
         return self
@@ -96,17 +96,16 @@ class Flight(Record):
         if self.utc_offset_h is not None and longitude_deg is None:
             raise wrong_value("flight.utc_offset_h", "needs longitude_deg on the mission")
         if self.reserve_h is not None and required_excess_time_h not in (0.0, self.reserve_h):
-            raise wrong_value(
-                "flight.reserve_h",
-                f"is required_excess_time_h by another name: leave one of them out (got "
-                f"{self.reserve_h:g}, required_excess_time_h is {required_excess_time_h:g})",
-            )
+            text = OTHER_NAME.format("required_excess_time_h", spell(required_excess_time_h))
+            raise wrong_value("flight.reserve_h", text, got=self.reserve_h)
 
     @property
     def text(self) -> str:
         """Return the flight in words."""
         launch = self.launch if self.launch == "sunrise" else f"launch at {self.launch}"
-        return f"{launch} to sunset" if self.hours is None else f"{self.hours:g} h from {launch}"
+        if self.hours is None:
+            return f"{launch} to sunset"
+        return f"{spell(self.hours)} h from {launch}"
 
     @property
     def days(self) -> int:

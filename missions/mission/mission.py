@@ -27,7 +27,17 @@ from missions.uncertainty import Uncertainty
 from missions.winds.statistics import WindStatistics
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
-from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, Record, Text, wrong_value
+from solar.schema import (
+    FileRecord,
+    Fraction,
+    Name,
+    NonNegativeReal,
+    Record,
+    Text,
+    spell,
+    spell_ends,
+    wrong_value,
+)
 from solar.systematic_errors import correction
 from solar.types import FloatArray
 
@@ -76,10 +86,8 @@ class UncertaintyMargins(Record):
         """Refuse a worst clearness above the one that is assumed."""
         lowest = self.clearness_minimum
         if lowest is not None and lowest > clearness:
-            raise wrong_value(
-                "uncertainty_margins.clearness_minimum",
-                f"must be at most the mission's clearness of {clearness:g} (got {lowest:g})",
-            )
+            text = f"must be at most the mission's clearness of {spell(clearness)}"
+            raise wrong_value("uncertainty_margins.clearness_minimum", text, got=lowest)
 
 
 class Mission(FileRecord):
@@ -161,10 +169,8 @@ class Mission(FileRecord):
                 self.model_fields_set.discard("required_excess_time_h")
         count = len(self.latitudes()) * len(self.dates.days())
         if count > MAXIMUM_SCENARIOS:
-            raise wrong_value(
-                "latitude_deg",
-                f"latitudes times days must be at most {MAXIMUM_SCENARIOS} scenarios (got {count})",
-            )
+            text = f"latitudes times days must be at most {MAXIMUM_SCENARIOS} scenarios"
+            raise wrong_value("latitude_deg", text, got=count)
         self.uncertainty_margins.check(self.clearness)
         if self.wind_statistics:
             self._check_wind(self.wind_statistics)
@@ -175,7 +181,7 @@ class Mission(FileRecord):
         try:
             if self.wind_m_per_s:
                 raise ValueError(
-                    f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s), not both: "
+                    f"give wind or wind_m_per_s (got {spell(self.wind_m_per_s)} m/s), not both: "
                     "wind_m_per_s: 0 leaves it to wind, wind: null to the constant one"
                 )
             # Above the floor the wind plays a part where the place is held, and on a flight path.
@@ -289,7 +295,8 @@ class Mission(FileRecord):
     @property
     def climb_label(self) -> str:
         """Return the climbs in words, for captions; empty without any."""
-        return f"climbs from {self.altitude_m:g} to {self.ceiling_m:g} m" if self.climb else ""
+        levels = spell_ends((self.altitude_m, self.ceiling_m))
+        return f"climbs from {levels} m" if self.climb else ""
 
     def air_state(self) -> Air:
         """Return the air at the flight altitude."""

@@ -10,7 +10,7 @@ from pydantic import Field, Strict, field_validator, model_validator
 
 from missions import dates
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M
-from solar.schema import Record
+from solar.schema import Record, spell
 from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -22,6 +22,8 @@ Altitude = Annotated[
 
 
 SOLSTICES = (172, 355)  # 21 June and 21 December
+# Why a second name of one of the mission's keys is refused.
+OTHER_NAME = "is the mission's {} of {} by another name: leave one of them out"
 
 
 class LatitudeRange(Record):
@@ -35,8 +37,8 @@ class LatitudeRange(Record):
     def _check_ends(self) -> LatitudeRange:
         if self.from_deg == self.to_deg:
             raise ValueError(
-                f"from_deg and to_deg must differ (got {self.from_deg:g} twice): a single latitude "
-                "is written latitude_deg: 47.6"
+                f"from_deg and to_deg must differ (got {spell(self.from_deg)} twice): a single "
+                "latitude is written latitude_deg: 47.6"
             )
         return self
 
@@ -105,7 +107,7 @@ class Dates(Record):
 def latitude_label(latitude_deg: float) -> str:
     """Return a readable latitude, for instance ``47.6° N``."""
     hemisphere = "" if latitude_deg == 0 else " S" if latitude_deg < 0 else " N"
-    return f"{abs(float(latitude_deg)):g}\N{DEGREE SIGN}{hemisphere}"
+    return f"{spell(abs(latitude_deg))}\N{DEGREE SIGN}{hemisphere}"
 
 
 @dataclass(frozen=True)

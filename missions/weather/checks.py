@@ -25,6 +25,7 @@ from missions.weather.record import (
     sun_over,
 )
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
+from solar.schema import Allowed, refusal, spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray, IntArray
 
@@ -47,7 +48,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     time_s, lines, typical = _read_times(raw, source)
     apart_s = float(np.median(np.diff(time_s)))
     if not 60.0 <= apart_s <= 3.0 * SECONDS_PER_HOUR:
-        message = f"has a row every {apart_s / 60:g} minutes"
+        message = f"has a row every {spell(apart_s / 60)} minutes"
         raise file_error(source, f"{message}; allowed: from 1 minute to 3 hours")
     interval_s = min(raw.interval_s or apart_s, apart_s)
     stride = round(apart_s / interval_s)
@@ -66,9 +67,9 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     sun = _Sun.over(raw.site, start_s, interval_s)
     missing, repairs = int(np.count_nonzero(of_line < 0)), []
     if stride > 1:
-        apart, each = (f"{one_s / SECONDS_PER_HOUR:g} h" for one_s in (apart_s, interval_s))
-        text = f"rows {apart} apart have the light of {each} each: shares of the clear sky between"
-        repairs.append(text)
+        apart, each = (spell(one_s / SECONDS_PER_HOUR) for one_s in (apart_s, interval_s))
+        text = f"rows {apart} h apart have the light of {each} h each: shares of the clear sky "
+        repairs.append(f"{text}between")
     elif missing:
         repairs.append(f"{missing} of {len(of_line)} rows are missing")
     light = {name: columns[name] for name in LIGHT if name in values}
@@ -80,9 +81,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
     share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
     if share < _DARKEST:
-        percent = f"{100.0 * share:.2g} %"
-        message = f"has {percent} of the light of a clear sky: is the unit wrong? W/m² are needed"
-        raise file_error(source, message)
+        message = f"has {spell(100.0 * share, 2)} % of the light of a clear sky"
+        raise file_error(source, f"{message}: is the unit wrong? W/m² are needed")
     air = {}
     for quantity in (TEMPERATURE, WIND):
         air[quantity], notes = checked_air(quantity, columns, of_line, source, stride=stride)
@@ -113,7 +113,7 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
     text = np.flatnonzero(np.isnan(values) & column.notna().to_numpy())
     if len(text):
         at = int(text[0])
-        message = f"must be a number (got {shown(str(column.iloc[at]))})"
+        message = refusal("must be a number", shown(str(column.iloc[at])))
         raise row_error(source, lines[at], name, message, len(text))
     # As light, a code between these may be a measurement: 999 W/m2 is a bright noon.
     code = ((values < -_NIGHT_NOISE) | (values >= 9999.0)) if name in LIGHT else True
@@ -130,7 +130,7 @@ def _read_times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]
     if len(wrong):
         at = int(wrong[0])
         got = "no time" if index[at] is pd.NaT else str(index[at].year)
-        message = f"years must be from {EARLIEST_YEAR} to {LATEST_YEAR} (got {got})"
+        message = refusal(f"years must be from {EARLIEST_YEAR} to {LATEST_YEAR}", got)
         raise row_error(source, lines[at], "time", message)
     utc = index.tz_convert("UTC") if index.tz is not None else index.tz_localize("UTC")
     time_s = utc.tz_localize(None).to_numpy("datetime64[ns]").astype(np.int64) / 1e9
@@ -184,7 +184,7 @@ def _place_on_grid(
     nearest = np.rint(place).astype(int)
     off = np.flatnonzero(np.abs(place - nearest) > 0.02)
     if len(off):
-        message = f"is not a whole number of {interval_s / 60:g} minutes after the first row"
+        message = f"is not a whole number of {spell(interval_s / 60)} minutes after the first row"
         raise row_error(source, lines[off[0]], "time", message, len(off))
     count = int(nearest[-1]) + 1
     if count * interval_s > MAXIMUM_DAYS * SECONDS_PER_DAY:
@@ -328,11 +328,9 @@ def _fill_gaps(
     begin, stop = max(runs_of(empty).tolist(), key=lambda gap: gap[1] - gap[0], default=(0, 0))
     if (gap_h := (stop - begin) * interval_s / SECONDS_PER_HOUR) > LONGEST_GAP_H:
         when = np.datetime64(int(start_s[begin]), "s")
-        raise file_error(
-            source,
-            f"has a gap of {gap_h / 24:.1f} days from {when} UTC; allowed: at most "
-            f"{LONGEST_GAP_H / 24:g} days, which are filled",
-        )
+        message = f"has a gap of {round(gap_h / 24, 1)} days from {when} UTC"
+        most = f"at most {spell(LONGEST_GAP_H / 24)} days, which are filled"
+        raise file_error(source, f"{message}; allowed: {most}")
     for values in light.values():
         values[np.isnan(values) & (sun.highest < 0.0)] = 0.0  # a night without rows is no gap
     empty &= sun.highest >= 0.0
@@ -340,11 +338,8 @@ def _fill_gaps(
     if not count:
         return []
     if len(empty) - count < (1.0 - MAXIMUM_FILLED) * len(empty) / stride:
-        raise file_error(
-            source,
-            f"lacks light in {count} of {len(empty)} rows; allowed: at most "
-            f"{MAXIMUM_FILLED:.0%}, which are filled",
-        )
+        most = f"at most {round(100 * MAXIMUM_FILLED)} %, which are filled"
+        raise file_error(source, f"lacks light in {count} of {len(empty)} rows; allowed: {most}")
     per_day = round(SECONDS_PER_DAY / interval_s)
     copied = 0
     for begin, stop in runs_of(empty).tolist():
@@ -395,16 +390,17 @@ class Quantity(NamedTuple):
 
     column: str
     name: str
-    lowest: float
-    highest: float
+    allowed: Allowed
     unit: str
     instead: str
 
 
 # Around the records of the WMO (World Weather & Climate Extremes Archive): -89.2 C, 56.7 C, and
 # 113 m/s in a gust.
-TEMPERATURE = Quantity("temp_air", "temperature", -90.0, 70.0, "C", "that of the mission's air")
-WIND = Quantity("wind_speed", "wind speed", 0.0, 120.0, "m/s", "not used")
+TEMPERATURE = Quantity(
+    "temp_air", "temperature", Allowed(-90.0, 70.0), "C", "that of the mission's air"
+)
+WIND = Quantity("wind_speed", "wind speed", Allowed(0.0, 120.0), "m/s", "not used")
 
 
 def checked_air(
@@ -423,18 +419,14 @@ def checked_air(
     values = columns.get(quantity.column)
     if values is None:
         return None, []
-    lowest, highest, notes = quantity.lowest, quantity.highest, []
-    with np.errstate(invalid="ignore"):
-        possible = (values >= lowest) & (values <= highest)
+    possible, notes = quantity.allowed.holds(values), []
     empty = np.isnan(values)
     wrong = np.flatnonzero(~possible & ~empty)
-    what = f"a {quantity.name} outside of {lowest:g} to {highest:g} {quantity.unit}"
+    what = f"a {quantity.name} not {quantity.allowed} {quantity.unit}"
     if len(wrong) > MAXIMUM_IMPOSSIBLE * len(values):
         first = int(wrong[0])
-        message = (
-            f"{len(wrong)} of {len(values)} rows have {what} (first here, {values[first]:g}): "
-            "is the unit wrong?"
-        )
+        message = f"{len(wrong)} of {len(values)} rows have {what} (first here, "
+        message += f"{spell(values[first])}): is the unit wrong?"
         raise row_error(source, lines[first], quantity.column, message)
     if len(wrong):
         notes.append(f"{len(wrong)} rows with {what} taken out")

@@ -33,9 +33,11 @@ from missions.winds.netcdf import (
     latitudes_deg,
     merged_versions,
     nearest_longitude,
+    not_of_the_mission,
     opened,
     values_of,
 )
+from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
 
@@ -181,7 +183,7 @@ def _make_table(
     elif "pressure" in columns:
         pressure_pa = float(np.nanmean(columns["pressure"]))
         if pressure_pa < _LEAST_GROUND_PA:
-            raise file_error(source, f"has a pressure at the ground of {pressure_pa:g} Pa")
+            raise file_error(source, f"has a pressure at the ground of {spell(pressure_pa)} Pa")
         ground_m = float(pressure_altitude_m(pressure_pa))
     else:
         ground_m = np.nan
@@ -245,8 +247,7 @@ def _nearest_point(
     i = 0 if to_north is None else int(np.argmin(np.abs(north - to_north)))
     spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
     if to_north is not None and abs(north[i] - to_north) > spacing:
-        ends = f"{north.min():g} to {north.max():g}"
-        raise file_error(source, f"has latitudes {ends}, not {to_north:g} of the mission")
+        raise not_of_the_mission(source, "latitudes", north, to_north)
     j = 0
     if to_east is not None and len(east) > 1:
         j = nearest_longitude(east, to_east, source)
@@ -279,9 +280,8 @@ def _values_at_point(
     order = np.argsort(heights)
     altitude_m = heights[order[0]] if mission is None else mission.altitude_m
     if not heights[order[0]] <= altitude_m <= heights[order[-1]]:
-        ends = f"{heights[order[0]]:.0f} to {heights[order[-1]]:.0f} m"
-        raise file_error(
-            source, f"has {variable.name} at {ends}, not at {altitude_m:g} m of the mission"
+        raise not_of_the_mission(
+            source, f"{variable.name} at altitude_m", heights.round(), altitude_m
         )
     values = values_of(at.transpose(time, level), source)[:, order]
     upper = int(np.clip(np.searchsorted(heights[order], altitude_m), 1, len(order) - 1))

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import re
 import warnings
 from collections.abc import Callable, Mapping
@@ -27,6 +26,7 @@ from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.plain import read_plain
 from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
 from missions.weather.record import TYPICAL_YEAR, Site
+from solar.schema import Allowed, spell
 
 
 def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawTable:
@@ -44,14 +44,13 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
                 head = text[:HEAD_LENGTH]
                 layout, read = next((n, read) for n, key, read in _LAYOUTS if re.match(key, head))
                 raw = read(text, source)
-        for name, value, lowest, highest in (
-            ("latitude", raw.site.latitude_deg, -90.0, 90.0),
-            ("longitude", raw.site.longitude_deg, -180.0, 360.0),
-            ("altitude", raw.site.altitude_m, -500.0, 9000.0),
+        for name, value, allowed in (
+            ("latitude", raw.site.latitude_deg, Allowed(-90.0, 90.0)),
+            ("longitude", raw.site.longitude_deg, Allowed(-180.0, 360.0)),
+            ("altitude", raw.site.altitude_m, Allowed(-500.0, 9000.0)),
         ):
-            if not lowest <= value <= highest:
-                allowed = f"allowed: {lowest:g} to {highest:g}"
-                raise file_error(source, f"has its site at the {name} {value:g}; {allowed}")
+            if trouble := allowed.trouble(f"the {name} of its site", value):
+                raise file_error(source, trouble)
         site = replace(raw.site, name=shortened(printable(raw.site.name)))
         return raw._replace(layout=layout, site=site)
     except (InputError, RecursionError, MemoryError):
@@ -138,10 +137,9 @@ def _pvgis_hourly(text: str, source: str) -> RawTable:
     table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
-    if slope not in (None, 0.0):
-        raise file_error(
-            source, f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0"
-        )
+    if slope:
+        message = f"is the light on a surface of {spell(slope)} deg slope"
+        raise file_error(source, f"{message}: ask PVGIS for a slope of 0")
     if "poa_direct" in table:
         beam, sky = table["poa_direct"], table["poa_sky_diffuse"]
         table["ghi"], table["dhi"] = beam + sky, sky
@@ -247,9 +245,8 @@ def _site(
             value = float(head[key]) if key else 0.0
         except (KeyError, TypeError, ValueError):
             raise file_error(source, f"its head has no number for {key}") from None
-        if not math.isfinite(value) or abs(value) > limit:
-            message = f"must be from {-limit:g} to {limit:g}"
-            raise InputError([Problem(source, 1, None, key, message)])
+        if trouble := Allowed(-limit, limit).trouble("", value):
+            raise InputError([Problem(source, 1, None, key, trouble)])
         values.append(value)
     return Site(name, *values)
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from missions.weather.record import SECONDS_PER_HOUR, Site, Weather, sun_over
 from solar.clearsky import Irradiance, clear_sky, extraterrestrial_irradiance
+from solar.schema import Allowed
 from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
 
@@ -55,8 +56,7 @@ def light_at_altitude(
     ``step_s``: largest distance of the nodes [s]; shorter intervals of a record are averaged over
     whole numbers of them.
     """
-    if not 1.0 <= step_s <= 3.0 * SECONDS_PER_HOUR:
-        raise ValueError(f"step_s must be from 1 to 10800 (got {step_s:g})")
+    Allowed(1.0, 3.0 * SECONDS_PER_HOUR).check("step_s", step_s)
     weather = _coarsen(weather, step_s)
     parts = max(1, int(np.ceil(weather.interval_s / step_s - 1e-9)))
     while (SECONDS_PER_DAY * parts / weather.interval_s) % 1.0 > 1e-9:

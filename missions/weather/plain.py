@@ -10,9 +10,10 @@ from typing import Any
 
 import pandas as pd
 
-from missions.files.errors import InputError, Problem, file_error
+from missions.files.errors import InputError, Problem, file_error, shown
 from missions.weather.raw import START, RawTable, row_error
 from missions.weather.record import Site
+from solar.schema import Allowed, refusal
 
 _SITE_KEYS = {
     "latitude_deg": 90.0,
@@ -82,8 +83,8 @@ def read_plain(text: str, source: str) -> RawTable:
     times = pd.to_datetime(written.astype("string"), format="ISO8601", utc=True, errors="coerce")
     wrong = times.isna().to_numpy().nonzero()[0]
     if len(wrong):
-        got = str(written.iloc[wrong[0]])[:40]
-        message = f"must be ISO 8601 like 2023-06-21T12:00Z (got {got!r})"
+        got = shown(str(written.iloc[wrong[0]]))
+        message = refusal("must be ISO 8601 like 2023-06-21T12:00Z", got)
         raise row_error(source, begin + 2 + int(wrong[0]), "time_utc", message, len(wrong))
     table = table.set_index(pd.DatetimeIndex(times))
     site = Site(**{"name": "", "utc_offset_h": 0.0, **meta})
@@ -108,7 +109,7 @@ def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Pro
             meta[key] = float(value)
         except ValueError:
             meta[key] = math.nan
-        if not abs(meta[key]) <= limit:
-            message = f"must be a number from {-limit:g} to {limit:g} (got {value[:40]!r})"
+        if not (allowed := Allowed(-limit, limit)).holds(meta[key]):
+            message = refusal(f"must be a number {allowed}", shown(value))
             problems.append(Problem(source, number, None, key, message))
     return meta, problems

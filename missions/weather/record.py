@@ -45,7 +45,7 @@ class Site:
         """Name and place in one line."""
         north = f"{abs(self.latitude_deg):.2f}° {'N' if self.latitude_deg >= 0 else 'S'}"
         east = f"{abs(self.longitude_deg):.2f}° {'E' if self.longitude_deg >= 0 else 'W'}"
-        place = f"{north}, {east}, {self.altitude_m:.0f} m"
+        place = f"{north}, {east}, {round(self.altitude_m)} m"
         return f"{self.name} ({place})" if self.name else place
 
     @property

@@ -9,11 +9,12 @@ from missions.mission import Mission
 from missions.mission.scenarios import latitude_label
 from missions.weather.record import Weather
 from solar.clearsky import THIN_AIR_FROM_M
+from solar.schema import spell
 
 EARTH_RADIUS_KM = 6371.0
-NEAR_KM, FAR_KM = 100.0, 1000.0
+NEAR_KM, FAR_KM = 100, 1000
 # Height above the ground of a mission that sets none [m].
-DEFAULT_HEIGHT_M = 120.0
+DEFAULT_HEIGHT_M = 120
 
 
 def mission_at_site(
@@ -35,12 +36,12 @@ def mission_at_site(
     if chosen and away_km > FAR_KM:
         raise file_error(
             weather.source,
-            f"its site {site.label} is {away_km:.0f} km from the mission {mission.name}; allowed: "
-            f"up to {FAR_KM:.0f} km (set the mission's latitude_deg; solar-uav analyse may also "
-            "leave the mission out)",
+            f"its site {site.label} is {round(away_km)} km from the mission {mission.name}; "
+            f"allowed: up to {FAR_KM} km (set the mission's latitude_deg; solar-uav analyse may "
+            "also leave the mission out)",
         )
     if away_km > NEAR_KM and mission.longitude_deg is not None:
-        notes.append(f"simulated at the record's site, {away_km:.0f} km from the mission's site")
+        notes.append(f"simulated at the record's site, {round(away_km)} km from the mission's site")
     elif away_km > NEAR_KM:
         latitudes = mission.latitudes()
         ends = map(latitude_label, sorted({latitudes[0], latitudes[-1]}))
@@ -48,24 +49,25 @@ def mission_at_site(
             f"the mission has no longitude: its site is at {latitude_label(site.latitude_deg)} "
             f"instead of {' to '.join(ends)}"
         )
-    altitude_m = mission.altitude_m
+    altitude_m, ground_m = mission.altitude_m, round(site.altitude_m)
     if altitude_m >= THIN_AIR_FROM_M:
         raise file_error(
             weather.source,
-            f"its site is {site.altitude_m:.0f} m high and its clouds lie below the mission's "
-            f"altitude_m of {altitude_m:g}: a flight through a record is below "
-            f"{THIN_AIR_FROM_M:g} m; above, leave the record out",
+            f"its site is {ground_m} m high and its clouds lie below the mission's altitude_m of "
+            f"{spell(altitude_m)}: a flight through a record is below {spell(THIN_AIR_FROM_M)} m; "
+            "above, leave the record out",
         )
     if altitude_m < site.altitude_m:
+        higher_m = site.altitude_m + DEFAULT_HEIGHT_M
         if chosen:
             raise file_error(
                 weather.source,
-                f"the ground of its site is {site.altitude_m:.0f} m high: the mission's altitude_m "
-                f"of {altitude_m:g} is below it; {DEFAULT_HEIGHT_M:.0f} m above the ground: "
-                f"--set mission.altitude_m={site.altitude_m + DEFAULT_HEIGHT_M:.0f}",
+                f"the ground of its site is {ground_m} m high: the mission's altitude_m of "
+                f"{spell(altitude_m)} is below it; {DEFAULT_HEIGHT_M} m above the ground: "
+                f"--set mission.altitude_m={round(higher_m)}",
             )
-        altitude_m = site.altitude_m + DEFAULT_HEIGHT_M
-        notes.append(f"simulated {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")
+        altitude_m = higher_m
+        notes.append(f"simulated {DEFAULT_HEIGHT_M} m above the site, at {round(altitude_m)} m")
     elsewhere = mission.at_altitude(altitude_m) if altitude_m != mission.altitude_m else mission
     moved = elsewhere.model_copy(
         update={

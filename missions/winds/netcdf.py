@@ -18,6 +18,7 @@ from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, pressure_altitu
 from missions.files.errors import InputError, file_error, printable
 from missions.files.texts import open_plain
 from missions.winds.table import STRONGEST_M_PER_S, WindTable
+from solar.schema import spell, spell_ends
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
@@ -70,7 +71,8 @@ def wind_table_from_netcdf(
         if longitude_deg is not None:
             nearest = nearest_longitude(longitudes, longitude_deg, source)
             u, v = (wind[..., nearest : nearest + 1] for wind in (u, v))
-            at = f"longitude {east_deg(longitudes[nearest]):g}, nearest to {longitude_deg:g}"
+            east = spell(east_deg(longitudes[nearest]))
+            at = f"longitude {east}, nearest to {spell(longitude_deg)}"
         if u["time"].dtype.kind != "M":
             raise file_error(source, "has times that are no dates")
         months = np.asarray(u["time"].dt.month.to_numpy())
@@ -79,7 +81,7 @@ def wind_table_from_netcdf(
         levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
         latitudes = latitudes_deg(u["latitude"], source)
         if not len(levels):
-            raise file_error(source, f"has no level up to {MAXIMUM_ALTITUDE_M:g} m")
+            raise file_error(source, f"has no level up to {spell(MAXIMUM_ALTITUDE_M)} m")
         percentiles = np.unique([*PERCENTILES, *([] if also is None else [also])])
         known = sorted(set(months.tolist()))
         north = np.argsort(latitudes)
@@ -93,8 +95,8 @@ def wind_table_from_netcdf(
     fewest = min(int(np.sum(months == month)) for month in known) * u.shape[-1]
     sampled = percentiles[percentiles <= 100.0 * (1.0 - 1.0 / fewest)]
     if also is not None and also not in sampled:
-        message = f"has {fewest} values in a month, too few for percentile {also:g}"
-        raise file_error(source, message)
+        message = f"has {fewest} values in a month, too few for percentile"
+        raise file_error(source, f"{message} {spell(also)}")
     table = f"{source} ({at})"
     return WindTable(
         table,
@@ -225,9 +227,13 @@ def nearest_longitude(longitudes: FloatArray, longitude_deg: float, source: str)
     nearest = int(np.argmin(away))
     spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
     if away[nearest] > max(spacing, 1e-6):
-        ends = " to ".join(dict.fromkeys(f"{f(longitudes):g}" for f in (np.min, np.max)))
-        raise file_error(source, f"has longitudes {ends}, not {longitude_deg:g} of the mission")
+        raise not_of_the_mission(source, "longitudes", longitudes, longitude_deg)
     return nearest
+
+
+def not_of_the_mission(source: str, name: str, known: FloatArray, needed: float) -> InputError:
+    """Return the error of a grid that does not reach the mission's place."""
+    return file_error(source, f"has {name} {spell_ends(known)}, not {spell(needed)} of the mission")
 
 
 def altitudes_m(level: Any, source: str) -> FloatArray:
@@ -249,6 +255,7 @@ def _speed_m_per_s(
     """Return the wind speed at a latitude [m/s], shape ``(time, level, longitude)``."""
     speed = np.hypot(factors[0] * values_of(u, source), factors[1] * values_of(v, source))
     if np.any(speed > STRONGEST_M_PER_S):
-        fastest = f"{np.nanmax(speed):.4g} m/s"
-        raise file_error(source, f"has a wind of {fastest}: a code of missing values or its unit")
+        fastest = spell(np.nanmax(speed), 4)
+        reason = f"has a wind of {fastest} m/s: a code of missing values or its unit"
+        raise file_error(source, reason)
     return np.asarray(speed)

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.dates import MONTH_NAMES
-from missions.files.errors import InputError, Problem, file_error
+from missions.files.errors import InputError, Problem, file_error, shown
+from solar.schema import Allowed, refusal, spell, spell_ends
 from solar.types import FloatArray, IntArray
 
 COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
@@ -24,12 +25,12 @@ SHIPPED_SOURCE = "the shipped table"
 _SHIPPED = "zonal-p95.csv.gz"
 # Strongest wind of a table: the stratosphere's polar night jet reaches some 200 m/s.
 STRONGEST_M_PER_S = 400.0
-_ENDS = {
-    "latitude_deg": (-90.0, 90.0),
-    "altitude_m": (-500.0, 80000.0),
-    "month": (1.0, 12.0),
-    "percentile": (0.0, 100.0),
-    "wind_m_per_s": (0.0, STRONGEST_M_PER_S),
+_ALLOWED = {
+    "latitude_deg": Allowed(-90.0, 90.0),
+    "altitude_m": Allowed(-500.0, 80000.0),
+    "month": Allowed(1.0, 12.0),
+    "percentile": Allowed(0.0, 100.0),
+    "wind_m_per_s": Allowed(0.0, STRONGEST_M_PER_S),
 }
 
 
@@ -78,9 +79,8 @@ class WindTable:
             requested = np.atleast_1d(np.asarray(values, float))
             outside = requested[(requested < axis[0]) | (requested > axis[-1])]
             if outside.size:
-                known = f"{axis[0]:g}" if len(axis) == 1 else f"{axis[0]:g} to {axis[-1]:g}"
                 hint = hint if self.source == SHIPPED_SOURCE else ""
-                return f"has {name} {known} (got {outside[0]:g}){hint}"
+                return refusal(f"has {name} {spell_ends(axis)}", outside[0]) + hint
         missing = [m for m in np.unique(np.asarray(months, int)).tolist() if m not in self.months]
         if missing:
             return f"lacks the month {MONTH_NAMES[missing[0] - 1]}"
@@ -181,11 +181,12 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
         )
     falling = np.argwhere(np.diff(values, axis=-1) < 0.0)
     if len(falling):
-        i, j, k, p = falling[0]
+        higher = (*falling[0][:3], falling[0][3] + 1)
+        place = [axis[index] for axis, index in zip(axes, higher, strict=True)]
         raise file_error(
             source,
-            f"the wind of a higher percentile must not be lower (latitude {axes[0][i]:g}, altitude "
-            f"{axes[1][j]:g}, month {axes[2][k]:g}, percentile {axes[3][p + 1]:g})",
+            "the wind of a higher percentile must not be lower (latitude {}, altitude {}, month "
+            "{}, percentile {})".format(*map(spell, place)),
         )
     months = tuple(int(month) for month in axes[2])
     return WindTable(source, axes[0], axes[1], months, axes[3], values)
@@ -201,8 +202,7 @@ def _number_rows(lines: list[str], first: int, names: list[str], source: str) ->
     except ValueError:
         rows = np.empty((0, 0))
     wrong = rows.shape[1] != len(names) or any(
-        not np.all((rows[:, i] >= _ENDS[name][0]) & (rows[:, i] <= _ENDS[name][1]))
-        for i, name in enumerate(names)
+        not _ALLOWED[name].holds(column).all() for name, column in zip(names, rows.T, strict=True)
     )
     if wrong or np.any(rows[:, names.index("month")] % 1.0):
         raise InputError([_first_problem(lines, first, names, source)])
@@ -218,13 +218,12 @@ def _first_problem(lines: list[str], first: int, names: list[str], source: str) 
             message = f"has {len(parts)} values, but the table names {len(names)} columns"
             return Problem(source, number, None, "", message)
         for name, part in zip(names, parts, strict=True):
-            low, high = _ENDS[name]
             try:
                 value = float(part)
             except ValueError:
                 value = float("nan")
-            if not low <= value <= high or (name == "month" and value % 1.0):
+            if not _ALLOWED[name].holds(value) or (name == "month" and value % 1.0):
                 what = "a whole number" if name == "month" else "a number"
-                message = f"must be {what} from {low:g} to {high:g} (got {part.strip()[:40]!r})"
+                message = refusal(f"must be {what} {_ALLOWED[name]}", shown(part.strip()))
                 return Problem(source, number, None, name, message)
     return Problem(source, first, None, "", "cannot be read as a table of numbers")

@@ -190,8 +190,7 @@ def test_night_floor_is_the_altitude():
         ("  minimum_altitude_m: true", "must be a number (got true)"),
         (
             "  minimum_altitude_m: 12000\naltitude_m: 500",
-            "is the mission's altitude_m by another name: leave one of them out "
-            "(got 12000, altitude_m is 500)",
+            "is the mission's altitude_m of 500 by another name: leave one of them out (got 12000)",
         ),
     ],
 )

@@ -104,7 +104,7 @@ def test_air_at_flight_altitude_comes_from_the_levels(tmp_path):
     light = light_at_altitude(found, 900.0)
     assert light.temperature_c == pytest.approx(290.0 - 9.0 - 273.15)
     assert light.wind_m_per_s == pytest.approx(9.0)
-    with pytest.raises(InputError, match="at 0 to 3000 m, not at 4000 m"):
+    with pytest.raises(InputError, match="has t at altitude_m 0 to 3000, not 4000"):
         load_weather(tmp_path / "levels.nc", HERE.at_altitude(4000.0))
 
 
@@ -129,7 +129,7 @@ def test_nasa_power_begins_its_hours_at_their_number(tmp_path):
     path.write_text("\n".join([*head, *rows]).replace("= 491.0", "= -999") + "\n")
     assert load_weather(path).site.altitude_m == 0.0
     path.write_text("\n".join([*head, *rows]).replace("= 491.0", "= 49100") + "\n")
-    with pytest.raises(InputError, match="site at the altitude 49100; allowed: -500 to 9000"):
+    with pytest.raises(InputError, match="altitude of its site must be from -500 to 9000"):
         load_weather(path)
     rows[30] = ",".join([*rows[30].split(",")[:4], *["-999"] * 5])
     path.write_text("\n".join([*head, *rows]) + "\n")
@@ -167,7 +167,7 @@ def test_era5_time_series_end_their_hours_at_their_time(tmp_path):
     assert found.site.altitude_m == pytest.approx(491.0, abs=3.0)
     text = path.read_text()
     for old, new, message in (
-        (",46.8,", ",nan,", "has its site at the latitude nan; allowed: -90 to 90"),
+        (",46.8,", ",nan,", "latitude of its site must be from -90 to 90"),
         (",95560,", ",0,", "has a pressure at the ground of 0 Pa"),
         ("ssrd,fdir", "fdir,ssrd", "has more direct than global light"),
     ):
