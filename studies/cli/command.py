@@ -9,7 +9,7 @@ import os
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from inspect import get_annotations
 from pathlib import Path
 from typing import Any, TypeVar, dataclass_transform
 
@@ -44,18 +44,36 @@ _MOST_OPTIONS = 18
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
-class _Declared(partial[click.Parameter]):
-    """Option or argument of a class of options: a function of its name that makes it."""
+class _Declared:
+    """Option or argument of a class of options, which its field's name and type say more of."""
+
+    def __init__(self, make: Callable[[str, str], click.Parameter]) -> None:
+        self._make = make
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.parameter = self._make(name, get_annotations(owner)[name])
 
 
-def option(*spelled: str, **settings: Any) -> Any:
-    """Return a field that an option fills; ``settings`` are those of :func:`click.option`."""
-    return _Declared(lambda name: click.Option([*spelled, name], **settings))
+def option(text: str, *spelled: str, **settings: Any) -> Any:
+    """Return a field that an option fills, called as the field, a flag where that is a bool.
+
+    ``text``: what help says of it. ``spelled``: other names, a long one in place of the field's.
+    ``settings``: of :func:`click.option`.
+    """
+
+    def make(name: str, kind: str) -> click.Option:
+        names = list(spelled)
+        if not any(each.startswith("--") for each in names):
+            names.insert(0, f"--{name.replace('_', '-')}")
+        flag = {"is_flag": True} if kind.startswith("bool") else {}
+        return click.Option([*names, name], help=text, **flag | settings)
+
+    return _Declared(make)
 
 
 def argument(**settings: Any) -> Any:
     """Return a field that an argument fills; ``settings``: of :func:`click.argument`."""
-    return _Declared(lambda name: click.Argument([name], **settings))
+    return _Declared(lambda name, _: click.Argument([name], **settings))
 
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(option, argument))
@@ -80,7 +98,7 @@ class CommandOptions:
         fields = {
             name: field for kind in reversed(cls.__mro__) for name, field in vars(kind).items()
         }
-        return [field(name) for name, field in fields.items() if isinstance(field, _Declared)]
+        return [field.parameter for field in fields.values() if isinstance(field, _Declared)]
 
 
 class Command(click.Command):

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from sizing.program.objectives import RESIZE_NAMES
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import CommandOptions, argument, option
 from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange, latitude_deg
@@ -26,19 +27,13 @@ _MAXIMUM_WORKERS = 1000
 def mission_option(default: str | None) -> Any:
     """Return option ``--mission``; without a default a folder of results may stand in for it."""
     needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
-    return option(
-        "--mission",
-        "-m",
-        default=default,
-        type=click.Path(),
-        metavar="TEXT",
-        help=f"Name or file.{needed}",
-    )
+    text = f"Name or file.{needed}"
+    return option(text, "-m", default=default, type=click.Path(), metavar="TEXT")
 
 
 def json_option(text: str = "Print JSON instead of tables.") -> Any:
     """Return option ``--json``."""
-    return option("--json", is_flag=True, help=text)
+    return option(text, "--json")
 
 
 class CaseOptions(CommandOptions):
@@ -47,11 +42,11 @@ class CaseOptions(CommandOptions):
     aircraft: str = argument(required=True, type=click.Path(), metavar="AIRCRAFT")
     mission: str | None = mission_option("rafz-july")
     overrides: tuple[str, ...] = option(
+        "Override a key of the aircraft file, e.g. power.avionics_w=8 or wingspan_m=5, or of "
+        "the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
         "--set",
         metavar="KEY=VALUE",
         multiple=True,
-        help="Override a key of the aircraft file, e.g. power.avionics_w=8 or wingspan_m=5, or of "
-        "the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
     )
 
 
@@ -59,18 +54,16 @@ class ModelOptions(CaseOptions):
     """A case whose solar power model can be chosen."""
 
     model: ModelName = option(
-        "--model",
+        "Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
+        "module surfaces on the mission's flight path.",
         type=click.Choice(MODEL_NAMES, case_sensitive=False),
         default="CAM",
-        help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
-        "module surfaces on the mission's flight path.",
     )
     correction: CorrectionName = option(
-        "--correction",
+        "Correction of the model's systematic error: none; report, as one flight measured "
+        "it; loiter, from FM on the mission's flight path.",
         type=click.Choice(CORRECTION_NAMES),
         default="none",
-        help="Correction of the model's systematic error: none; report, as one flight measured "
-        "it; loiter, from FM on the mission's flight path.",
     )
 
 
@@ -83,20 +76,18 @@ class JsonOptions(CaseOptions):
 class LevelOptions(JsonOptions):
     """A case of whose result a summary is printed, or all of it."""
 
-    verbose: bool = option(
-        "--verbose", "-v", is_flag=True, help="Print all of the result, not a summary."
-    )
+    verbose: bool = option("Print all of the result, not a summary.", "-v")
 
 
 class MassOptions(CaseOptions):
     """A case whose total mass may be known."""
 
     mass_kg: float | None = option(
+        "Total mass with payload, where it is known: what the parts do not account for is "
+        "other mass.",
         "--mass",
         type=RealRange(0.0, 1e5, unit="kilograms", above=True),
         metavar="KG",
-        help="Total mass with payload, where it is known: what the parts do not account for is "
-        "other mass.",
     )
 
 
@@ -104,17 +95,13 @@ class PlaceOptions(CaseOptions):
     """Where and when instead of the mission's own; days of the year."""
 
     latitude: float | None = option(
-        "--latitude",
+        "Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
         type=Parsed("deg", latitude_deg),
-        help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
     )
-    day_of_year: int | None = option(
-        "--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's."
-    )
+    day_of_year: int | None = option("Day instead of the mission's.", type=click.IntRange(1, 365))
     date: int | None = option(
-        "--date",
+        "Date instead of the mission's, e.g. 10-15 or 15 Oct.",
         type=Parsed("mm-dd", "missions.dates:day_of_year"),
-        help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
     )
 
     def refuse(self) -> None:
@@ -142,10 +129,10 @@ class RequirementOptions(CaseOptions):
     """A case whose required excess time can be chosen."""
 
     required_h: float | None = option(
+        "Excess time that every scenario must have, instead of the mission's.",
         "--required-excess-time",
         type=RealRange(0.0, 1000.0, unit="hours"),
         metavar="HOURS",
-        help="Excess time that every scenario must have, instead of the mission's.",
     )
 
 
@@ -154,27 +141,20 @@ class WorkOptions(CommandOptions):
 
     out_file: str | None
     workers: int | None = option(
-        "--workers",
-        type=click.IntRange(1, _MAXIMUM_WORKERS),
-        help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
+        "Processes that compute; 1 starts none.  [default: as many as there are cores, "
         "where the work is worth their start]",
+        type=click.IntRange(1, _MAXIMUM_WORKERS),
     )
     scheduler: str | None = option(
-        "--scheduler",
+        "Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this machine.",
         metavar="ADDRESS",
-        help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
-        "machine.",
     )
     work_dir: str | None = option(
+        "Folder for finished chunks.  [default: the name of --out with .parts]",
         "--work",
         type=click.Path(),
-        help="Folder for finished chunks.  [default: the name of --out with .parts]",
     )
-    keep_parts: bool = option(
-        "--keep-parts",
-        is_flag=True,
-        help="Keep the finished chunks when the result is written.",
-    )
+    keep_parts: bool = option("Keep the finished chunks when the result is written.")
 
     def refuse(self) -> None:
         """Refuse what does not go together."""
@@ -200,15 +180,20 @@ class WorkOptions(CommandOptions):
             fork_from(module)
 
 
+def resize_option(text: str, name: str = "--resize", **settings: Any) -> Any:
+    """Return the option of an objective that cells and points are sized for."""
+    return option(text, name, type=click.Choice(RESIZE_NAMES), **settings)
+
+
 def out_option(contents: str) -> Any:
     """Return option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
-    return option("--out", type=OutputFolder(), help=text)
+    return option(text, "--out", type=OutputFolder())
 
 
-def _written(*spelled: str, text: str, kind: OutputFile, **settings: Any) -> Any:
+def _written(text: str, *spelled: str, kind: OutputFile, **settings: Any) -> Any:
     """Return the option of a file whose format its name tells."""
-    return option(*spelled, type=kind, help=f"{text} ({', '.join(kind.formats)}).", **settings)
+    return option(f"{text} ({', '.join(kind.formats)}).", *spelled, type=kind, **settings)
 
 
 def table_option(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
@@ -217,56 +202,52 @@ def table_option(contents: str, name: str = "--table", *, older: str = "--csv") 
     ``older``: what the option was called when CSV was all that it wrote.
     """
     kind = OutputFile(*TABLE_FORMATS, without_ending=PLAIN_TABLE)
-    return _written(name, older, text=f"Write {contents}", kind=kind, metavar="FILE")
+    return _written(f"Write {contents}", name, older, kind=kind, metavar="FILE")
 
 
 def grid_option(contents: str) -> Any:
     """Return option ``--out FILE`` of commands whose result lies on a grid."""
-    return _written("--out", text=f"Write {contents}", kind=OutputFile(*GRID_FORMATS))
+    return _written(f"Write {contents}", "--out", kind=OutputFile(*GRID_FORMATS))
 
 
 def plot_option(text: str) -> Any:
     """Return option ``--plot FILE`` of commands that draw."""
-    return _written("--plot", text=text, kind=OutputFile(*IMAGE_FORMATS))
+    return _written(text, "--plot", kind=OutputFile(*IMAGE_FORMATS))
 
 
 def report_option() -> Any:
     """Return option ``--report`` of commands whose results a page may show."""
     text = "Also write a report, .html or .pdf; see docs/report.md."
-    return option("--report", type=click.Path(), metavar="FILE", help=text)
+    return option(text, "--report", type=click.Path(), metavar="FILE")
 
 
 def weather_option(text: str) -> Any:
     """Return option ``--weather FILE``."""
-    return option("--weather", type=click.Path(), metavar="FILE", help=text)
+    return option(text, "--weather", type=click.Path(), metavar="FILE")
 
 
 class DrawnOptions(CommandOptions):
     """How figures of a command look, refused where none is asked for: it draws on request."""
 
     size_in: tuple[float, float | None] | None = option(
+        "For example 170x100mm or 7x4in; a width alone, 85mm, leaves the height to the figure.",
         "--figure-size",
         type=Parsed("size", "studies.output.figures.options:read_size"),
         metavar="WIDTHxHEIGHT",
-        help="For example 170x100mm or 7x4in; a width alone, 85mm, leaves the height to the "
-        "figure.",
     )
     dots_per_inch: float | None = option(
+        "Dots per inch of PNG.  [default: 150]",
         "--dpi",
         type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
         metavar="DOTS",
-        help="Dots per inch of PNG.  [default: 150]",
     )
     style: str | None = option(
-        "--style",
+        f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
+        "an .mplstyle file.  [default: default]",
         type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
         metavar="NAME|FILE",
-        help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
-        "an .mplstyle file.  [default: default]",
     )
-    no_title: bool = option(
-        "--no-title", is_flag=True, help="Leave title and notes to the caption."
-    )
+    no_title: bool = option("Leave title and notes to the caption.")
 
     def refuse(self) -> None:
         """Refuse what does not go together."""

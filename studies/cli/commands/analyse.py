@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sizing.program.objectives import RESIZE_NAMES
 from studies.cli.command import command, option
 from studies.cli.options import (
     EXIT_FAILED,
@@ -20,6 +19,7 @@ from studies.cli.options import (
     WorkOptions,
     grid_option,
     plot_option,
+    resize_option,
     table_option,
     weather_option,
 )
@@ -136,27 +136,17 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     """
 
     latitudes: list[float] | None = option(
-        "--latitudes",
-        type=Grid(-90.0, 90.0, latitudes=True),
-        help="Latitudes [deg], north positive; the last one is met where the steps lead to it. "
+        "Latitudes [deg], north positive; the last one is met where the steps lead to it. "
         "[default: -70:70:1; with --resize, --endurance, VM, FM, loiter and climb -70:70:2]",
+        type=Grid(-90.0, 90.0, latitudes=True),
     )
     days: list[float] | None = option(
-        "--days",
-        type=Grid(1.0, 365.0, whole=True),
-        help="Days of the year, 1 to 365; the last one is met where the steps lead to it. "
+        "Days of the year, 1 to 365; the last one is met where the steps lead to it. "
         "[default: 1:365:1; where --latitudes has steps of 2 by itself 1:365:4]",
+        type=Grid(1.0, 365.0, whole=True),
     )
-    endurance: bool = option(
-        "--endurance",
-        is_flag=True,
-        help="Also the longest flight of each cell (slow); not with --resize.",
-    )
-    objective: str | None = option(
-        "--resize",
-        type=click.Choice(RESIZE_NAMES),
-        help="Size the aircraft anew in every cell for it.",
-    )
+    endurance: bool = option("Also the longest flight of each cell (slow); not with --resize.")
+    objective: str | None = resize_option("Size the aircraft anew in every cell for it.")
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw the map")
 
@@ -211,18 +201,18 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
 
     highest_m: float | None = option(
+        "End of the search, which starts at the mission's altitude and goes down from there "
+        "where nothing above is feasible; by default 20000, for missions above 15000 m 32000.",
         "--highest",
         type=RealRange(-500.0, _HIGHEST_M, unit="metres"),
         metavar="METRES",
-        help="End of the search, which starts at the mission's altitude and goes down from there "
-        "where nothing above is feasible; by default 20000, for missions above 15000 m 32000.",
     )
     step_m: float = option(
+        "Spacing of the altitudes that are tried.",
         "--step",
         type=RealRange(_LEAST_STEP_M, 10000.0, unit="metres"),
         default=250.0,
         metavar="METRES",
-        help="Spacing of the altitudes that are tried.",
     )
     table_file: str | None = table_option("the altitudes")
     plot_file: str | None = plot_option("Draw them")
@@ -267,15 +257,13 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     """
 
     latitudes: list[float] | None = option(
-        "--latitudes",
+        "Latitudes [deg], north positive. [default: -70:70:5]",
         type=Grid(-90.0, 90.0, latitudes=True),
-        help="Latitudes [deg], north positive. [default: -70:70:5]",
     )
     altitudes: list[float] | None = option(
-        "--altitudes",
-        type=Grid(-500.0, 32000.0),
-        help="Altitudes [m] in place of latitudes; with --latitudes too, that of the largest share "
+        "Altitudes [m] in place of latitudes; with --latitudes too, that of the largest share "
         "is flown in each month.",
+        type=Grid(-500.0, 32000.0),
     )
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw them")
@@ -315,21 +303,15 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
 
     samples: int = option(
-        "--samples",
+        "Draws of all uncertain inputs, rounded up to a power of two.",
         type=click.IntRange(64, 2**20),
         default=8192,
-        help="Draws of all uncertain inputs, rounded up to a power of two.",
     )
     seed: int = option(
-        "--seed",
-        type=click.IntRange(0, 2**31),
-        default=0,
-        help="The same seed gives the same draws.",
+        "The same seed gives the same draws.", type=click.IntRange(0, 2**31), default=0
     )
     no_model_error: bool = option(
-        "--no-model-error",
-        is_flag=True,
-        help="Leave out the error of the solar power model, which is an input by itself.",
+        "Leave out the error of the solar power model, which is an input by itself."
     )
     table_file: str | None = table_option("the draws")
     plot_file: str | None = plot_option("Draw them")
@@ -360,20 +342,20 @@ class Report(ModelOptions, JsonOptions, MassOptions):
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
 
     out_file: str = option(
+        "Write the page: .html, or .pdf for the printed one alone.",
         "--out",
         type=click.Path(),
         required=True,
         metavar="FILE",
-        help="Write the page: .html, or .pdf for the printed one alone.",
     )
-    with_pdf: bool = option("--pdf", is_flag=True, help="Also print it, beside the page, as PDF.")
-    project: str | None = option("--project", metavar="TEXT", help="Project, for the head.")
-    author: str | None = option("--author", metavar="TEXT", help="Author, for the head.")
+    with_pdf: bool = option("Also print it, beside the page, as PDF.", "--pdf")
+    project: str | None = option("Project, for the head.", metavar="TEXT")
+    author: str | None = option("Author, for the head.", metavar="TEXT")
     weather_file: str | None = weather_option("Also fly through a weather record, as analyse does.")
     uncertainty: bool | None = option(
+        "Whether inputs scatter.  [default: if aircraft or mission has uncertain inputs]",
         "--uncertainty/--no-uncertainty",
         default=None,
-        help="Whether inputs scatter.  [default: if aircraft or mission has uncertain inputs]",
     )
 
     def run(self) -> None:

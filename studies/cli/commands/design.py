@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sizing.program.objectives import OBJECTIVE_NAMES, RESIZE_NAMES, Objective
+from sizing.program.objectives import OBJECTIVE_NAMES, Objective
 from studies.cli.command import check_outputs, command, option
 from studies.cli.options import (
     EXIT_FAILED,
@@ -26,6 +26,7 @@ from studies.cli.options import (
     out_option,
     plot_option,
     report_option,
+    resize_option,
     weather_option,
 )
 from studies.cli.values import Parsed, RealRange
@@ -59,57 +60,47 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
 
     mission: str | None = mission_option(None)
     objective: str = option(
-        "--objective",
-        type=click.Choice(OBJECTIVE_NAMES),
-        default="min_mass",
-        help="Masses and wingspan become as small as the mission's required excess "
+        "Masses and wingspan become as small as the mission's required excess "
         "time allows; max_excess_time ends at the bounds of the design space; the last two search "
         "for the most days, or degrees of latitude, in which one design flies perpetually.",
+        type=click.Choice(OBJECTIVE_NAMES),
+        default="min_mass",
     )
     out_dir: str | None = out_option("figures")
     report_file: str | None = report_option()
     with_sensitivities: bool = option(
-        "--sensitivities",
-        is_flag=True,
-        help="Tell how the optimum changes with each technology parameter.",
+        "Tell how the optimum changes with each technology parameter.", "--sensitivities"
     )
-    certify: None = option("--certify", is_flag=True, hidden=True, callback=_renamed)
+    certify: bool = option("", hidden=True, callback=_renamed)
     with_cross_check: bool = option(
-        "--cross-check",
-        is_flag=True,
-        help="Try to beat the optimum with thousands of other designs in the simulator.",
+        "Try to beat the optimum with thousands of other designs in the simulator.", "--cross-check"
     )
     whole_cells: bool = option(
-        "--whole-cells",
-        is_flag=True,
-        help="Round the optimum to whole solar and battery cells, search the designs next to it "
-        "and print the loss; for files with modules.layout and battery.pack.",
+        "Round the optimum to whole solar and battery cells, search the designs next to it "
+        "and print the loss; for files with modules.layout and battery.pack."
     )
     reliability: float | None = option(
-        "--reliability",
+        "Least probability of the required excess time in every scenario when the uncertain "
+        "inputs of aircraft and mission scatter, for instance 0.95.",
         type=RealRange(0.0, 1.0, unit="the interval from 0 to 1", above=True, below=True),
         metavar="PROBABILITY",
-        help="Least probability of the required excess time in every scenario when the uncertain "
-        "inputs of aircraft and mission scatter, for instance 0.95.",
     )
     hold_station: float | None = option(
-        "--hold-station",
-        type=RealRange(0.0, 100.0, unit="the interval from 0 to 100", above=True, below=True),
-        metavar="PERCENTILE",
-        help="Fly as fast as this percentile of the wind of each latitude and month, for instance "
+        "Fly as fast as this percentile of the wind of each latitude and month, for instance "
         "95: it holds its place for at least that share of the time. Short for the mission's "
         "wind: {percentile: 95, hold_station: true}. The shipped table of winds has the 95th "
         "alone; others come from a file of the mission's wind.",
+        type=RealRange(0.0, 100.0, unit="the interval from 0 to 100", above=True, below=True),
+        metavar="PERCENTILE",
     )
     weather_file: str | None = weather_option(
         "Size for the days of a weather record on the mission's dates, instead of clear ones; "
         "with --survive."
     )
     survive: float | None = option(
-        "--survive",
+        "Least share of the days of the weather record that close, for instance 0.9.",
         type=RealRange(0.0, 1.0, unit="the interval from 0 to 1", above=True),
         metavar="SHARE",
-        help="Least share of the days of the weather record that close, for instance 0.9.",
     )
 
     def refuse(self) -> None:
@@ -302,59 +293,49 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     """
 
     axes: tuple[Axis, ...] = option(
+        "KEY=first:last:step (last is met where the steps lead to it) or KEY=v1,v2,...; a key "
+        "as of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be "
+        "repeated.",
         "--vary",
         type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=True),
         multiple=True,
         required=True,
-        help="KEY=first:last:step (last is met where the steps lead to it) or KEY=v1,v2,...; a key "
-        "as of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be "
-        "repeated.",
     )
-    objective: str | None = option(
-        "--resize",
-        type=click.Choice(RESIZE_NAMES),
-        help="Size each point for it; varied design variables are held.",
+    objective: str | None = resize_option(
+        "Size each point for it; varied design variables are held."
     )
     cover: bool | None = option(
+        "Fill the wing with modules, to maximum_module_coverage.  [default: where a "
+        "parametric wing is varied and the module area is not]",
         "--cover/--no-cover",
         default=None,
-        help="Fill the wing with modules, to maximum_module_coverage.  [default: where a "
-        "parametric wing is varied and the module area is not]",
     )
     sample: SampleName = option(
-        "--sample",
+        "All combinations; points drawn between least and largest values; or one key at a time.",
         type=click.Choice(_SAMPLES),
         default="grid",
-        help="All combinations; points drawn between least and largest values; or one key at a "
-        "time.",
     )
     samples: int = option(
-        "--samples",
+        "Number of points that lhs and sobol draw.",
         type=click.IntRange(1, _MOST_SAMPLES),
         default=64,
-        help="Number of points that lhs and sobol draw.",
     )
-    seed: int = option("--seed", type=click.IntRange(0), default=0, help="For drawing.")
+    seed: int = option("For drawing.", type=click.IntRange(0), default=0)
     out_file: str | None = grid_option("all points")
     plot_file: str | None = plot_option("Draw the study")
     pareto: tuple[str, str] | None = option(
-        "--pareto",
+        "Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
+        "for which no other is better in both.",
         nargs=2,
         metavar="X Y",
-        help="Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
-        "for which no other is better in both.",
     )
     sort: str | None = option(
-        "--sort",
-        metavar="KEY",
-        help="Sort the table by a result or varied key, the least first; by -KEY the largest "
+        "Sort the table by a result or varied key, the least first; by -KEY the largest "
         "first.  [default: from best to worst]",
+        metavar="KEY",
     )
     top: int | None = option(
-        "--top",
-        type=click.IntRange(1),
-        metavar="N",
-        help="Rows of the table.  [default: 15, with -v all]",
+        "Rows of the table.  [default: 15, with -v all]", type=click.IntRange(1), metavar="N"
     )
 
     def refuse(self) -> None:
@@ -450,12 +431,9 @@ class Explore(ModelOptions):
     """Explore AIRCRAFT (name, file or folder) with sliders, on a page of this machine."""
 
     port: int = option(
-        "--port",
-        type=click.IntRange(0, 65535),
-        default=0,
-        help="Port on this machine; 0 for any that is free.",
+        "Port on this machine; 0 for any that is free.", type=click.IntRange(0, 65535), default=0
     )
-    no_browser: bool = option("--no-browser", is_flag=True, help="Only print the address.")
+    no_browser: bool = option("Only print the address.")
 
     def refuse(self) -> None:
         """Refuse to start without what the page is served by."""
@@ -501,13 +479,13 @@ class Export(ModelOptions):
     """Write AIRCRAFT (name, file or folder) for other tools: its geometry, or its numbers."""
 
     out_files: tuple[str, ...] = option(
+        "Write geometry: .avl (AVL), .vspscript (OpenVSP), .py (AeroSandbox); or a table of "
+        "the design on its mission: .tex, .xlsx, .csv, .parquet. May be given several times.",
         "--out",
         type=click.Path(),
         multiple=True,
         required=True,
         metavar="FILE",
-        help="Write geometry: .avl (AVL), .vspscript (OpenVSP), .py (AeroSandbox); or a table of "
-        "the design on its mission: .tex, .xlsx, .csv, .parquet. May be given several times.",
     )
 
     def run(self) -> None:

@@ -31,11 +31,11 @@ class List(CommandOptions):
     has the sources.
     """
 
-    cells: bool = option("--cells", is_flag=True, help="List the solar cells instead.")
-    batteries: bool = option("--batteries", is_flag=True, help="List the batteries.")
-    motors: bool = option("--motors", is_flag=True, help="List the motors.")
-    propellers: bool = option("--propellers", is_flag=True, help="List the propellers.")
-    mppts: bool = option("--mppts", is_flag=True, help="List the MPPTs.")
+    cells: bool = option("List the solar cells instead.")
+    batteries: bool = option("List the batteries.")
+    motors: bool = option("List the motors.")
+    propellers: bool = option("List the propellers.")
+    mppts: bool = option("List the MPPTs.")
     as_json: bool = json_option("Print JSON.")
 
     def refuse(self) -> None:
@@ -198,7 +198,7 @@ class Schema(CommandOptions):
 
     kind: Literal["aircraft", "mission"] = argument(type=click.Choice(("aircraft", "mission")))
     out_file: str | None = option(
-        "--out", type=OutputFile(), metavar="FILE", help="Write it instead of printing it."
+        "Write it instead of printing it.", "--out", type=OutputFile(), metavar="FILE"
     )
 
     def run(self) -> None:

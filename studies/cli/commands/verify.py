@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sizing.program.objectives import RESIZE_NAMES
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import argument, command, option
 from studies.cli.options import (
@@ -21,6 +20,7 @@ from studies.cli.options import (
     out_option,
     plot_option,
     report_option,
+    resize_option,
     table_option,
 )
 from studies.cli.values import Parsed, RealRange, names_of
@@ -45,26 +45,21 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
 
     models: tuple[ModelName, ...] | None = option(
-        "--models",
+        f"Models to compare.  [default: {','.join(MODEL_NAMES)}]",
         type=names_of(MODEL_NAMES),
         metavar="M,M,...",
-        help=f"Models to compare.  [default: {','.join(MODEL_NAMES)}]",
     )
     corrections: tuple[CorrectionName, ...] | None = option(
-        "--corrections",
+        f"Corrections to compare.  [default: {','.join(CORRECTION_NAMES)}]",
         type=names_of(CORRECTION_NAMES),
         metavar="C,C,...",
-        help=f"Corrections to compare.  [default: {','.join(CORRECTION_NAMES)}]",
     )
-    objective: str = option(
+    objective: str = resize_option(
+        "What a parametric aircraft is sized for with every model.",
         "--objective",
-        type=click.Choice(RESIZE_NAMES),
         default="min_wingspan",
-        help="What a parametric aircraft is sized for with every model.",
     )
-    no_design: bool = option(
-        "--no-design", is_flag=True, help="Compare predictions only, size nothing."
-    )
+    no_design: bool = option("Compare predictions only, size nothing.")
     out_dir: str | None = out_option("figure")
     table_file: str | None = table_option("the table")
     plot_file: str | None = plot_option("Draw the figure")
@@ -124,76 +119,71 @@ class Verify(LevelOptions, DrawnOptions):
 
     log_file: str = argument(metavar="LOG", type=click.Path())
     columns_file: str | None = option(
+        "YAML that says which column is what; what it does not say is guessed.",
         "--columns",
         type=click.Path(),
         metavar="FILE",
-        help="YAML that says which column is what; what it does not say is guessed.",
     )
     columns: tuple[tuple[str, str], ...] = option(
+        "Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
+        "May be repeated.",
         "--column",
         type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
         multiple=True,
         metavar="QUANTITY=COLUMN",
-        help="Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
-        "May be repeated.",
     )
     timezone: datetime.tzinfo | None = option(
-        "--timezone",
+        "Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
         type=Parsed("zone", "missions.logs.clock:parse_zone"),
         metavar="ZONE",
-        help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
     )
     start: float | None = option(
-        "--start",
+        "Time of the first row with its zone, where times count from there.",
         type=Parsed("instant", "missions.logs.clock:parse_instant"),
         metavar="TIME",
-        help="Time of the first row with its zone, where times count from there.",
     )
     exclude: tuple[Span, ...] = option(
-        "--exclude",
+        "Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
+        "day; by the clock of --timezone, else UTC. May be repeated.",
         type=Parsed("times", "missions.logs.clock:parse_span"),
         multiple=True,
         metavar="TIMES",
-        help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
-        "day; by the clock of --timezone, else UTC. May be repeated.",
     )
     ignore: tuple[str, ...] = option(
-        "--ignore",
+        "Column or quantity of the log that is not used. May be repeated.",
         type=Parsed("name", "missions.logs.columns:column_name"),
         multiple=True,
         metavar="NAME",
-        help="Column or quantity of the log that is not used. May be repeated.",
     )
     mission: str | None = mission_option("rafz-28h")
     windows: tuple[Window, ...] = option(
+        "Period in solar hours, e.g. 5.71:5.79, on every day, or 2015-07-01@5.71:5.79 on one. "
+        "May be repeated.",
         "--window",
         type=Parsed("a:b", "studies.flight_logs.errors:parse_window"),
         multiple=True,
-        help="Period in solar hours, e.g. 5.71:5.79, on every day, or 2015-07-01@5.71:5.79 on one. "
-        "May be repeated.",
     )
     filter_s: float | None = option(
+        "Time to either side in the moving average.  [default: 1 s in windows, 400 s over days]",
         "--filter",
         type=RealRange(0.0, _LONGEST_FILTER_S, unit="seconds"),
         metavar="SECONDS",
-        help="Time to either side in the moving average.  [default: 1 s in windows, 400 s over "
-        "days]",
     )
     clock_offset_min: float = option(
+        "Time that the log's clock is ahead of universal time, which is taken off.",
         "--clock-offset",
         type=RealRange(-1440.0, 1440.0, unit="minutes"),
         metavar="MINUTES",
         default=0.0,
         show_default=False,
-        help="Time that the log's clock is ahead of universal time, which is taken off.",
     )
     heading_offset_deg: float = option(
+        "Angle that the log's yaw is too large, which is taken off.",
         "--heading-offset",
         type=RealRange(-360.0, 360.0, unit="degrees"),
         metavar="DEGREES",
         default=0.0,
         show_default=False,
-        help="Angle that the log's yaw is too large, which is taken off.",
     )
     out_dir: str | None = out_option("samples and figures")
     report_file: str | None = report_option()
