@@ -33,7 +33,7 @@ class DaskPool(Pool):
     ``tell``: called with what the user should know while the work waits.
     """
 
-    shares_disk = False
+    same_code = False
 
     def __init__(
         self, scheduler: str, workers: int | None = None, tell: Callable[[str], None] | None = None

@@ -9,9 +9,8 @@ whole, so that the result is the same to the last bit whoever computes it, in on
 * Where a worker process dies, all chunks that were under way are tried again at the end, each with
   nothing else going on. One that a worker dies of even then is computed cell by cell, and a cell
   that a worker dies of is recorded as failed.
-* With a store every finished chunk is kept, by the worker that computed it where it can, under a
-  key made of function, configuration, code and cells; what is there already is not computed again,
-  unless cells of it failed.
+* With a store every finished chunk is kept, under a key made of function, configuration, code and
+  cells; what is there already is not computed again, unless cells of it failed.
 * SIGINT and SIGTERM end the workers at once and raise :class:`Stopped`.
 """
 
@@ -23,6 +22,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
@@ -114,20 +114,29 @@ def run(
     module = job.function.__module__
     pool.imports = () if module == "__main__" else (module,)
     cells = [len(chunk) for chunk in job.chunks]
+    parts: dict[int, Part] = {}
     finished = False
+
+    def tell() -> None:
+        if progress is not None:
+            progress(sum(cells[number] for number in parts), len(job.cells))
+
     # Between tasks a signal waits, so that it breaks nothing off but the task that is under way.
     with interruptible(held=True) as signals:
         try:
-            work = _Run(job, pool, store, signals)
-            parts = work.kept()
-            done, kept = sum(cells[number] for number in parts), len(parts)
-            if progress is not None:
-                progress(done, len(job.cells))
-            for number, part in work.computed([n for n in range(len(cells)) if n not in parts]):
+            keys = () if store is None else job.keys()
+            for number, key in enumerate(keys):
+                part = None if store is None else store.read(key, job.blanks, cells[number])
+                if part is not None and not np.any(part[FAILURE] != ""):
+                    parts[number] = part
+            kept = len(parts)
+            tell()
+            lacking = [number for number in range(len(cells)) if number not in parts]
+            for number, part in _computed(job, pool, signals, lacking):
+                if store is not None:
+                    store.write(keys[number], part)
                 parts[number] = part
-                done += cells[number]
-                if progress is not None:
-                    progress(done, len(job.cells))
+                tell()
             finished = True
         finally:
             pool.close(at_once=not finished)
@@ -139,90 +148,57 @@ def run(
     return Outcome(columns, failures, len(cells) - kept, kept)
 
 
-@dataclass
-class _Run:
-    job: Job
-    pool: Pool
-    store: ChunkStore | None
-    signals: Signals
+def _computed(
+    job: Job, pool: Pool, signals: Signals, numbers: Sequence[int]
+) -> Iterator[tuple[int, Part]]:
+    """Yield numbers of chunks with their parts, those last whose worker died."""
+    waiting, again = deque(numbers), []
+    flying: dict[Future[Part], int] = {}
 
-    @functools.cached_property
-    def keys(self) -> Sequence[str | None]:
-        return [None] * len(self.job.chunks) if self.store is None else self.job.keys()
-
-    def kept(self) -> dict[int, Part]:
-        """Return the parts an earlier run has left, by chunk; none with failures."""
-        parts: dict[int, Part] = {}
-        for number, key in enumerate(self.keys):
-            if self.store is not None and key is not None:
-                part = self.store.read(key, self.job.blanks, len(self.job.chunks[number]))
-                if part is not None and not np.any(part[FAILURE] != ""):
-                    parts[number] = part
-        return parts
-
-    def computed(self, numbers: Sequence[int]) -> Iterator[tuple[int, Part]]:
-        """Yield numbers of chunks with their parts, as soon as they are kept."""
-        waiting, retry = deque(numbers), []
-        flying: dict[Future[Part], int] = {}
-        while waiting or flying:
-            while waiting and len(flying) < self.pool.size:
-                number = waiting.popleft()
-                flying[self._submitted(self.job.chunks[number], self.keys[number])] = number
-            for future in self._finished(flying):
-                number = flying.pop(future)
-                part = self._part_of(future)
-                if part is None:
-                    retry.append(number)
-                    continue
-                if not self.pool.shares_disk:
-                    self._keep(number, part)
-                yield number, part
-        for number in retry:
-            part = self._alone(self.job.chunks[number])
-            self._keep(number, part)
-            yield number, part
-
-    def _keep(self, number: int, part: Part) -> None:
-        key = self.keys[number]
-        if self.store is not None and key is not None:
-            self.store.write(key, part)
-
-    def _submitted(self, chunk: IntArray, key: str | None = None) -> Future[Part]:
-        """Return the part of a chunk, kept by the worker that computes it if there is a key."""
-        task = replace(self.job, cells=self.job.cells[chunk], chunks=())
-        store, code = (self.store, None) if self.pool.shares_disk else (None, code_digest())
-        self.signals.held = not self.pool.in_process
+    def submitted(chunk: IntArray) -> Future[Part]:
+        task = replace(job, cells=job.cells[chunk], chunks=())
+        signals.held = not pool.in_process
         try:
-            return self.pool.submit(compute_task, task, store, key, code)
+            return pool.submit(compute_task, task, None if pool.same_code else code_digest())
         finally:
-            self.signals.held = True
+            signals.held = True
 
-    def _finished(self, futures: Iterable[Future[Part]]) -> set[Future[Part]]:
-        self.signals.check()
-        finished, _ = wait(futures, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
-        self.signals.check()
-        if not finished:
-            self.pool.check()
-        return finished
+    def finished(futures: Iterable[Future[Part]]) -> set[Future[Part]]:
+        signals.check()
+        done, _ = wait(futures, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
+        signals.check()
+        if not done:
+            pool.check()
+        return done
 
-    def _part_of(self, future: Future[Part]) -> Part | None:
-        """Return the result of a task; None if its worker died."""
-        try:
-            return self.pool.result(future)
-        except BrokenExecutor:
-            return None
+    def result(future: Future[Part]) -> Part | None:
+        """Return the part of a task; None if its worker died."""
+        with suppress(BrokenExecutor):
+            return pool.result(future)
+        return None
 
-    def _alone(self, chunk: IntArray) -> Part:
+    def alone(chunk: IntArray) -> Part:
         """Compute cells with nothing else going on, one by one if a worker dies of them."""
-        future = self._submitted(chunk)
-        while not self._finished([future]):
+        future = submitted(chunk)
+        while not finished([future]):
             pass
-        part = self._part_of(future)
-        if part is not None:
-            return part
-        if len(chunk) == 1:
-            return _failed(self.job, _DIED)
-        return joined([self._alone(chunk[i : i + 1]) for i in range(len(chunk))])
+        part = result(future)
+        if part is None and len(chunk) == 1:
+            return _failed(job, _DIED)
+        return part or joined([alone(chunk[i : i + 1]) for i in range(len(chunk))])
+
+    while waiting or flying:
+        while waiting and len(flying) < pool.size:
+            number = waiting.popleft()
+            flying[submitted(job.chunks[number])] = number
+        for future in finished(flying):
+            number, part = flying.pop(future), result(future)
+            if part is None:
+                again.append(number)
+            else:
+                yield number, part
+    for number in again:
+        yield number, alone(job.chunks[number])
 
 
 # ---- In a worker, or here
@@ -232,13 +208,10 @@ class _Run:
 _ONE_AT_A_TIME = threading.Lock()
 
 
-def compute_task(
-    job: Job, store: ChunkStore | None = None, key: str | None = None, code: str | None = None
-) -> Part:
+def compute_task(job: Job, code: str | None = None) -> Part:
     """Compute the cells of a job as one chunk; cells that raise are failures of the part.
 
-    ``store``, ``key``: where the part is kept, if this process is to keep it. ``code``: digest of
-    the driver's code, where it may be another than that of this process.
+    ``code``: digest of the driver's code, where it may be another than that of this process.
     """
     if code is not None and code != code_digest():
         raise WorkersUnavailableError(
@@ -246,22 +219,19 @@ def compute_task(
             "install the same one everywhere"
         )
     with _ONE_AT_A_TIME:
-        part = _computed_or_failed(job, job.cells)
-    if store is not None and key is not None:
-        store.write(key, part)
-    return part
+        return _computed_or_failed(job, job.cells)
 
 
 def _computed_or_failed(job: Job, cells: FloatArray) -> Part:
     try:
-        return _computed(job, cells)
+        return _part_of(job, cells)
     except Exception as error:
         if len(cells) == 1:
             return _failed(job, " ".join(f"{type(error).__name__}: {error}".split()))
     return joined([_computed_or_failed(job, cells[i : i + 1]) for i in range(len(cells))])
 
 
-def _computed(job: Job, cells: FloatArray) -> Part:
+def _part_of(job: Job, cells: FloatArray) -> Part:
     computed = job.function(job.configuration, cells)
     if not set(computed) <= set(job.blanks):
         raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")

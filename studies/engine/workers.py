@@ -54,11 +54,11 @@ class Pool:
     For None they are as many as there are cores if the work is worth their start, or 1: small
     computations never wait for processes. ``work_s``: time that it takes on one core, roughly [s].
 
-    ``in_process``: whether tasks are computed here. ``shares_disk``: whether workers can keep what
-    they have computed. ``imports``: modules that the tasks need.
+    ``in_process``: whether tasks are computed here. ``same_code``: whether workers have the code of
+    this process for certain. ``imports``: modules that the tasks need.
     """
 
-    shares_disk = True
+    same_code = True
     imports: tuple[str, ...] = ()
 
     def __init__(self, workers: int | None = None, work_s: float = 0.0) -> None:
@@ -82,10 +82,11 @@ class Pool:
             future.set_result(work(*task))
             return future
         with for_children():
-            if self._executor is not None:
+            executor = self._executor or self._restarted()
+            while True:
                 with suppress(BrokenExecutor):  # a worker died since
-                    return self._executor.submit(work, *task)
-            return self._restarted().submit(work, *task)
+                    return executor.submit(work, *task)
+                executor = self._restarted()
 
     def _restarted(self) -> Executor:
         """Start processes, or start them again."""
