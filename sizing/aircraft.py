@@ -47,8 +47,10 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
+    check_order,
     is_positive,
     kind_by_default,
+    spell,
     wrong_value,
 )
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
@@ -97,12 +99,8 @@ class LevelFlight(Record):
 
     @model_validator(mode="after")
     def _check_maximum(self) -> LevelFlight:
-        maximum = self.maximum_electric_power_w
-        if maximum is not None and maximum < self.electric_power_w:
-            raise ValueError(
-                "maximum_electric_power_w must be at least electric_power_w "
-                f"(got {maximum:g} and {self.electric_power_w:g})"
-            )
+        if self.maximum_electric_power_w is not None:
+            check_order(self, "electric_power_w", "maximum_electric_power_w", equal=True)
         return self
 
 
@@ -168,8 +166,8 @@ class ParametricAirframe(Record):
         check_balance(self)
         braced = getattr(self.structure, "bracing", None) is not None
         if braced and isinstance(self.aerodynamics, UserDragPolar):
-            text = "its drag needs aerodynamics.model parabolic or wing_polar (got own)"
-            raise wrong_value("structure.bracing", text)
+            text = "its drag needs aerodynamics.model parabolic or wing_polar"
+            raise wrong_value("structure.bracing", text, got="own")
         return self
 
     @model_validator(mode="before")
@@ -183,10 +181,10 @@ class ParametricAirframe(Record):
             return data
         value, span_m = data[keys[-1]], data.get("wingspan_m", 0.0)
         if len(keys) > 1:
-            text = f"give one of aspect_ratio, chord_m, wing_area_m2 (got {' and '.join(keys)})"
-            raise wrong_value(keys[-1], text)
+            text = "give one of aspect_ratio, chord_m, wing_area_m2"
+            raise wrong_value(keys[-1], text, got=" and ".join(keys))
         if not is_positive(value):
-            raise wrong_value(keys[0], f"must be a number greater than 0 (got {shown(value)})")
+            raise wrong_value(keys[0], "must be a number greater than 0", got=shown(value))
         # An invalid wingspan is refused by its own check.
         ratio = span_m ** _CHORDWISE[keys[0]] / value if is_positive(span_m) else 1.0
         rest = {key: other for key, other in data.items() if key not in _CHORDWISE}
@@ -245,8 +243,8 @@ class SolarModules(CatalogueRecord, SolarCell):
     @model_validator(mode="after")
     def _check_shading(self) -> SolarModules:
         if self.shading_loss not in LOSS_MODELS:
-            allowed = ", ".join(LOSS_MODELS)
-            raise wrong_value("shading_loss", f"must be one of {allowed} (got {self.shading_loss})")
+            allowed = f"must be one of {', '.join(LOSS_MODELS)}"
+            raise wrong_value("shading_loss", allowed, got=self.shading_loss)
         if self.tail is not None and self.geometry is not None:
             bare = [s.name for s in self.geometry.surfaces if s.outline is None]
             if bare:
@@ -370,10 +368,8 @@ class Aircraft(FileRecord):
             highest, allowed = polar.maximum_lift_coefficient, "below the maximum lift coefficient"
             wrong = lift.maximum >= highest
         if wrong:
-            raise wrong_value(
-                "design_space.lift_coefficient.maximum",
-                f"must be {allowed}, {highest:.4g} (got {lift.maximum:g})",
-            )
+            key, text = "design_space.lift_coefficient.maximum", f"must be {allowed}"
+            raise wrong_value(key, f"{text}, {spell(highest, 4)}", got=lift.maximum)
         return self
 
     @model_validator(mode="after")
@@ -420,10 +416,7 @@ class Aircraft(FileRecord):
             return self
         wing_area_m2 = self.airframe.wingspan_m**2 / self.airframe.aspect_ratio
         if modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
-            raise wrong_value(
-                "modules.area_m2",
-                f"must not exceed the wing area of {wing_area_m2:.3g} m², wingspan "
-                "squared over aspect_ratio or wingspan times chord_m (got "
-                f"{modules.area_m2:g})",
-            )
+            text = f"must not exceed the wing area of {spell(wing_area_m2, 3)} m², wingspan "
+            text += "squared over aspect_ratio or wingspan times chord_m"
+            raise wrong_value("modules.area_m2", text, got=modules.area_m2)
         return self

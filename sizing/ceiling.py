@@ -28,6 +28,7 @@ from sizing.mass_budget import ImpossibleDesignError, operating_reason, operatin
 from sizing.performance import performance
 from sizing.validity.extrapolations import extrapolations
 from sizing.validity.ranges import Extrapolation
+from solar.schema import Allowed, refusal, spell
 from solar.types import FloatArray
 
 # Default end of a search; missions near it search to the end of the atmosphere.
@@ -130,12 +131,9 @@ def highest_perpetual_altitude(
         highest_m = MAXIMUM_ALTITUDE_M if high_up else _HIGHEST_M
     highest_m = min(highest_m, mission.highest_floor_m)
     if not highest_m > mission.altitude_m:
-        raise ValueError(
-            f"highest_m must be above the mission's altitude of {mission.altitude_m:g} "
-            f"(got {highest_m:g})"
-        )
-    if not step_m > 0.0:
-        raise ValueError(f"step_m must be above 0 (got {step_m:g})")
+        text = f"highest_m must be above the mission's altitude of {spell(mission.altitude_m)}"
+        raise ValueError(refusal(text, highest_m))
+    Allowed(0.0, above=True).check("step_m", step_m)
     altitudes = scanned_altitudes_m(mission.altitude_m, highest_m, step_m)
     simulate = partial(flight_at_altitude, aircraft, mission, solar)
     flights = []

@@ -7,6 +7,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.propulsion.chain import LINKS, Propulsion
 from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
+from solar.schema import refusal
 
 _ROUNDS, _TOLERANCE = 50, 1e-10  # of the efficiency [-]
 
@@ -52,7 +53,7 @@ def with_operating_point(
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise ValueError(f"{aircraft.name} is a measured aircraft: its power was measured")
     if propulsors < 1:
-        raise ValueError(f"propulsors must be 1 or more (got {propulsors})")
+        raise ValueError(refusal("propulsors must be 1 or more", propulsors))
     before = 0.0
     for _ in range(_ROUNDS):
         chain = aircraft.airframe.propulsion

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import PositiveReal, Record
+from solar.schema import PositiveReal, Record, check_order, spell, wrong_value
 
 
 class Limit(Record):
@@ -20,8 +20,8 @@ class Limit(Record):
         least, most = self.minimum, self.maximum
         if least is None and most is None:
             raise ValueError("give a minimum, a maximum or both")
-        if least is not None and most is not None and least > most:
-            raise ValueError(f"minimum must not exceed maximum (got {least:g} and {most:g})")
+        if least is not None and most is not None:
+            check_order(self, "minimum", "maximum", equal=True)
         return self
 
 
@@ -142,8 +142,6 @@ class DesignSpace(Record):
         if twice:
             raise ValueError(f"{twice[0]} and the same quantity in limits: give one of them")
         if heaviest is not None and heaviest <= battery:
-            raise ValueError(
-                "maximum_total_mass_kg must be above the least battery mass "
-                f"(got {heaviest:g} and {battery:g})"
-            )
+            text = f"must be above the least battery mass of {spell(battery)} kg"
+            raise wrong_value("maximum_total_mass_kg", text, got=heaviest)
         return self

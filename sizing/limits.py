@@ -18,6 +18,7 @@ from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
 from sizing.propulsion.shafts import shares_of_limits
 from sizing.smooth import Value
+from solar.schema import spell
 
 MASS_BUDGET = "mass_budget"  # an equation, which closed designs meet
 # Relative tolerance of requirements, above the solver's of about 1e-8.
@@ -171,7 +172,8 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
         is_minimum, ratio = limit.end == "minimum", QUANTITIES[limit.quantity](it) / limit.value
         unit_of_limit = "" if unit(limit.quantity) == "1" else f" {unit(limit.quantity)}"
         violation = "falls short of its minimum" if is_minimum else "exceeds its maximum"
-        text = f"{label(limit.quantity)} {violation} {limit.value:g}{unit_of_limit} by {{missed}}"
+        bound = f"{spell(limit.value)}{unit_of_limit}"
+        text = f"{label(limit.quantity)} {violation} {bound} by {{missed}}"
         rows.append(Requirement(name, ratio - 1.0 if is_minimum else 1.0 - ratio, text))
     margins = _propulsion_margins(it)
     rows += [Requirement(name, margin, _OF_PROPULSION[name]) for name, margin in margins.items()]

@@ -38,6 +38,7 @@ from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.roots import LightestMass
 from sizing.smooth import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
+from solar.schema import spell
 from solar.types import BoolArray
 
 if TYPE_CHECKING:
@@ -329,7 +330,7 @@ def operating_trouble(
     reason, where = operating_reason(aircraft, mission, variables), mission.name
     return reason and (
         f"the propulsion of {aircraft.name} cannot do level flight on {where} at "
-        f"{mission.altitude_m:g} m: {reason}"
+        f"{spell(mission.altitude_m)} m: {reason}"
     )
 
 
@@ -412,8 +413,8 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
     other_kg = total_mass_kg - rest_kg
     if other_kg < 0.0 or (other_kg == 0.0 and isinstance(airframe, MeasuredAirframe)):
         raise ImpossibleDesignError(
-            f"the parts of {aircraft.name} weigh {rest_kg:.3f} kg already, without airframe.{key}: "
-            f"more than the total mass of {total_mass_kg:g} kg"
+            f"the parts of {aircraft.name} weigh {round(rest_kg, 3)} kg already, without "
+            f"airframe.{key}: more than the total mass of {spell(total_mass_kg)} kg"
         )
     grown = 1.0 if isinstance(airframe, MeasuredAirframe) else 1.0 + airframe.mass_growth
     return aircraft.with_airframe(**{key: other_kg / grown})

@@ -29,6 +29,7 @@ from sizing.day.load import Load
 from sizing.day.metrics import Cycle, joined
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
+from solar.schema import spell_ends
 from solar.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Performance:
         designs = "x".join(map(str, excess_h.shape[:-1])) or "1"
         return (
             f"<Performance of {designs} design(s) in {excess_h.shape[-1]} scenario(s): excess time "
-            f"{np.min(excess_h):.2f} to {np.max(excess_h):.2f} h>"
+            f"{spell_ends(excess_h.ravel().round(2))} h>"
         )
 
     def worst_scenario(self) -> int:

@@ -18,6 +18,7 @@ from sizing.design import Design, variables_of
 from sizing.mass_budget import closed_design, design_of_total_mass, measured_design
 from sizing.parameters import all_replaced, parameter
 from sizing.performance import Performance, performance
+from solar.schema import significant, spell
 from solar.types import FloatArray
 
 Direction = Literal["at least", "at most"]
@@ -44,7 +45,7 @@ class Relaxation:
         """Relaxation in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
         sign = ">=" if self.direction == "at least" else "<="
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.parameter} {sign} {self.value:g}{unit} (now {self.present:g})"
+        return f"{self.parameter} {sign} {spell(self.value)}{unit} (now {spell(self.present)})"
 
     @property
     def relative_change(self) -> float:
@@ -58,9 +59,8 @@ def rounded(value: float, direction: Direction) -> float:
         return 0.0
     digits = 10.0 ** (math.floor(math.log10(value)) - 2)
     steps = value / digits
-    return float(
-        f"{(math.ceil(steps) if direction == 'at least' else math.floor(steps)) * digits:.6g}"
-    )
+    whole = math.ceil(steps) if direction == "at least" else math.floor(steps)
+    return significant(whole * digits)
 
 
 LOAD = "load_w"

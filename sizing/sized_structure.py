@@ -15,6 +15,7 @@ from sizing.structures.loads import StructureInputs
 from sizing.structures.models import other_model
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import StructureParts
+from solar.schema import spell
 
 
 def structure_parts(aircraft: Aircraft, design: Design) -> StructureParts | None:
@@ -54,9 +55,9 @@ def _structure_remarks(
     chosen = "deflection_load_case" in model.model_fields_set
     if model.maximum_tip_deflection is not None and not chosen:
         yield (
-            f"maximum_tip_deflection {model.maximum_tip_deflection:g} holds in level flight; until "
-            "1.0 it held at every limit load and in landing (deflection_load_case: limit_load, "
-            "maximum_landing_deflection)"
+            f"maximum_tip_deflection {spell(model.maximum_tip_deflection)} holds in level flight; "
+            "until 1.0 it held at every limit load and in landing (deflection_load_case: "
+            "limit_load, maximum_landing_deflection)"
         )
 
 

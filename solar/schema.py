@@ -231,7 +231,8 @@ def check_order(record: Record, first: str, second: str, *, equal: bool = False)
     """Refuse a record whose second key is not above its first one."""
     low, high = getattr(record, first), getattr(record, second)
     if low > high or (low == high and not equal):
-        raise wrong_value(second, f"must be above {first} {spell(low)}", got=high)
+        words = "at least" if equal else "above"
+        raise wrong_value(second, f"must be {words} {first} {spell(low)}", got=high)
 
 
 def check_below(record: Record, first: str, second: str) -> None:

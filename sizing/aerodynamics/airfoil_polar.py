@@ -23,6 +23,7 @@ from sizing.aerodynamics.polar_table import (
     shipped_table,
 )
 from sizing.smooth import Value, chebyshev_series
+from solar.schema import spell
 from solar.types import FloatArray
 
 # The branch ends where the slope of lift falls to a tenth of a thin airfoil's, 2 pi/rad [1/deg].
@@ -150,10 +151,11 @@ class AirfoilPolar:
         error = polar.fit_error
         # Refuses NaN as well.
         if not (error.median <= _REFUSED_MEDIAN and error.maximum <= _REFUSED_MAXIMUM):
+            median, most = (spell(100.0 * missed, 3) for missed in error)
             raise file_error(
                 table.source,
-                f"too rough for a smooth polar: the fit misses the table by {error.median:.1%} in "
-                f"the median and {error.maximum:.1%} at most",
+                f"too rough for a smooth polar: the fit misses the table by {median} % in the "
+                f"median and {most} % at most",
             )
         return polar
 
@@ -215,11 +217,8 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
         rows = np.flatnonzero(columns["reynolds"] == reynolds)
         rows = rows[np.argsort(columns["alpha_deg"][rows])]
         if len(rows) < _LEAST_ANGLES:
-            raise file_error(
-                table.source,
-                f"{len(rows)} angles of attack at Reynolds number {reynolds:g}; "
-                f"at least {_LEAST_ANGLES} are needed",
-            )
+            angles = f"{len(rows)} angles of attack at Reynolds number {spell(reynolds)}"
+            raise file_error(table.source, f"{angles}; at least {_LEAST_ANGLES} are needed")
         alpha, cl, cd = (columns[name][rows] for name in ("alpha_deg", "cl", "cd"))
         # The branch of rising lift around half the greatest lift.
         start = int(np.argmax(cl >= 0.5 * np.max(cl)))
@@ -231,11 +230,8 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
     ):
         branches.pop(0)
     if len(branches) < _LEAST_REYNOLDS_NUMBERS:
-        raise file_error(
-            table.source,
-            f"attached flow at {len(branches)} Reynolds numbers; "
-            f"at least {_LEAST_REYNOLDS_NUMBERS} are needed",
-        )
+        numbers = f"attached flow at {len(branches)} Reynolds numbers"
+        raise file_error(table.source, f"{numbers}; at least {_LEAST_REYNOLDS_NUMBERS} are needed")
     # Branches at low Reynolds numbers that end early are not attached flow.
     for first in range(len(branches) - _LEAST_REYNOLDS_NUMBERS + 1):
         kept = branches[first:]

@@ -14,9 +14,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from missions.files.errors import InputError, Problem, left_out_note, printable, shortened
+from missions.files.errors import InputError, Problem, left_out_note, printable, shortened, shown
 from missions.files.texts import FILE_MARK
-from sizing.aerodynamics.polar_table import SHARE_LEFT_OUT
+from sizing.aerodynamics.polar_table import LIFT, SHARE_LEFT_OUT
+from solar.schema import Allowed, refusal, spell
 
 # Metres per second of the units in XFLR5.
 _SPEED_UNITS = {
@@ -31,11 +32,11 @@ _SPEED_UNITS = {
     "knot": 0.514444,
     "knots": 0.514444,
 }
-_LEAST_REYNOLDS, _LARGEST_REYNOLDS = 1e3, 1e8  # beyond any aircraft
+_REYNOLDS = Allowed(1e3, 1e8)  # beyond any aircraft
 # Limit of incompressible flow, which the models of wing and aircraft assume: Anderson, Fundamentals
 # of Aerodynamics, section 1.10.
-_LARGEST_MACH = 0.3
-_LARGEST_LIFT = 4.0 * math.pi  # Smith (1975), as for lift coefficients of a file
+_MACH = Allowed(0.0, 0.3)
+_ALPHA_DEG, _DRAG = Allowed(-90.0, 90.0), Allowed(0.0, 10.0, above=True, below=True)
 _MOST_ROWS = 50_000  # beyond any set of polars
 
 _NO_POLAR = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
@@ -230,9 +231,8 @@ def _read_header(polar: FilePolar, line: str) -> None:
     elif match := _SPEED.match(line):
         name = match[2].strip(" ,;").lower()
         if name not in _SPEED_UNITS:
-            allowed = ", ".join(_SPEED_UNITS)
-            got = shortened(printable(name)) or "none"
-            raise ValueError(f"the unit of the speed must be one of {allowed} (got {got})")
+            allowed = f"the unit of the speed must be one of {', '.join(_SPEED_UNITS)}"
+            raise ValueError(refusal(allowed, shortened(printable(name)) or "none"))
         polar.speed_unit = _SPEED_UNITS[name]
         polar.speed_m_per_s = _float(match[1]) * polar.speed_unit
     elif _FIXED_ALPHA.match(line) or (polar.kind == "section" and re.match(r"^\s*Re\s*,", line)):
@@ -247,7 +247,7 @@ def _take_entry(polar: FilePolar, key: str, value: str) -> None:
         polar.name = printable(value)[:80]
         return
     if not re.fullmatch(_NUMBER, value):
-        raise ValueError(f"{key} must be a number (got {shortened(printable(value))!r})")
+        raise ValueError(refusal(f"{key} must be a number", shown(value)))
     if key == "ncrit":
         polar.ncrit = _float(value)
     elif key == "mach":
@@ -258,14 +258,11 @@ def _take_entry(polar: FilePolar, key: str, value: str) -> None:
 
 def _take_air(polar: FilePolar, mach: float, reynolds: float) -> None:
     polar.mach, polar.reynolds = mach, reynolds
-    if not 0.0 <= polar.mach <= _LARGEST_MACH:
-        raise ValueError(f"Mach must be from 0 to {_LARGEST_MACH:g} (got {polar.mach:g})")
-    if not (_LEAST_REYNOLDS <= reynolds <= _LARGEST_REYNOLDS or math.isnan(reynolds)):
-        inviscid = ", an inviscid polar" if polar.reynolds == 0.0 else ""
-        raise ValueError(
-            f"Re must be from {_LEAST_REYNOLDS:g} to {_LARGEST_REYNOLDS:g} "
-            f"(got {polar.reynolds:g}{inviscid})"
-        )
+    _MACH.check("Mach", mach)
+    if reynolds == 0.0:
+        raise ValueError(refusal(f"Re must be {_REYNOLDS}", "0, an inviscid polar"))
+    if not math.isnan(reynolds):
+        _REYNOLDS.check("Re", reynolds)
 
 
 def _take_columns(polar: FilePolar, line: str) -> None:
@@ -299,22 +296,16 @@ def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
     if "xflr5" in polar.program.lower() and polar.kind == "section" and surplus > 0:
         polar.surplus, texts = surplus, texts[:-surplus]
     if odd or len(texts) != len(polar.columns):
-        got = shortened(printable(" ".join(line.split())))
-        raise ValueError(f"{len(polar.columns)} numbers are needed (got {got!r})")
+        got = shown(" ".join(line.split()))
+        raise ValueError(refusal(f"{len(polar.columns)} numbers are needed", got))
     values = {key: _float(text) for key, text in zip(polar.columns, texts, strict=True) if key}
     used = [values[key] for key in ("alpha", "lift", "drag")]
     drag = values["drag"] if polar.kind == "section" else values["viscous"]
     if not all(math.isfinite(value) for value in (*used, drag)):
         return None
-    if abs(values["alpha"]) > 90.0:
-        raise ValueError(f"alpha must be from -90 to 90 degrees (got {values['alpha']:g})")
-    wrong = ""
-    if abs(values["lift"]) > _LARGEST_LIFT:
-        wrong = f"CL must be within {_LARGEST_LIFT:.3g} (got {values['lift']:g})"
-    elif not 0.0 < drag < 10.0:
-        name = "CD" if polar.kind == "section" else "CDv"
-        wrong = f"{name} must be above 0 and below 10 (got {drag:g})"
-    if wrong:
+    _ALPHA_DEG.check("alpha", values["alpha"])
+    name = "CD" if polar.kind == "section" else "CDv"
+    if wrong := LIFT.trouble("CL", values["lift"]) or _DRAG.trouble(name, drag):
         polar.left_out.append(polar.problem(number, wrong))
         return None
     moment, induced = (values.get(key, math.nan) for key in ("moment", "induced"))
@@ -348,9 +339,8 @@ def _repeated(polar: FilePolar) -> Iterator[Problem]:
         if first is row:
             kept.append(row)
         elif (first.lift, first.drag) != (row.lift, row.drag):
-            yield polar.problem(
-                row.line, f"alpha {row.alpha_deg:g} as in line {first.line}, with other values"
-            )
+            text = f"alpha {spell(row.alpha_deg)} as in line {first.line}, with other values"
+            yield polar.problem(row.line, text)
     polar.rows[:] = kept
 
 

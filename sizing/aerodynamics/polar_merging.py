@@ -22,6 +22,7 @@ from sizing.aerodynamics.polar_table import (
     WingReference,
     parse_polar_table,
 )
+from solar.schema import significant, spell
 from solar.types import FloatArray
 
 # Share of the greatest lift that polars of fixed lift cover at their lowest resampled Reynolds
@@ -102,10 +103,8 @@ def _check_settings(polars: Sequence[FilePolar]) -> None:
             ("xtrf", first.trip, polar.trip),
         ):
             if expected != actual:
-                message = (
-                    f"{setting} {_spelled(actual)}, but {_spelled(expected)} in {_place(first)}"
-                )
-                problems.append(polar.problem(polar.line, message))
+                message = f"{setting} {_spelled(actual)}, but {_spelled(expected)}"
+                problems.append(polar.problem(polar.line, f"{message} in {_place(first)}"))
         if polar.name.lower().split() != first.name.lower().split():
             message = f"polar of {polar.name}, but {_place(first)} is of {first.name}"
             problems.append(polar.problem(polar.line, message))
@@ -116,9 +115,7 @@ def _check_settings(polars: Sequence[FilePolar]) -> None:
 def _spelled(value: float | tuple[float, float] | None) -> str:
     if value is None:
         return "none"
-    return " and ".join(
-        f"{number:g}" for number in (value if isinstance(value, tuple) else (value,))
-    )
+    return " and ".join(map(spell, value if isinstance(value, tuple) else (value,)))
 
 
 def _place(polar: FilePolar) -> str:
@@ -153,7 +150,7 @@ def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
         reynolds.append(speed * per_speed)
     if _is_fixed(polar):
         # Speeds have few digits: all rows get their mean.
-        reynolds = [float(f"{np.mean(reynolds):.4g}")] * len(reynolds)
+        reynolds = [significant(float(np.mean(reynolds)), 4)] * len(reynolds)
     return reynolds
 
 
@@ -164,7 +161,7 @@ def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
     for polar, reynolds in pairs:
         first = seen.setdefault(reynolds[0], polar)
         if first is not polar:
-            message = f"Reynolds number {reynolds[0]:g} as in {_place(first)}"
+            message = f"Reynolds number {spell(reynolds[0])} as in {_place(first)}"
             problems.append(polar.problem(polar.line, message))
     if problems:
         raise InputError(problems)
@@ -184,10 +181,10 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
         low = constants[0] / math.sqrt(_LOW_LIFT_SHARE * highest)
         high = constants[-1] / math.sqrt(highest)
     if not high >= _LEAST_RATIO * low > 0.0:
-        ratio = _LEAST_RATIO / math.sqrt(_LOW_LIFT_SHARE)
+        ratio = spell(_LEAST_RATIO / math.sqrt(_LOW_LIFT_SHARE), 2)
         message = (
             "polars of fixed lift (type 2) make a table only if the greatest Re C_L^1/2 is at "
-            f"least {ratio:.2g} times the smallest; export more of them, or polars of type 1"
+            f"least {ratio} times the smallest; export more of them, or polars of type 1"
         )
         raise file_error(source, message)
     targets = np.geomspace(low, high, max(len(constants), 2))
@@ -223,7 +220,7 @@ def _rows_at(
         x = math.log(target)
         if log_re[0] - 1e-9 <= x <= log_re[-1] + 1e-9:
             cl, cd, cm = (float(np.interp(x, log_re, column)) for column in columns)
-            yield (alpha, float(f"{target:.6g}"), cl, math.exp(cd), cm)
+            yield (alpha, significant(target), cl, math.exp(cd), cm)
 
 
 def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: str) -> float:
@@ -242,8 +239,9 @@ def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: s
     efficiency = float(np.median(efficiencies))
     if not 0.3 <= efficiency <= 1.0 + 1e-2:
         message = (
-            f"induced drag and wing_aspect_ratio {wing.aspect_ratio:g} give a span efficiency of "
-            f"{efficiency:.3g}; it must be from 0.3 to 1: is that the aspect ratio of this wing?"
+            f"induced drag and wing_aspect_ratio {spell(wing.aspect_ratio)} give a span efficiency "
+            f"of {spell(efficiency, 3)}; it must be from 0.3 to 1: is that the aspect ratio of "
+            "this wing?"
         )
         raise file_error(source, message)
     return min(efficiency, 1.0)

@@ -6,32 +6,32 @@ files.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
 
-from missions.files.errors import InputError, Problem, file_error, left_out_note
+from missions.files.errors import InputError, Problem, file_error, left_out_note, shown
 from missions.files.texts import read_folder, read_text
+from solar.schema import Allowed, refusal
 from solar.types import FloatArray
 
 # Suffixes of files with polars; the path of a folder ends with a slash.
 POLAR_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat")
 
-# Range of each column, and whether its lower end is excluded. Lift without power is at most 4 pi,
-# see LiftCoefficient; drag of a plate across the flow is 2.
-_RANGES = {
-    "alpha_deg": (-180.0, 180.0, False),
-    "reynolds": (0.0, 1e10, True),
-    "cl": (-12.57, 12.57, False),
-    "cd": (0.0, 10.0, True),
-    "cm": (-math.inf, math.inf, False),
-    "confidence": (0.0, 1.0, False),
+# Lift without power is at most 4 pi, see LiftCoefficient; drag of a plate across the flow is 2.
+LIFT = Allowed(-12.57, 12.57)
+_ALLOWED = {
+    "alpha_deg": Allowed(-180.0, 180.0),
+    "reynolds": Allowed(0.0, 1e10, above=True),
+    "cl": LIFT,
+    "cd": Allowed(0.0, 10.0, above=True),
+    "cm": Allowed(),
+    "confidence": Allowed(0.0, 1.0),
 }
 # Largest share of rows with impossible lift or drag that is left out of a table or a polar.
 SHARE_LEFT_OUT = 1 / 12
-COLUMNS = tuple(_RANGES)
+COLUMNS = tuple(_ALLOWED)
 
 
 def is_table_path(airfoil: str) -> bool:
@@ -157,9 +157,6 @@ def _read_rows(
 
 def _complaint(values: list[float], line: str) -> str:
     if len(values) != len(COLUMNS) or not np.all(np.isfinite(values)):
-        return f"{len(COLUMNS)} finite numbers are needed (got {line[:60]!r})"
-    for (name, (least, most, above)), value in zip(_RANGES.items(), values, strict=True):
-        if not least <= value <= most or (above and value == least):
-            allowed = f"above {least:g} and at most" if above else f"from {least:g} to"
-            return f"{name} must be {allowed} {most:g} (got {value:g})"
-    return ""
+        return refusal(f"{len(COLUMNS)} finite numbers are needed", shown(line))
+    columns = zip(_ALLOWED.items(), values, strict=True)
+    return next(filter(None, (a.trouble(name, value) for (name, a), value in columns)), "")

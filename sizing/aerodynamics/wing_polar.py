@@ -38,6 +38,9 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
+    refusal,
+    significant,
+    spell,
     wrong_value,
 )
 
@@ -134,8 +137,8 @@ class WingPolar(Record):
         if named and not is_table_path(self.airfoil):
             raise wrong_value("airfoil", OF_A_SECTION)
         if named and self.section_lift_ratio != 1.0:
-            text = f"must be 1 with polars of a wing (got {self.section_lift_ratio:g})"
-            raise wrong_value("section_lift_ratio", text)
+            text = "must be 1 with polars of a wing"
+            raise wrong_value("section_lift_ratio", text, got=self.section_lift_ratio)
         return self
 
     @model_validator(mode="after")
@@ -147,10 +150,9 @@ class WingPolar(Record):
         except ValueError as error:
             raise wrong_value("airfoil", str(error)) from error
         if self.lift_coefficient is not None and self.lift_coefficient > highest:
-            raise ValueError(
-                f"lift_coefficient must be at most {highest:.3g}, which is {self.stall_margin:g} "
-                f"times the stall speed (got {self.lift_coefficient:g})"
-            )
+            most = f"{spell(highest, 3)}, which is {spell(self.stall_margin)} times the stall speed"
+            allowed = f"lift_coefficient must be at most {most}"
+            raise ValueError(refusal(allowed, self.lift_coefficient))
         return self
 
     # Path and text of the airfoil's table, read when the record was made.
@@ -278,4 +280,4 @@ def _wing_values(data: Any) -> dict[str, float]:
         return {"section_lift_ratio": 1.0}  # the checks of the record report the error
     efficiency = table.span_efficiency
     assert efficiency is not None  # every polar of a wing has one
-    return {"section_lift_ratio": 1.0, "span_efficiency": float(f"{efficiency:.4g}")}
+    return {"section_lift_ratio": 1.0, "span_efficiency": significant(efficiency, 4)}

@@ -85,28 +85,24 @@ def check_balance(airframe: Any) -> None:
         structure = airframe.structure
         if not isinstance(structure, RibWingStructure):
             text = "must be rib_wing with airframe.tail, as it alone has the tail as a part"
-            raise wrong_value("structure.model", f"{text} (got {structure.model})")
+            raise wrong_value("structure.model", text, got=structure.model)
         if structure.booms == 0:
-            raise wrong_value("structure.booms", "must be 1 or 2 with airframe.tail (got 0)")
-        for key in () if structure.is_unchecked() else _TAIL_KEYS:
-            if key in structure.model_fields_set:
-                text = f"follows from airframe.tail; give one (got {getattr(structure, key):g})"
-                raise wrong_value(f"structure.{key}", text)
+            raise wrong_value("structure.booms", "must be 1 or 2 with airframe.tail", got=0)
         built_m2 = None if airframe.drag is None else airframe.drag.built_m2
-        key = "pod_wetted_area_ratio"
-        if built_m2 is not None and key in structure.model_fields_set:
-            value = getattr(structure, key)
-            text = f"follows from airframe.drag.pods; give one (got {value:g})"
-            raise wrong_value(f"structure.{key}", text)
+        replaced = {} if structure.is_unchecked() else dict.fromkeys(_TAIL_KEYS, "tail")
+        replaced |= {} if built_m2 is None else {"pod_wetted_area_ratio": "drag.pods"}
+        for key, part in replaced.items():
+            if key in structure.model_fields_set:
+                text, value = f"follows from airframe.{part}; give one", getattr(structure, key)
+                raise wrong_value(f"structure.{key}", text, got=value)
     trimmed = balance is not None and balance.static_margin is not None
     polar = airframe.aerodynamics
     if polar.model == "own" and (airframe.drag is not None or trimmed):
         key = "drag" if airframe.drag is not None else "balance.static_margin"
-        raise wrong_value(
-            "aerodynamics.model", f"must be parabolic or wing_polar with airframe.{key} (got own)"
-        )
+        text = f"must be parabolic or wing_polar with airframe.{key}"
+        raise wrong_value("aerodynamics.model", text, got="own")
     if airframe.drag is not None and polar.model == "wing_polar":
         for key in _DRAG_CONSTANTS["wing_polar"]:
             if (value := getattr(polar, key)) > 0.0:
-                text = f"must be 0 with airframe.drag, which has that part (got {value:g})"
-                raise wrong_value(f"aerodynamics.{key}", text)
+                text = "must be 0 with airframe.drag, which has that part"
+                raise wrong_value(f"aerodynamics.{key}", text, got=value)

@@ -26,6 +26,7 @@ from solar.schema import (
     Record,
     UnitInterval,
     check_order,
+    spell,
     wrong_value,
 )
 
@@ -75,9 +76,9 @@ class Pod(Record):
         if self.diameter_m is not None:
             check_order(self, "diameter_m", "length_m")
         elif self.wetted_area_m2 is not None and self.wetted_area_m2 >= pi * self.length_m**2:
-            most = pi * self.length_m**2
-            text = f"must be below {most:.3g} m², that of a ball of this length"
-            raise wrong_value("wetted_area_m2", f"{text} (got {self.wetted_area_m2:g})")
+            most = spell(pi * self.length_m**2, 3)
+            text = f"must be below {most} m², that of a ball of this length"
+            raise wrong_value("wetted_area_m2", text, got=self.wetted_area_m2)
         return self
 
     @cached_property

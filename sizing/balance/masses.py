@@ -92,10 +92,9 @@ class Balance(Record):
 
     @model_validator(mode="after")
     def _check_choice(self) -> Balance:
-        margin = self.static_margin
-        if self.weighed and margin is not None:
-            text = f"follows from weighed; give one of them (got {margin:g})"
-            raise wrong_value("static_margin", text)
+        if self.weighed and self.static_margin is not None:
+            text = "follows from weighed; give one of them"
+            raise wrong_value("static_margin", text, got=self.static_margin)
         return self
 
 

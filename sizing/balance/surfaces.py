@@ -13,7 +13,15 @@ from pydantic import Field, Strict, model_validator
 
 from sizing.parameters import all_replaced
 from sizing.smooth import Value, smooth_maximum
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, wrong_value
+from solar.schema import (
+    Fraction,
+    NonNegativeReal,
+    PositiveReal,
+    Real,
+    Record,
+    check_one,
+    wrong_value,
+)
 
 QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
 _ControlChord = Annotated[float, Strict(), Field(ge=0.05, le=1.0)]
@@ -140,15 +148,10 @@ class Tail(Record):
             ("horizontal_volume", "horizontal_area_m2"),
             ("vertical_volume", "vertical_area_m2"),
         ):
-            keys = [key for key in (first, second) if getattr(self, key) is not None]
-            if not keys:
+            if getattr(self, first) is None and getattr(self, second) is None:
                 raise wrong_value(first, f"required key is missing (or {second}, above 0)")
-            if len(keys) > 1:
-                text = f"give this or {first}, not both (got {getattr(self, second):g})"
-                raise wrong_value(second, text)
-        if self.vertical_arm_m is not None and self.vertical_arm_chords is not None:
-            text = f"give this or vertical_arm_m, not both (got {self.vertical_arm_chords:g})"
-            raise wrong_value("vertical_arm_chords", text)
+            check_one(self, first, second)
+        check_one(self, "vertical_arm_m", "vertical_arm_chords")
         return self
 
     def with_volume(self, horizontal_volume: Value) -> Tail:

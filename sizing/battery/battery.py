@@ -15,6 +15,7 @@ from sizing.battery.pack import BatteryPack, with_pack_values
 from sizing.catalogues.choice import CatalogueRecord, Kind, known_entry
 from sizing.smooth import Value
 from solar.schema import (
+    Allowed,
     CellCount,
     Fraction,
     PositiveReal,
@@ -121,13 +122,8 @@ class BatteryVoltage(Record):
     def voltage_v(self, state_of_charge: ArrayLike) -> FloatArray:
         """Return the voltage of the battery [V]; ValueError outside the table."""
         charge = np.asarray(state_of_charge, float)
-        first, last = self.state_of_charge[0], self.state_of_charge[-1]
-        odd = charge[~((charge >= first) & (charge <= last))]
-        if odd.size:
-            raise ValueError(
-                f"state_of_charge must be from {first:g} to {last:g}, where the table of voltages "
-                f"ends (got {odd.flat[0]:g})"
-            )
+        table = Allowed(self.state_of_charge[0], self.state_of_charge[-1])
+        table.check("state_of_charge", charge)
         cell = np.interp(charge, self.state_of_charge, self.cell_voltage_v)
         return np.asarray(self.cells_in_series * cell)
 

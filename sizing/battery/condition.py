@@ -29,6 +29,7 @@ from solar.schema import (
     Record,
     UnitInterval,
     check_columns,
+    spell,
 )
 from solar.types import FloatArray
 
@@ -161,10 +162,9 @@ class Ageing(Record):
     @model_validator(mode="after")
     def _check_ageing(self) -> Ageing:
         if 1.0 - self.calendar_fade() - self.cycle_fade() <= _LEAST:
-            raise ValueError(
-                f"nothing is left of the battery after {float(self.total_cycles):g} cycles and "
-                f"{float(self.total_months):g} months"
-            )
+            cycles, months = spell(self.total_cycles), spell(self.total_months)
+            text = f"nothing is left of the battery after {cycles} cycles and {months} months"
+            raise ValueError(text)
         return self
 
     @property
@@ -246,9 +246,8 @@ class InternalResistance(Record):
         highest = max(self.discharge_rate_per_h, self.charge_rate_per_h)
         lost = float(highest * self.loss_per_rate_h(1.0))
         if lost > _LARGEST_LOSS:
-            raise ValueError(
-                f"loses {lost:.2f} of the voltage at {highest:g} 1/h: at most {_LARGEST_LOSS:g}"
-            )
+            lost_at = f"loses {round(lost, 2)} of the voltage at {spell(highest)} 1/h"
+            raise ValueError(f"{lost_at}: at most {spell(_LARGEST_LOSS)}")
         return self
 
     def loss_per_rate_h(self, ageing_factor: Value) -> Value:

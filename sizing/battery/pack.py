@@ -16,6 +16,8 @@ from solar.schema import (
     UnitInterval,
     check_order,
     is_positive,
+    significant,
+    spell,
     wrong_value,
 )
 
@@ -44,8 +46,8 @@ class BatteryPack(Record):
         if self.count > MOST_CELLS:
             most = MOST_CELLS // self.cells_in_series
             text = f"{MOST_CELLS} cells in all, {self.cells_in_series} in series"
-            text = f"must be at most {most}: {text} (got {self.cells_in_parallel})"
-            raise wrong_value("cells_in_parallel", text)
+            text = f"must be at most {most}: {text}"
+            raise wrong_value("cells_in_parallel", text, got=self.cells_in_parallel)
         check_order(self, "minimum_state_of_charge", "maximum_state_of_charge")
         return self
 
@@ -99,9 +101,8 @@ def with_pack_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[st
     if mass_kg is not None and abs(mass_kg / unit - record.cells_in_parallel) > _ROUNDED:
         below = max(int(mass_kg / unit), 1)
         numbers = [record.cells_in_parallel] if "cells_in_parallel" in raw else [below, below + 1]
-        allowed = " or ".join(f"{n * unit:.4g} kg ({series} × {n})" for n in numbers)
-        text = f"must be that of whole cells, {allowed} (got {mass_kg:g})"
-        raise wrong_value("mass_kg", text)
+        allowed = " or ".join(f"{spell(n * unit, 4)} kg ({series} × {n})" for n in numbers)
+        raise wrong_value("mass_kg", f"must be that of whole cells, {allowed}", got=mass_kg)
     mass = {"mass_kg": record.mass_kg(share)}
     values = {**data, **mass, "pack": pack, **_usable_energy_values(data, record)}
     return values, set(values) - set(data)
@@ -122,10 +123,10 @@ def _usable_energy_values(data: Mapping[str, Any], pack: BatteryPack) -> dict[st
         raise wrong_value(f"pack.{key}", text)
     values = entry.parameters(data)
     energy = values["specific_energy_wh_per_kg"] * pack.usable
-    window: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
+    window: dict[str, Any] = {"specific_energy_wh_per_kg": significant(energy)}
     limit = values.get("charge_limit")
     if limit is not None and "charge_limit" not in data:
-        rate = float(f"{limit['c_rate_per_h'] / pack.usable:.6g}")
+        rate = significant(limit["c_rate_per_h"] / pack.usable)
         window["charge_limit"] = limit | {"c_rate_per_h": rate}
     return window
 

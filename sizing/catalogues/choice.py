@@ -24,7 +24,7 @@ from sizing.catalogues.entries import (
     MpptEntry,
     PropellerEntry,
 )
-from solar.schema import Record, wrong_value
+from solar.schema import Record, spell, wrong_value
 
 Kind = Literal["cells", "batteries", "motors", "propellers", "mppts"]
 
@@ -124,7 +124,7 @@ class CatalogueValue:
 
 
 def _spelled(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return spell(value) if isinstance(value, float) else str(value)
 
 
 # Numbers of an entry from which a parameter follows; the first available has its source.

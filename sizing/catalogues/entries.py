@@ -19,6 +19,8 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
+    significant,
+    spell,
     wrong_value,
 )
 
@@ -59,7 +61,8 @@ class Entry(Record):
         for less, more in self.ordered_keys:
             low, high = getattr(self, less), getattr(self, more)
             if low is not None and high is not None and low > high:
-                raise wrong_value(less, f"must be at most {more}, which is {high:g} (got {low:g})")
+                text = f"must be at most {more}, which is {spell(high)}"
+                raise wrong_value(less, text, got=low)
         return self
 
     def known(self, *keys: str) -> dict[str, Any]:
@@ -83,10 +86,9 @@ class Entry(Record):
 def _check_agreement(key: str, text: str, first: float, second: float) -> None:
     """Refuse two values of a quantity that differ by more than the rounding of data sheets."""
     if abs(first / second - 1.0) > _AGREEMENT:
-        raise wrong_value(
-            key,
-            f"{text}: {first:.4g} and {second:.4g} do not agree within {100.0 * _AGREEMENT:.0f} %",
-        )
+        both = f"{spell(first, 4)} and {spell(second, 4)}"
+        within = f"do not agree within {round(100.0 * _AGREEMENT)} %"
+        raise wrong_value(key, f"{text}: {both} {within}")
 
 
 def _first_known(*values: float | None) -> float | None:
@@ -142,7 +144,7 @@ class CellEntry(Entry):
         """Return efficiency, temperature coefficient, and mass with encapsulation."""
         if self.efficiency_stc is None and data.get("efficiency_stc") is None:
             am0 = self.efficiency_am0
-            only = "none" if am0 is None else f"{am0:g} outside the atmosphere"
+            only = "none" if am0 is None else f"{spell(am0)} outside the atmosphere"
             text = f"the catalogue has no efficiency under AM1.5 of {self.label} (only {only}): "
             raise wrong_value("cell", f"{text}give efficiency_stc")
         values = self.known("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2")
@@ -271,9 +273,9 @@ class BatteryEntry(Entry):
             raise wrong_value("cell_mass_fraction", text)
         number = isinstance(share, float | int) and not isinstance(share, bool)
         energy = self.specific_energy * (share if number else 1.0)
-        values: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
+        values: dict[str, Any] = {"specific_energy_wh_per_kg": significant(energy)}
         if self.charge_rate_per_h is not None:
-            rate = float(f"{self.charge_rate_per_h:.6g}")
+            rate = significant(self.charge_rate_per_h)
             values["charge_limit"] = {"kind": "rule", "c_rate_per_h": rate}
         return values
 
@@ -297,11 +299,8 @@ class MotorEntry(Entry):
         """
         least = self.no_load_current_a * self.resistance_ohm
         if voltage_v <= least:
-            raise wrong_value(
-                "motor_voltage_v",
-                f"must be above {least:.3g} V, at which {self.label} begins to turn (got "
-                f"{voltage_v:g})",
-            )
+            text = f"must be above {spell(least, 3)} V, at which {self.label} begins to turn"
+            raise wrong_value("motor_voltage_v", text, got=voltage_v)
         return (1.0 - sqrt(least / voltage_v)) ** 2
 
     def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
@@ -315,7 +314,7 @@ class MotorEntry(Entry):
             raise wrong_value("motor_voltage_v", text)
         if not isinstance(voltage, float | int) or isinstance(voltage, bool):
             return {}  # refused by the record
-        return {"motor_efficiency": float(f"{self.best_efficiency(voltage):.6g}")}
+        return {"motor_efficiency": significant(self.best_efficiency(voltage))}
 
 
 class MpptEntry(Entry):
@@ -347,7 +346,7 @@ class MpptEntry(Entry):
     def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:
         """Return the efficiency if known, and the mass per watt."""
         known = {} if self.efficiency is None else {"mppt_efficiency": self.efficiency}
-        return known | {"mppt_mass_kg_per_w": float(f"{self.mass_kg_per_w:.6g}")}
+        return known | {"mppt_mass_kg_per_w": significant(self.mass_kg_per_w)}
 
     def window(self) -> dict[str, Any]:
         """Return the known keys of the MPPT of strings of whole cells."""

@@ -25,6 +25,9 @@ from solar.schema import (
     UnitInterval,
     check_columns,
     check_order,
+    refusal,
+    significant,
+    spell,
     wrong_value,
 )
 from solar.shading import TailGeometry
@@ -114,9 +117,8 @@ class Planform(Record):
             raise ValueError("half_span must increase strictly from 0 to 1")
         mean = float(np.trapezoid(self.relative_chord, self.half_span))
         if abs(mean - 1.0) > _MEAN_TOLERANCE:
-            raise ValueError(
-                f"the mean of relative_chord along the span must be 1 (got {mean:.3g})"
-            )
+            text = "the mean of relative_chord along the span must be 1"
+            raise ValueError(refusal(text, significant(mean, 3)))
         return self
 
 
@@ -143,24 +145,15 @@ class CellLayout(Record):
     def _check_places(self) -> CellLayout:
         outline = self.cell_span_m * self.cell_chord_m
         if self.area_of_a_cell_m2 > outline * (1.0 + _ROUNDING):
-            raise wrong_value(
-                "cell_area_m2",
-                f"must not exceed the outline of a cell, {outline:.4g} m² "
-                f"(got {self.area_of_a_cell_m2:g})",
-            )
+            text = f"must not exceed the outline of a cell, {spell(outline, 4)} m²"
+            raise wrong_value("cell_area_m2", text, got=self.area_of_a_cell_m2)
         for i, (bay, following) in enumerate(pairwise(self.bays), 1):
             if following.inboard < bay.outboard:
-                raise wrong_value(
-                    f"bays.{i}.inboard",
-                    f"must be at least outboard of the bay before, {bay.outboard:g} "
-                    f"(got {following.inboard:g})",
-                )
+                text = f"must be at least outboard of the bay before, {spell(bay.outboard)}"
+                raise wrong_value(f"bays.{i}.inboard", text, got=following.inboard)
         if not 0 < self.count <= MOST_CELLS:
-            raise wrong_value(
-                "bays",
-                f"must have from 1 to {MOST_CELLS} cells, both halves and the tail "
-                f"(got {self.count})",
-            )
+            text = f"must have from 1 to {MOST_CELLS} cells, both halves and the tail"
+            raise wrong_value("bays", text, got=self.count)
         return self
 
     # ---- Numbers
@@ -220,21 +213,23 @@ class CellLayout(Record):
         deep_m = self._length(len(bay.cells), self.cell_chord_m)
         if deep_m > room_m + _ROUNDING:
             rows = "a row" if len(bay.cells) == 1 else f"{len(bay.cells)} rows"
+            cells_m, needed, has = (
+                spell(size_m, 4) for size_m in (self.cell_chord_m, deep_m, max(room_m, 0.0))
+            )
             raise LayoutError(
                 f"bays.{number}.cells",
-                f"{rows} of cells of {self.cell_chord_m:g} m need {deep_m:.4g} m of chord, the bay "
-                f"has {max(room_m, 0.0):.4g} m: at most {self.rows_that_fit(bay, wing)}",
+                f"{rows} of cells of {cells_m} m need {needed} m of chord, the bay has {has} m: "
+                f"at most {self.rows_that_fit(bay, wing)}",
             )
         for row, (cells, front_m) in enumerate(
             zip(bay.cells, self._fronts(bay, wing, len(bay.cells)), strict=True)
         ):
             stretches = self._stretches(bay, wing, front_m)
             if cells > (most := sum(count for _, count in stretches)):
-                raise LayoutError(
-                    f"bays.{number}.cells.{row}",
-                    f"must be at most {most}, the cells of {self.cell_span_m:g} m with gaps of "
-                    f"{self.gap_m:g} m that the row holds (got {cells})",
-                )
+                size_m, gap_m = spell(self.cell_span_m), spell(self.gap_m)
+                text = f"the cells of {size_m} m with gaps of {gap_m} m that the row holds"
+                text = refusal(f"must be at most {most}, {text}", cells)
+                raise LayoutError(f"bays.{number}.cells.{row}", text)
             yield from islice(self._laid(stretches, front_m), cells)
 
     def rows_that_fit(self, bay: Bay, wing: Wing) -> int:
@@ -317,10 +312,8 @@ class CellLayout(Record):
             (wide_m, tail.horizontal_span_m, "span"),
         ):
             if needed_m > has_m + _ROUNDING:
-                raise LayoutError(
-                    "tail_cells",
-                    f"the cells need {needed_m:.4g} m of the tail's {what}, it has {has_m:.4g} m",
-                )
+                text = f"the cells need {spell(needed_m, 4)} m of the tail's {what}, it has "
+                raise LayoutError("tail_cells", f"{text}{spell(has_m, 4)} m")
         first_m = tail.horizontal_aft_m + (tail.horizontal_chord_m - deep_m) / 2.0
         for row, count in enumerate(self.tail_cells):
             front_m = first_m + row * (self.cell_chord_m + self.gap_m)

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from sizing.catalogues.choice import known_entry
 from sizing.catalogues.entries import CellEntry, MpptEntry
 from sizing.layout.cells import CellLayout, LayoutError, Wing
-from solar.schema import Record, is_positive, wrong_value
+from solar.schema import Record, is_positive, spell, wrong_value
 from solar.shading import TailGeometry
 
 _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
@@ -37,11 +37,9 @@ def with_layout_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[
     if "area_m2" in data and not (area == 0.0 or is_positive(area)):
         return {**data, "layout": layout}, set()
     if area is not None and abs(area / cells.area_of_a_cell_m2 - cells.count) >= _HALF_A_CELL:
-        raise wrong_value(
-            "area_m2",
-            f"must be that of the {cells.count} cells of modules.layout, {cells.area_m2:.4g} m² "
-            f"(got {area:g}); it may be left out",
-        )
+        text = f"must be that of the {cells.count} cells of modules.layout, "
+        text += f"{spell(cells.area_m2, 4)} m², or left out"
+        raise wrong_value("area_m2", text, got=area)
     values = {**data, "layout": layout, "area_m2": cells.area_m2}
     return values, set(values) - set(data)
 

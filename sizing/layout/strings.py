@@ -14,6 +14,9 @@ from solar.schema import (
     PositiveReal,
     Record,
     check_order,
+    refusal,
+    spell,
+    spell_ends,
     wrong_value,
 )
 
@@ -80,7 +83,7 @@ class Strings(Record):
                 raise wrong_value(key, text)
         check_order(self, "coldest_c", "hottest_c")
         if self.cells_in_series == ():
-            raise wrong_value("cells_in_series", "must have a number for each string (got none)")
+            raise wrong_value("cells_in_series", "must have a number for each string", got="none")
         return self
 
     def lengths(self, cells: int) -> tuple[int, ...]:
@@ -116,17 +119,16 @@ class Strings(Record):
         most = mppt.maximum_voltage_v / open_v if open_v > 0.0 else 0.0
         if battery_v is not None and mppt.conversion == "step_up":
             most = min(most, battery_v[0] / cold_v if cold_v > 0.0 else 0.0)
-            why = f", below the {battery_v[0]:.4g} V of the empty battery"
+            why = f", below the {spell(battery_v[0], 4)} V of the empty battery"
         if battery_v is not None and mppt.conversion == "step_down":
             low_v = max(low_v, battery_v[1])
-            why = f", above the {battery_v[1]:.4g} V of the full battery"
+            why = f", above the {spell(battery_v[1], 4)} V of the full battery"
+        taken = spell_ends((mppt.minimum_voltage_v, mppt.maximum_voltage_v))
+        modules = spell_ends((self.coldest_c, self.hottest_c))
         return SeriesWindow(
             least=math.ceil(low_v / hot_v - _ROUNDING) if hot_v > 0.0 else 1 + 10**9,
             most=math.floor(most + _ROUNDING),
-            why=(
-                f"the MPPT takes {mppt.minimum_voltage_v:g} to {mppt.maximum_voltage_v:g} V{why}, "
-                f"the modules have {self.coldest_c:g} to {self.hottest_c:g} °C"
-            ),
+            why=f"the MPPT takes {taken} V{why}, the modules have {modules} °C",
         )
 
     def mppts(self, cells: int) -> int:
@@ -139,17 +141,15 @@ class Strings(Record):
         self, cells: int, loss_per_k: float, battery_v: tuple[float, float] | None
     ) -> tuple[str, str] | None:
         """Return key and text of the first problem of the strings; None if there is none."""
-        lengths, length = self.lengths(cells), self.cells_in_series
+        key, lengths, length = "cells_in_series", self.lengths(cells), self.cells_in_series
         if sum(lengths) != cells:
             if isinstance(length, tuple):
-                text = f"must be the {cells} cells in all (got {sum(lengths)})"
-            else:
-                text = f"must divide the {cells} cells into whole strings (got {length})"
-            return "cells_in_series", text
+                return key, refusal(f"must be the {cells} cells in all", sum(lengths))
+            return key, refusal(f"must divide the {cells} cells into whole strings", length)
         per_mppt = self.strings_per_mppt
         if any(len(set(lengths[i : i + per_mppt])) > 1 for i in range(0, len(lengths), per_mppt)):
             text = f"must be equal in each {per_mppt} strings, which share an MPPT"
-            return "cells_in_series", f"{text} (got {', '.join(map(str, lengths))})"
+            return key, refusal(text, ", ".join(map(str, lengths)))
         window, current = self.window(loss_per_k, battery_v), self.mpp_current_a
         wrong = [n for n in sorted(set(lengths)) if not window.least <= n <= window.most]
         if wrong:
@@ -158,18 +158,15 @@ class Strings(Record):
                 if window.least <= window.most
                 else "no number of cells will do"
             )
-            return "cells_in_series", f"{allowed}: {window.why} (got {wrong[0]})"
+            return key, refusal(f"{allowed}: {window.why}", wrong[0])
         assert current is not None
-        if self.strings_per_mppt * current > self.mppt.maximum_current_a * (1.0 + _ROUNDING):
+        if per_mppt * current > self.mppt.maximum_current_a * (1.0 + _ROUNDING):
             most = math.floor(self.mppt.maximum_current_a / current)
+            takes, gives = spell(self.mppt.maximum_current_a), spell(current)
             if most < 1:
-                taken = self.mppt.maximum_current_a
-                return "mppt", f"takes {taken:g} A, less than the {current:g} A of a string"
-            return (
-                "strings_per_mppt",
-                f"must be at most {most}: the MPPT takes {self.mppt.maximum_current_a:g} A, a "
-                f"string gives {current:g} A (got {self.strings_per_mppt})",
-            )
+                return "mppt", f"takes {takes} A, less than the {gives} A of a string"
+            text = f"must be at most {most}: the MPPT takes {takes} A, a string gives {gives} A"
+            return "strings_per_mppt", refusal(text, per_mppt)
         return None
 
     def for_cells(

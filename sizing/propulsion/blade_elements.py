@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from missions.air import Air
 from sizing.propulsion.propeller import Coefficients, Indices
 from sizing.roots import bracketed_root
+from solar.schema import Allowed, refusal
 from solar.types import FloatArray
 
 # Chord over radius at r/R of 0.15 to 1 in steps of 0.05, as measured: UIUC Propeller Database
@@ -124,13 +125,11 @@ class BladeElementPropeller:
     def __post_init__(self) -> None:
         """Check diameter, pitch, number of blades and family of chords."""
         for name in ("diameter_m", "pitch_m"):
-            value = getattr(self, name)
-            if not np.all((value > 0.0) & (value <= 100.0)):
-                raise ValueError(f"{name} must be above 0 and at most 100 (got {value!r})")
+            Allowed(0.0, 100.0, above=True).check(name, getattr(self, name))
         if self.blades != int(self.blades) or not 2 <= self.blades <= 12:
-            raise ValueError(f"blades must be a whole number from 2 to 12 (got {self.blades!r})")
+            raise ValueError(refusal("blades must be a whole number from 2 to 12", self.blades))
         if self.chords not in _CHORDS:
-            raise ValueError(f"chords must be one of {', '.join(_CHORDS)} (got {self.chords!r})")
+            raise ValueError(refusal(f"chords must be one of {', '.join(_CHORDS)}", self.chords))
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the model."""

@@ -51,6 +51,7 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
+    spell,
     wrong_value,
 )
 
@@ -86,11 +87,9 @@ def _one_link(efficiency: Value) -> dict[str, Any]:
 def _with_one_rating(chain: Any) -> Any:
     """Check that climb rate and climb power ratio are not both given."""
     if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
-        raise wrong_value(
-            "climb_rate_m_per_s",
-            "is an alternative to climb_power_ratio: give one of them, null for the other "
-            f"(got {chain.climb_rate_m_per_s:g} and a ratio of {chain.climb_power_ratio:g})",
-        )
+        text = "is an alternative to climb_power_ratio: give one of them, null for the other"
+        got = f"{spell(chain.climb_rate_m_per_s)} and a ratio of {spell(chain.climb_power_ratio)}"
+        raise wrong_value("climb_rate_m_per_s", text, got=got)
     return chain
 
 

@@ -16,6 +16,7 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
+    check_one,
     wrong_value,
 )
 from solar.types import FloatArray
@@ -33,9 +34,7 @@ def _check_efficiency(
             raise wrong_value(key, "required key is missing (or efficiency, one for all loads)")
     for key in (*needed, *others) if part.efficiency is not None else ():
         if key in keys:
-            raise wrong_value(
-                key, f"give this or efficiency, not both (got {getattr(part, key):g})"
-            )
+            check_one(part, "efficiency", key)
 
 
 class MotorState(NamedTuple):
@@ -82,7 +81,7 @@ class Motor(Record):
     def _check_losses(self) -> Motor:
         _check_efficiency(self, ("resistance_ohm", "no_load_current_a"))
         if self.efficiency is None and self.resistance_ohm == 0.0:
-            raise wrong_value("resistance_ohm", "must be a number greater than 0 (got 0)")
+            raise wrong_value("resistance_ohm", "must be a number greater than 0", got=0)
         return self
 
     @classmethod

@@ -15,6 +15,7 @@ from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.propeller import Propeller, tip_mach
 from sizing.roots import bracketed_root
 from sizing.smooth import Value
+from solar.schema import Allowed, spell, spell_ends
 from solar.types import BoolArray, FloatArray
 
 _FASTEST_TIP_MACH = 0.95  # end of the search for a rotation
@@ -61,14 +62,9 @@ class Propulsor:
 
     def __post_init__(self) -> None:
         """Check resistance and Mach number."""
-        if not 0.0 <= self.wiring_resistance_ohm < np.inf:
-            raise ValueError(
-                f"wiring_resistance_ohm must be 0 or more (got {self.wiring_resistance_ohm!r})"
-            )
-        if not 0.0 < self.maximum_tip_mach < 1.0:
-            raise ValueError(
-                f"maximum_tip_mach must be above 0 and below 1 (got {self.maximum_tip_mach!r})"
-            )
+        Allowed(0.0, below=True).check("wiring_resistance_ohm", self.wiring_resistance_ohm)
+        fraction = Allowed(0.0, 1.0, above=True, below=True)
+        fraction.check("maximum_tip_mach", self.maximum_tip_mach)
 
     def _at(self, shape: tuple[int, ...], indices: slice) -> Propulsor:
         """Return the propulsors at indices of the flattened points of a shape."""
@@ -188,15 +184,13 @@ def operating_point(
     arrays = np.broadcast_arrays(
         *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, bus_voltage_v, *air))
     )
-    for name, values, holds in (
-        ("thrust_n must be above 0", arrays[0], arrays[0] > 0.0),
-        ("airspeed_m_per_s must be 0 or more", arrays[1], arrays[1] >= 0.0),
-        ("bus_voltage_v must be above 0", arrays[2], arrays[2] > 0.0),
-        ("the density of the air must be above 0", arrays[5], arrays[5] > 0.0),
+    for name, values in (
+        ("thrust_n", arrays[0]),
+        ("bus_voltage_v", arrays[2]),
+        ("the density of the air", arrays[5]),
     ):
-        wrong = values[~(holds & np.isfinite(values))]
-        if wrong.size:
-            raise ValueError(f"{name} (got {wrong.flat[0]:g})")
+        Allowed(0.0, above=True, below=True).check(name, values)
+    Allowed(0.0, below=True).check("airspeed_m_per_s", arrays[1])
     return OperatingPoint(*_in_chunks(_points_in_row, propulsor, arrays))
 
 
@@ -294,22 +288,27 @@ def _points_in_row(
     wiring = _wiring_efficiency(inlet_v, bus)
     bus_w = inlet_w / wiring
     mach = tip_mach(v, n, d, air)
-    for wrong, text, values in (
+    for wrong, text, digits, *values in (
         (
             mach > propulsor.maximum_tip_mach,
-            "tip Mach number {:.3g} is above {:.3g}: a larger propeller turns slower",
-            (mach, np.full_like(bus, propulsor.maximum_tip_mach)),
+            "tip Mach number {} is above {}: a larger propeller turns slower",
+            3,
+            mach,
+            np.full_like(bus, propulsor.maximum_tip_mach),
         ),
         (
             bus < needed_v,
-            "bus voltage {:.4g} V is below {:.2f} V, which {:.4g} rpm of the motor need",
-            (bus, np.ceil(100.0 * needed_v) / 100.0, motor_rpm),
+            "bus voltage {} V is below {} V, which {} rpm of the motor need",
+            4,
+            bus,
+            np.ceil(100.0 * needed_v) / 100.0,
+            motor_rpm,
         ),
-        _exceeded_limit(propulsor.motor.maximum_current_a, motor.current_a, "motor current", "A"),
-        _exceeded_limit(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
+        _exceeded_limit(propulsor.motor.maximum_current_a, motor.current_a, "motor current {} A"),
+        _exceeded_limit(propulsor.motor.maximum_power_w, motor_w, "motor power {} W"),
     ):
         for place in np.flatnonzero(wrong & (reason == "") & propulsor.limited):
-            reason[place] = text.format(*(column[place] for column in values))
+            reason[place] = text.format(*(spell(column[place], digits) for column in values))
     good = np.where(reason == "", 1.0, np.nan)
     thrust_w = thrust * v
     return OperatingPoint(
@@ -336,12 +335,11 @@ def _points_in_row(
 
 
 def _exceeded_limit(
-    limit: Value | None, values: FloatArray, name: str, unit: str
-) -> tuple[BoolArray, str, tuple[FloatArray, ...]]:
-    """Return where a limit of the motor is exceeded, the message's format, and its values."""
+    limit: Value | None, values: FloatArray, use: str
+) -> tuple[BoolArray, str, int, FloatArray, FloatArray]:
+    """Return where a limit of the motor is exceeded, the message's format, digits and values."""
     most = np.broadcast_to(np.asarray(np.inf if limit is None else limit), values.shape)
-    text = f"{name} {{:.3g}} {unit} is above {{}} {unit}, the motor's limit"
-    return np.asarray(values > most), text, (values, most)
+    return values > most, f"{use} is above {{}}{use[-2:]}, the motor's limit", 3, values, most
 
 
 def _inlet(
@@ -410,18 +408,19 @@ def _thrust(propeller: Propeller, rotation: FloatArray, v: FloatArray, air: Air)
 
 def _no_rotation(thrust: float, v: float, pull: FloatArray, propeller: Propeller) -> str:
     """Return why no speed of rotation has this thrust, with the range of the data."""
-    (least_j, largest_j), (slowest, fastest) = propeller.limits()
-    rpm = "" if fastest == np.inf else f" and from {60.0 * slowest:.4g} to {60.0 * fastest:.4g} rpm"
-    data = f"the propeller's data (J from {least_j:.3g} to {largest_j:.3g}{rpm})"
-    known = pull[np.isfinite(pull)]
+    advance, rotation = propeller.limits()
+    data = f"the propeller's data (J from {spell_ends(advance, 3)}"
+    if rotation[1] < np.inf:
+        data += f" and from {spell_ends((60.0 * turns for turns in rotation), 4)} rpm"
+    data += ")"
+    known, speed, pulled = pull[np.isfinite(pull)], f"{spell(v, 3)} m/s", f"{spell(thrust, 3)} N"
     if not known.size:
-        return f"an airspeed of {v:.3g} m/s lies outside {data}"
+        return f"an airspeed of {speed} lies outside {data}"
     if known.max() <= 0.0:
-        return f"the propeller brakes at {v:.3g} m/s, at every speed of rotation in {data}"
+        return f"the propeller brakes at {speed}, at every speed of rotation in {data}"
     if known.min() <= thrust <= known.max():
-        return f"thrust {thrust:.3g} N at {v:.3g} m/s lies in a gap of {data}"
+        return f"thrust {pulled} at {speed} lies in a gap of {data}"
     if thrust > known.max():
-        return (
-            f"thrust {thrust:.3g} N is above {known.max():.3g} N, the most at {v:.3g} m/s in {data}"
-        )
-    return f"thrust {thrust:.3g} N is below {known.min():.3g} N, the least at {v:.3g} m/s in {data}"
+        most = f"{spell(known.max(), 3)} N, the most at {speed} in {data}"
+        return f"thrust {pulled} is above {most}"
+    return f"thrust {pulled} is below {spell(known.min(), 3)} N, the least at {speed} in {data}"

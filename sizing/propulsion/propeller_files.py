@@ -16,16 +16,18 @@ from missions.files.errors import (
     file_error,
     left_out_note,
     printable,
-    shortened,
+    shown,
 )
 from missions.files.texts import read_text
 from sizing.propulsion.propeller import PropellerTable, SpeedCurve
+from solar.schema import Allowed, refusal, spell
 
 _INCH_M = 0.0254
 _MPH_M_PER_S = 0.44704
 # Sizes in names are in inches, a few in millimetres; no model propeller has 40 inches.
 _LARGEST_INCHES = 40.0
-_LARGEST_ADVANCE, _LARGEST_COEFFICIENT, _LARGEST_RPM = 5.0, 2.0, 1e5  # beyond any propeller
+_ADVANCE, _COEFFICIENT = Allowed(0.0, 5.0), Allowed(-2.0, 2.0)  # beyond any propeller
+_RPM = Allowed(0.0, 1e5, above=True)
 # Relative difference of the speeds of two wind tunnel runs at one nominal speed.
 _SAME_SPEED = 0.01
 # Relative error of the efficiency by rounding of the coefficients.
@@ -123,13 +125,13 @@ def _check_as_a_whole(read: _Read, names: str, any_speed: bool) -> None:
         read.refuse(names, None, "holds no row of J, CT and CP")
     elif read.diameter_m is None:
         read.refuse(names, None, "does not tell the diameter: give diameter_m")
-    elif not 0.0 < read.diameter_m <= 100.0:
-        read.refuse("diameter_m", None, f"must be above 0 (got {read.diameter_m:g})")
+    elif trouble := Allowed(0.0, 100.0, above=True).trouble("", read.diameter_m):
+        read.refuse("diameter_m", None, trouble)
     elif len({math.isnan(point.speed_rpm) for point in read.points}) > 1:
         read.refuse(names, None, "names a speed of rotation for some rows alone")
     elif len(speeds) < 2 and not any_speed:
         rpm = speeds[0][0].speed_rpm
-        have = "names no speed of rotation" if math.isnan(rpm) else f"has {rpm:g} rpm alone"
+        have = "names no speed of rotation" if math.isnan(rpm) else f"has {spell(rpm)} rpm alone"
         read.refuse(names, None, f"{have}: {_MANY_SPEEDS}")
     for first, *others in speeds if not read.problems else ():
         if all(point.advance == first.advance for point in others):
@@ -176,13 +178,14 @@ def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
         if block := _BLOCK.match(line):
             speed = _number(block[1])
             order = []
-            if not 0.0 < speed <= _LARGEST_RPM:
-                allowed = f"above 0 and at most {_LARGEST_RPM:g}"
-                read.refuse(file, number, f"PROP RPM must be {allowed} (got {block[1]!r})")
+            if not _RPM.holds(speed):
+                message = refusal(f"PROP RPM must be {_RPM}", shown(block[1]))
+                read.refuse(file, number, message)
         elif words[:2] == ["V", "J"]:
             order = [word.lower() for word in words]
         elif 2 < len(words) < len(order) and "(" not in line:
-            read.refuse(file, number, f"{len(order)} numbers are needed (got {len(words)})")
+            message = refusal(f"{len(order)} numbers are needed", len(words))
+            read.refuse(file, number, message)
         elif order and words and "(" not in line:
             _apc_row(read, speed, dict(zip(order, words, strict=False)), (file, number))
 
@@ -198,8 +201,8 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
         ):
             read.left_out.append(Problem(*place, None, "", "no CT and CP"))
         else:
-            message = f"{wrong[0].upper()} must be a number (got {row.get(wrong[0], '')!r})"
-            read.refuse(*place, shortened(printable(message)))
+            text = f"{wrong[0].upper()} must be a number"
+            read.refuse(*place, refusal(text, shown(row.get(wrong[0], ""))))
         return
     advance = values["j"]
     if read.diameter_m is not None and speed > 0.0:
@@ -207,10 +210,8 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
         by_speed = values["v"] * per_speed
         step_j, step_v = _last_digit(row["j"]), _last_digit(row["v"]) * per_speed
         if abs(by_speed - advance) > step_j + step_v + 0.02 * advance:
-            message = (
-                f"J {row['j']} is not V/(nD) of {row['v']} mph, {speed:g} rpm and a diameter of "
-                f"{read.diameter_m:g} m, which is {by_speed:.3f}"
-            )
+            at = f"{row['v']} mph, {spell(speed)} rpm and a diameter of {spell(read.diameter_m)} m"
+            message = f"J {row['j']} is not V/(nD) of {at}, which is {round(by_speed, 3)}"
             read.refuse(*place, message)
         advance = by_speed if step_v < step_j else advance
     read.points.append(_Point(*place, speed, advance, values["ct"], values["cp"]))
@@ -234,15 +235,14 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
             names = [name.strip().lower() for name in line.split(",")]
             odd = sorted(set(names) - {"j", "ct", "cp", "rpm", "eta"})
             if odd or len(set(names)) < len(names) or not {"j", "ct", "cp"} <= set(names):
-                message = f"columns must be J, CT, CP and rpm, each once (got {line.strip()!r})"
-                return read.refuse(file, number, shortened(message))
+                allowed = "columns must be J, CT, CP and rpm, each once"
+                return read.refuse(file, number, refusal(allowed, shown(line.strip())))
         else:
             for place, row in _numbers(read, [line.replace(",", " ")], file, len(names), number):
                 by = {"rpm": math.nan} | dict(zip(names, row, strict=True))
                 read.points.append(_Point(file, place, *(by[k] for k in ("rpm", "j", "ct", "cp"))))
-                if not (0.0 < by["rpm"] <= _LARGEST_RPM or math.isnan(by["rpm"])):
-                    allowed = f"above 0 and at most {_LARGEST_RPM:g}"
-                    read.refuse(file, place, f"rpm must be {allowed} (got {by['rpm']:g})")
+                if not math.isnan(by["rpm"]) and (trouble := _RPM.trouble("rpm", by["rpm"])):
+                    read.refuse(file, place, trouble)
 
 
 def _numbers(
@@ -254,8 +254,8 @@ def _numbers(
             continue
         values = [_number(word) for word in line.split()]
         if len(values) != columns or any(map(math.isnan, values)):
-            got = shortened(printable(" ".join(line.split())))
-            read.refuse(file, number, f"{columns} finite numbers are needed (got {got!r})")
+            got = shown(" ".join(line.split()))
+            read.refuse(file, number, refusal(f"{columns} finite numbers are needed", got))
         else:
             yield number, values
 
@@ -271,15 +271,14 @@ def _number(text: str) -> float:
 
 def _impossible(point: _Point) -> str:
     """Return what is physically impossible of a point; empty if nothing is."""
-    if not 0.0 <= point.advance <= _LARGEST_ADVANCE:
-        return f"J must be from 0 to {_LARGEST_ADVANCE:g} (got {point.advance:g})"
-    for name, value in (("CT", point.thrust), ("CP", point.power)):
-        if abs(value) > _LARGEST_COEFFICIENT:
-            return f"{name} must be within {_LARGEST_COEFFICIENT:g} (got {value:g})"
-    if point.thrust > 0.0 and point.advance * point.thrust > (1.0 + _ROUNDING) * point.power:
-        point_text = f"CT {point.thrust:g} and CP {point.power:g} at J {point.advance:g}"
-        return f"{point_text} are an efficiency J CT / CP above 1"
-    return ""
+    advance, thrust, power = point.advance, point.thrust, point.power
+    if thrust > 0.0 and advance * thrust > (1.0 + _ROUNDING) * power:
+        text = f"CT {spell(thrust)} and CP {spell(power)} at J {spell(advance)}"
+        text += " are an efficiency J CT / CP above 1"
+    else:
+        text = ""
+    coefficients = _COEFFICIENT.trouble("CT", thrust) or _COEFFICIENT.trouble("CP", power)
+    return _ADVANCE.trouble("J", advance) or coefficients or text
 
 
 def _by_speed(points: Sequence[_Point]) -> list[list[_Point]]:

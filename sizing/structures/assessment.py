@@ -164,11 +164,17 @@ class StructureAssessment:
         """Return a line with sizing criteria, load cases and deflections."""
         caps, web = next(iter(self.spar_caps)), next(iter(self.spar_web))
         case = "" if caps in _WITHOUT_CASE else f" in {self.spar_caps_case}"
-        up, down = f"{self.limit_load_factor:.1f}", f"{-self.negative_limit_load_factor:.1f} g"
-        if self.load_case != self.negative_load_case:
-            up += f" g ({self.load_case})"
-        level, limit, landing = (
-            f"{100.0 * deflection:.1f} %"
+        up, down, landing = (
+            round(factor, 1)
+            for factor in (
+                self.limit_load_factor,
+                -self.negative_limit_load_factor,
+                self.landing_load_factor,
+            )
+        )
+        other = f" g ({self.load_case})" if self.load_case != self.negative_load_case else ""
+        level, limit, landed = (
+            f"{round(100.0 * deflection, 1)} %"
             for deflection in (
                 self.tip_deflection_1g,
                 self.tip_deflection_limit,
@@ -177,10 +183,10 @@ class StructureAssessment:
         )
         return (
             f"structure: spar caps sized by {_LABELS[caps]}{case} "
-            f"({100.0 * self.spar_caps[caps]:.0f} %), webs by {_LABELS[web]}, nose by "
-            f"{_LABELS[self.nose]}; limit loads {up} and {down} ({self.negative_load_case}), "
-            f"landing {self.landing_load_factor:.1f} g; tip deflection {level} at 1 g, {limit} at "
-            f"the limit load, {landing} in landing"
+            f"({round(100.0 * self.spar_caps[caps])} %), webs by {_LABELS[web]}, nose by "
+            f"{_LABELS[self.nose]}; limit loads {up}{other} and {down} g "
+            f"({self.negative_load_case}), landing {landing} g; tip deflection {level} at 1 g, "
+            f"{limit} at the limit load, {landed} in landing"
         )
 
 

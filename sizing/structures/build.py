@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, model_validator
 from missions.files.errors import shown
 from sizing.data_rows import data_rows
 from sizing.smooth import Value
-from solar.schema import PositiveReal, Record, is_positive
+from solar.schema import PositiveReal, Record, is_positive, refusal
 
 Quality = Literal["record", "careful", "ordinary"]
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
@@ -74,8 +74,8 @@ def build_qualities() -> Mapping[str, BuildQuality]:
 def _checked_build(value: Any) -> Any:
     if value is None or value in QUALITIES or is_positive(value):
         return value
-    allowed = ", ".join(QUALITIES)
-    raise ValueError(f"must be one of {allowed} or a number greater than 0 (got {shown(value)})")
+    allowed = f"must be one of {', '.join(QUALITIES)} or a number greater than 0"
+    raise ValueError(refusal(allowed, shown(value)))
 
 
 Build = Annotated[Quality | PositiveReal, BeforeValidator(_checked_build)]

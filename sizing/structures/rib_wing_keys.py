@@ -20,6 +20,7 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
+    check_one,
     wrong_value,
 )
 
@@ -253,7 +254,5 @@ class RibWingKeys(BuiltStructure):
         key = "spar_battery_density_kg_per_m3"
         if self.narrow_caps and getattr(self, key) is not None:
             raise wrong_value(key, "leave it out: a spar with narrow_caps has no room for cells")
-        if self.boom_kg_per_m is not None and self.boom_thickness_m is not None:
-            text = f"give this or boom_kg_per_m, not both (got {self.boom_thickness_m:g})"
-            raise wrong_value("boom_thickness_m", text)
+        check_one(self, "boom_kg_per_m", "boom_thickness_m")
         return self

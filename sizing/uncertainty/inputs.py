@@ -27,6 +27,7 @@ from sizing.parameters import (
     value_at,
 )
 from sizing.structures.build import build_qualities
+from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 
 _CONFIDENCE_Z = 1.959964  # of 95 %
@@ -57,7 +58,7 @@ class Proportion:
 
     def text(self) -> str:
         """Return share and interval in per cent."""
-        value, low, high = (f"{100.0 * v:.1f}" for v in (self.value, self.low, self.high))
+        value, low, high = (round(100.0 * v, 1) for v in (self.value, self.low, self.high))
         return f"{value} %" if low == high else f"{value} % (95 % between {low} and {high} %)"
 
 
@@ -210,8 +211,8 @@ def _range_problems(
             with_values(owner, {key: value})
         except InputError as error:
             message = (
-                f"scatters to impossible values, the {end} in {1 / _TAIL:.0f} draws is {value:g}: "
-                f"{error.problems[0].message}"
+                f"scatters to impossible values, the {end} in {round(1 / _TAIL)} draws is "
+                f"{spell(value)}: {error.problems[0].message}"
             )
             place = f"uncertainty.inputs.{key}"
             problems.append(Problem(owner.name, None, None, place, message))

@@ -26,6 +26,7 @@ from sizing.structures.models import UserStructure
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.validity.ranges import Check, experience, ranges
 from solar.clearsky import THIN_AIR_FROM_M
+from solar.schema import Allowed, spell
 from solar.sun import declination
 from solar.types import FloatArray
 
@@ -386,10 +387,13 @@ def check_user_models(aircraft: Aircraft, mission: Mission, design: Design | Non
     }
     for register, name in names.items():
         value, most, unit = values[register]
-        if name is not None and not 0.0 < float(value) <= most:
-            at_most = "" if math.isinf(most) else f" and at most {most:g}"
+        allowed = Allowed(0.0, most, above=True)
+        if name is not None and not allowed.holds(float(value)):
+            found, span_m, mass = (
+                spell(float(x), 4)
+                for x in (value, design.variables.wingspan_m, design.total_mass_kg)
+            )
             raise ValueError(
-                f"the function {name!r} of sizing.{register} gives {float(value):.4g} {unit} at "
-                f"{float(design.variables.wingspan_m):.4g} m of span and a total mass of "
-                f"{float(design.total_mass_kg):.4g} kg: it must be above 0{at_most}"
+                f"the function {name!r} of sizing.{register} gives {found} {unit} at {span_m} m of "
+                f"span and a total mass of {mass} kg: it must be {allowed}"
             )

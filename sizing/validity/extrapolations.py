@@ -36,6 +36,7 @@ from sizing.validity.ranges import (
     ranges,
 )
 from solar.modules import STC_TEMPERATURE_C
+from solar.schema import spell
 
 
 def extrapolations(aircraft: Aircraft, perf: Performance) -> tuple[Extrapolation, ...]:
@@ -142,7 +143,7 @@ def as_text(outside: Iterable[Extrapolation]) -> str:
 def _line(item: Extrapolation) -> str:
     low = -math.inf if item.minimum is None else item.minimum
     high = math.inf if item.maximum is None else item.maximum
-    return f"{item.model}: {item.quantity} {item.value:.6g} not {low:.6g} to {high:.6g}"
+    return f"{item.model}: {item.quantity} {spell(item.value)} not {spell(low)} to {spell(high)}"
 
 
 _LINE = re.compile(r"(\w+): ([\w.]+) (\S+) not (\S+) to (\S+)")
@@ -180,7 +181,7 @@ def add_effects(
         perf = simulate()
     if perf is not None and perf.maximum_altitude_m is not None:
         highest_m = float(np.max(perf.maximum_altitude_m))
-        flight_note = f"in level flight at {highest_m:.0f} m"
+        flight_note = f"in level flight at {round(highest_m)} m"
         perf = level_flight_at(aircraft, perf, highest_m)
     if perf is None:
         return notes
@@ -218,13 +219,13 @@ def _with_cold_modules(aircraft: Aircraft, perf: Performance) -> tuple[Performan
     day = solar_day(aircraft, mission, perf.solar, scenarios=perf.day.scenarios, step_h=step_h)
     cold = performance(aircraft, mission, perf.solar, day=day, design=perf.design)
     warm_wh, cold_wh = (float(flight.cycle.energy_budget.solar_wh[0]) for flight in (perf, cold))
-    at = f"as cold as the air, {air_c:.3g} °C,"
+    at = f"as cold as the air, {spell(air_c, 3)} °C,"
     if warm_wh <= 0.0:
         return cold, at
-    percent = 100.0 * (cold_wh / warm_wh - 1.0)
+    percent = round(100.0 * (cold_wh / warm_wh - 1.0))
     warmest = _warmest_c(aircraft, perf, cold)
-    balanced = f"by a balance of heat at most {warmest:.0f} °C; " if warmest is not None else ""
-    return cold, f"{balanced}{at} they would give {percent:.0f} % more solar energy, and"
+    balanced = "" if warmest is None else f"by a balance of heat at most {round(warmest)} °C; "
+    return cold, f"{balanced}{at} they would give {percent} % more solar energy, and"
 
 
 def _warmest_c(aircraft: Aircraft, perf: Performance, cold: Performance) -> float | None:
@@ -256,8 +257,9 @@ def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Pe
     held, _ = battery.temperature_at(mission.altitude_m)
     kept = ""
     if held is not None and heater_w > 0.0:
-        kept = f"assumed heated to {float(held.pack_c(air_c)):.0f} °C with {heater_w:.3g} W; "
-    words = f"unheated at {air_c:.3g} °C, with {100.0 * left:.0f} % of its capacity,"
+        pack_c = round(float(held.pack_c(air_c)))
+        kept = f"assumed heated to {pack_c} °C with {spell(heater_w, 3)} W; "
+    words = f"unheated at {spell(air_c, 3)} °C, with {round(100.0 * left)} % of its capacity,"
     return cold, f"{kept}{words}"
 
 

@@ -200,7 +200,7 @@ class Check(NamedTuple):
         at = ""
         if self.airspeed_m_per_s is not None:
             speed = float(np.broadcast_to(self.airspeed_m_per_s, shape)[place])
-            at = f" at {speed:.1f} m/s"
+            at = f" at {round(speed, 1)} m/s"
         comparison = ", ".join(
             f"{_readable(float(np.broadcast_to(mass, shape)[place]))} kg by {name}"
             for name, mass in (self.masses_kg or {}).items()

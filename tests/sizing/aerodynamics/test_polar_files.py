@@ -249,7 +249,11 @@ def test_every_mistake_has_its_line(old, new, words):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("   2.000   0.5997", "   2.000  59.9700", ":19: CL must be within 12.6 (got 59.97)"),
+        (
+            "   2.000   0.5997",
+            "   2.000  59.9700",
+            ":19: CL must be from -12.57 to 12.57 (got 59.97)",
+        ),
         ("  0.008040", "  0.000000", ":17: CD must be above 0 and below 10 (got 0)"),
     ],
 )

@@ -102,8 +102,8 @@ def limited(**limits):
     ("propulsor", "thrust_airspeed_bus", "reason"),
     [
         (PROPULSOR, (2.67, 8.4, 12.0), "12 V is below 15.26 V, which 4592 rpm of the motor"),
-        (limited(maximum_current_a=1.0), (2.67, 8.4, 22.0), "motor current 2.2 A is above 1.0 A"),
-        (limited(maximum_power_w=30.0), (2.67, 8.4, 22.0), "motor power 33.3 W is above 30.0 W"),
+        (limited(maximum_current_a=1.0), (2.67, 8.4, 22.0), "motor current 2.2 A is above 1 A"),
+        (limited(maximum_power_w=30.0), (2.67, 8.4, 22.0), "motor power 33.3 W is above 30 W"),
         (
             Propulsor(SIZE, motor(), CONTROLLER, maximum_tip_mach=0.3),
             (60.0, 8.4, 500.0),
@@ -202,11 +202,11 @@ def point_of(*arguments):
 @pytest.mark.parametrize(
     ("part", "arguments", "message"),
     [
-        (Propulsor, SIZE_AND_PARTS | {"wiring_resistance_ohm": -1.0}, r"or more \(got -1.0\)"),
+        (Propulsor, SIZE_AND_PARTS | {"wiring_resistance_ohm": -1.0}, r"at least 0 \(got -1\)"),
         (Propulsor, SIZE_AND_PARTS | {"maximum_tip_mach": 1.5}, r"and below 1 \(got 1.5\)"),
         (point_of, (0.0, 8.0, AIR, 22.0), r"thrust_n must be above 0 \(got 0\)"),
         (point_of, ([1.0, np.nan], 8.0, AIR, 22.0), "thrust_n must be above 0"),
-        (point_of, (1.0, -8.0, AIR, 22.0), "airspeed_m_per_s must be 0 or more"),
+        (point_of, (1.0, -8.0, AIR, 22.0), "airspeed_m_per_s must be at least 0"),
         (point_of, (1.0, 8.0, AIR, 0.0), "bus_voltage_v must be above 0"),
         (Controller, {}, "required key is missing"),
         (Controller, {"efficiency": 0.9, "idle_power_w": 0.1}, "not both .got 0.1"),

@@ -115,7 +115,7 @@ BARE = ROWS.removeprefix("# diameter_m: 0.66\n")
         (ROWS + ".5,.1,.05,-3\n", ":5: rpm must be above 0"),
         (ROWS + ".9,.1,.05,1200\n", ":5: CT 0.1 and CP 0.05 at J 0.9 are an efficiency"),
         (ROWS + ".9,.1,.1,1200\n", ":5: the only advance ratio at this speed"),
-        (f"# diameter_m: -1\n{BARE}", "diameter_m: must be above 0 (got -1)"),
+        (f"# diameter_m: -1\n{BARE}", "diameter_m: must be above 0 and at most 100 (got -1)"),
         (BARE, ": does not tell the diameter: give diameter_m"),
         ("J,CT,CP,torque\n", ":1: columns must be J, CT, CP and rpm"),
         ("J,CT,CP,rpm\n", ": holds no row of J, CT and CP"),
