@@ -38,7 +38,19 @@ def clear_record(days=4, first="2001-06-20", interval_s=3600.0, share=1.0, **cha
     return replace(made, **changes)
 
 
-def write_plain(path, record, header=None, rows=None):
+def rows(record, ahead_s=0.0):
+    """Rows of a record: the time, some seconds ahead of universal time; ghi, dni, dhi."""
+    times = [datetime(1970, 1, 1) + timedelta(seconds=float(t) + ahead_s) for t in record.start_s]
+    return zip(times, record.ghi, record.dni, record.dhi, strict=True)
+
+
+def written(path, lines, encoding="utf-8"):
+    """Write a file of lines, and return its path."""
+    path.write_text("\n".join(lines) + "\n", encoding)
+    return path
+
+
+def write_plain(path, record, header=None, changed=lambda table: table):
     """Plain CSV of a record."""
     site = record.site
     lines = header or [
@@ -48,13 +60,8 @@ def write_plain(path, record, header=None, rows=None):
         f"# altitude_m: {site.altitude_m}",
         "time_utc,ghi,dni,dhi",
     ]
-    stamps = record.start_s.astype("datetime64[s]")
-    table = [
-        f"{t}Z,{g:.3f},{b:.3f},{d:.3f}"
-        for t, g, b, d in zip(stamps, record.ghi, record.dni, record.dhi, strict=True)
-    ]
-    path.write_text("\n".join([*lines, *(rows(table) if rows else table)]) + "\n")
-    return path
+    table = [f"{t.isoformat()}Z,{g:.3f},{b:.3f},{d:.3f}" for t, g, b, d in rows(record)]
+    return written(path, [*lines, *changed(table)])
 
 
 def write_epw(path, record, name="Zürich", years=None):
@@ -67,60 +74,53 @@ def write_epw(path, record, name="Zürich", years=None):
         *["HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0", "COMMENTS 1,-", "COMMENTS 2,-"],
         f"DATA PERIODS,1,{60.0 / part_min:g},Data,Sunday, 1/ 1,12/31",
     ]
-    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
-        local = datetime(1970, 1, 1) + timedelta(seconds=float(t) + site.utc_offset_h * 3600.0)
+    for local, g, b, d in rows(record, site.utc_offset_h * 3600.0):
         year = (years or {}).get(local.month, local.year)
-        fields = [year, local.month, local.day, local.hour + 1, round(local.minute + part_min)]
-        fields += ["?", 15.0, 5.0, 50, 95000]
-        fields += [0, 0, 300, f"{g:.2f}", f"{b:.2f}", f"{d:.2f}", 0, 0, 0, 0, 180, 3.0]
-        fields += [5, 5, 20, 9999, 0, 0, 10, 0.1, 0, 88, 0.2, 0, 1]
-        lines.append(",".join(str(field) for field in fields))
-    path.write_bytes(("\n".join(lines) + "\n").encode("latin-1"))
-    return path
+        hour = f"{year},{local.month},{local.day},{local.hour + 1},{round(local.minute + part_min)}"
+        air = "?,15.0,5.0,50,95000,0,0,300"
+        rest = "0,0,0,0,180,3.0,5,5,20,9999,0,0,10,0.1,0,88,0.2,0,1"
+        lines.append(f"{hour},{air},{g:.2f},{b:.2f},{d:.2f},{rest}")
+    return written(path, lines, "latin-1")
 
 
 def write_pvgis_tmy(path, record, years=None, offset_h=0.1761):
     """Typical year of PVGIS as CSV; its rows are instants, told for the whole hour."""
-    site = record.site
+    site, years = record.site, years or {}
     lines = [
         f"Latitude (decimal degrees): {site.latitude_deg:.3f}",
         f"Longitude (decimal degrees): {site.longitude_deg:.3f}",
         f"Elevation (m): {site.altitude_m}",
         f"Irradiance Time Offset (h): {offset_h}",
         "month,year",
-        *(f"{month},{(years or {}).get(month, 2018)}" for month in range(1, 13)),
+        *(f"{month},{years.get(month, 2018)}" for month in range(1, 13)),
         "time(UTC),T2m,RH,G(h),Gb(n),Gd(h),IR(h),WS10m,WD10m,SP",
     ]
-    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
-        utc = datetime(1970, 1, 1) + timedelta(seconds=float(t))
-        year = (years or {}).get(utc.month, utc.year)
-        stamp = f"{year}{utc:%m%d:%H%M}"
+    for utc, g, b, d in rows(record):
+        stamp = f"{years.get(utc.month, utc.year)}{utc:%m%d:%H%M}"
         lines.append(f"{stamp},15.0,50.0,{g:.2f},{b:.2f},{d:.2f},300.0,3.0,180.0,95000.0")
-    lines += ["", "T2m: 2-m air temperature (degree Celsius)", "RH: relative humidity (%)", ""]
-    path.write_text("\n".join(lines))
-    return path
+    lines += ["", "T2m: 2-m air temperature (degree Celsius)", "RH: relative humidity (%)"]
+    return written(path, lines)
 
 
 def write_pvgis_tmy_json(path, record, offset_h=0.1761):
     """Typical year of PVGIS as JSON; its offset stands with the place."""
     site = record.site
-    rows = [
+    hours = [
         {
-            "time(UTC)": f"{datetime(1970, 1, 1) + timedelta(seconds=float(t)):%Y%m%d:%H%M}",
-            **{"T2m": 15.0, "RH": 50.0, "G(h)": round(g, 2), "Gb(n)": round(b, 2)},
-            **{"Gd(h)": round(d, 2), "IR(h)": 300.0, "WS10m": 3.0, "WD10m": 180.0, "SP": 95000.0},
+            **{"time(UTC)": f"{utc:%Y%m%d:%H%M}", "T2m": 15.0, "RH": 50.0, "G(h)": round(g, 2)},
+            **{"Gb(n)": round(b, 2), "Gd(h)": round(d, 2), "IR(h)": 300.0},
+            **{"WS10m": 3.0, "WD10m": 180.0, "SP": 95000.0},
         }
-        for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True)
+        for utc, g, b, d in rows(record)
     ]
     place = {"latitude": site.latitude_deg, "longitude": site.longitude_deg}
     place |= {"elevation": site.altitude_m, "irradiance_time_offset": offset_h}
     content = {
         "inputs": {"location": place, "meteo_data": {"radiation_db": "PVGIS-SARAH3"}},
-        "outputs": {"months_selected": [{"month": 1, "year": 2018}], "tmy_hourly": rows},
+        "outputs": {"months_selected": [{"month": 1, "year": 2018}], "tmy_hourly": hours},
         "meta": {"inputs": {}, "outputs": {}},
     }
-    path.write_text(json.dumps(content))
-    return path
+    return written(path, [json.dumps(content)])
 
 
 def write_pvgis_tmy_epw(path, record, zone_h=1.0, offset_h=0.1761):
@@ -128,38 +128,34 @@ def write_pvgis_tmy_epw(path, record, zone_h=1.0, offset_h=0.1761):
 
     Before version 5.3 without an offset.
     """
-    write_epw(path, record, name="unknown")
-    lines = path.read_text("latin-1").split("\n")
+    lines = write_epw(path, record, name="unknown").read_text("latin-1").splitlines()
     fields = lines[0].split(",")
     fields[4], fields[8] = "ECMWF/ERA", f"{zone_h:g}"
     lines[0] = ",".join(fields)
     if offset_h is not None:
         lines[6] = f"COMMENTS 2,Irradiance Time Offset (h):{offset_h - 1.0:g}"
-    path.write_text("\n".join(lines), "latin-1")
-    return path
+    return written(path, lines, "latin-1")
 
 
-def write_pvgis_hourly(path, record, slope="0 deg."):
+def write_pvgis_hourly(path, record):
     """Hourly series of PVGIS on the horizontal, with components."""
-    site = record.site
+    site, middle_s = record.site, record.start_s + 1800.0
     lines = [
         f"Latitude (decimal degrees):\t{site.latitude_deg:.3f}",
         f"Longitude (decimal degrees):\t{site.longitude_deg:.3f}",
         f"Elevation (m):\t{site.altitude_m:.0f}",
         "Radiation database:\tPVGIS-SARAH2",
-        *["", "", f"Slope: {slope} ", "Azimuth: 0 deg. "],
+        *["", "", "Slope: 0 deg. ", "Azimuth: 0 deg. "],
         "time,Gb(i),Gd(i),Gr(i),H_sun,T2m,WS10m,Int",
     ]
-    for t, g, d in zip(record.start_s, record.ghi, record.dhi, strict=True):
-        utc = datetime(1970, 1, 1) + timedelta(seconds=float(t) + 1800.0)
-        day = day_of_year(np.array([float(t) + 1800.0]))
-        hour = solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg)
-        sine = cos_zenith(site.latitude_deg, declination(day), hour_angle(hour))[0]
-        height = np.degrees(np.arcsin(max(sine, 0.0)))
+    day = day_of_year(middle_s)
+    angle = hour_angle(solar_time_h((day % 1.0) * 24.0, day, site.longitude_deg))
+    sine = cos_zenith(site.latitude_deg, declination(day), angle)
+    heights = np.degrees(np.arcsin(np.maximum(sine, 0.0)))
+    for (utc, g, _, d), height in zip(rows(record, 1800.0), heights, strict=True):
         lines.append(f"{utc:%Y%m%d:%H%M},{g - d:.2f},{d:.2f},0.0,{height:.2f},15.0,3.0,0.0")
     lines += ["", "Gb(i): Beam irradiance", "", "PVGIS (c) European Union, 2001-2021"]
-    path.write_text("\n".join(lines))
-    return path
+    return written(path, lines)
 
 
 def write_psm(path, record):
@@ -172,13 +168,10 @@ def write_psm(path, record):
         f"{site.altitude_m:.0f},{site.utc_offset_h:g}",
         "Year,Month,Day,Hour,Minute,DHI,DNI,GHI,Temperature,Wind Speed,Cloud Type,Fill Flag,,",
     ]
-    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
-        middle = float(t) + record.interval_s / 2.0 + site.utc_offset_h * 3600.0
-        local = datetime(1970, 1, 1) + timedelta(seconds=middle)
-        stamp = f"{local.year},{local.month},{local.day},{local.hour},{local.minute}"
+    for at, g, b, d in rows(record, record.interval_s / 2.0 + site.utc_offset_h * 3600.0):
+        stamp = f"{at.year},{at.month},{at.day},{at.hour},{at.minute}"
         lines.append(f"{stamp},{d:.2f},{b:.2f},{g:.2f},15.0,3.0,0,0,,")
-    path.write_text("\n".join(lines) + "\n")
-    return path
+    return written(path, lines)
 
 
 def write_sam(path, record, columns="Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd"):
@@ -189,13 +182,11 @@ def write_sam(path, record, columns="Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd")
         f"Own,1,Here,-,-,{site.latitude_deg},{site.longitude_deg},{site.utc_offset_h:g},491",
         columns,
     ]
-    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
-        local = datetime(1970, 1, 1) + timedelta(seconds=float(t) + site.utc_offset_h * 3600.0)
-        day, hour = f"{local.year},{local.month},{local.day}", local.hour
-        light = f"{g:.2f},{b:.2f},{d:.2f},15.0,3.0"
-        lines.append(f"{day},{hour}{',30' if 'Minute' in columns else ''},{light}")
-    path.write_text("\n".join(lines) + "\n")
-    return path
+    minute = ",30" if "Minute" in columns else ""
+    for at, g, b, d in rows(record, site.utc_offset_h * 3600.0):
+        stamp = f"{at.year},{at.month},{at.day},{at.hour}{minute}"
+        lines.append(f"{stamp},{g:.2f},{b:.2f},{d:.2f},15.0,3.0")
+    return written(path, lines)
 
 
 def write_power(path, record, standard="UTC", ahead_h=0):
@@ -212,12 +203,31 @@ def write_power(path, record, standard="UTC", ahead_h=0):
         "-END HEADER-",
         "YEAR,MO,DY,HR,ALLSKY_SFC_SW_DWN,ALLSKY_SFC_SW_DNI,ALLSKY_SFC_SW_DIFF,T2M,WS10M",
     ]
-    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
-        at = datetime(1970, 1, 1) + timedelta(seconds=float(t) + ahead_h * 3600.0)
-        day = f"{at.year},{at.month},{at.day},{at.hour}"
-        lines.append(f"{day},{g:.3f},{b:.3f},{d:.3f},15.0,5.0")
-    path.write_text("\n".join(lines) + "\n")
-    return path
+    for at, g, b, d in rows(record, ahead_h * 3600.0):
+        lines.append(f"{at.year},{at.month},{at.day},{at.hour},{g:.3f},{b:.3f},{d:.3f},15.0,5.0")
+    return written(path, lines)
+
+
+def write_bsrn(path, record):
+    """BSRN station-to-archive file of one month's minutes."""
+    site = record.site
+    begin = next(rows(record))[0]
+    lines = [
+        *["*U0001", f" 21 {begin.month:2d} {begin.year}  1", "*U0004", " -1 -1 -1", " 13  4"],
+        f"Station, {site.name}, Country",
+        f"{'+41 0':<20s} +41 0",
+        f"{'0.0.0.0':<15s}   nobody",
+        f"{site.latitude_deg + 90:8.3f}{site.longitude_deg + 180:8.3f}"
+        f" {site.altitude_m:4.0f} 00000",
+        *[" -1 -1 -1", "   0  1  90  2", "*U0100"],
+    ]
+    for utc, g, b, d in rows(record):
+        stamp = f"{utc.day:3d} {utc.hour * 60 + utc.minute:4d}"
+        lines += [
+            f"{stamp}   {g:4.0f}   0.1    0    0   {b:4.0f}   0.0    0    0",
+            f"           {d:4.0f}   0.2   -1    0    348   0.3  347  349     15.0  50.0  950",
+        ]
+    return written(path, lines)
 
 
 def minutes_behind_the_sun(found):
@@ -231,35 +241,3 @@ def minutes_behind_the_sun(found):
         ]
         lags.append(60.0 * (centres[0] - centres[1]))
     return float(max(lags, key=abs))
-
-
-def write_bsrn(path, record):
-    """BSRN station-to-archive file of one month's minutes."""
-    site = record.site
-    begin = datetime(1970, 1, 1) + timedelta(seconds=float(record.start_s[0]))
-    lines = [
-        "*U0001",
-        f" 21 {begin.month:2d} {begin.year}  1",
-        "*U0004",
-        " -1 -1 -1",
-        " 13  4",
-        f"Station, {site.name}, Country",
-        f"{'+41 0':<20s} +41 0",
-        f"{'0.0.0.0':<15s}   nobody",
-        f"{site.latitude_deg + 90:8.3f}{site.longitude_deg + 180:8.3f}"
-        f" {site.altitude_m:4.0f} 00000",
-        " -1 -1 -1",
-        "   0  1  90  2",
-        "*U0100",
-    ]
-    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
-        utc = datetime(1970, 1, 1) + timedelta(seconds=float(t))
-        minute = utc.hour * 60 + utc.minute
-        lines.append(
-            f"{utc.day:3d} {minute:4d}   {g:4.0f}   0.1    0    0   {b:4.0f}   0.0    0    0"
-        )
-        lines.append(
-            f"           {d:4.0f}   0.2   -1    0    348   0.3  347  349     15.0  50.0  950"
-        )
-    path.write_text("\n".join(lines) + "\n")
-    return path

@@ -5,7 +5,7 @@ import pytest
 from weather_files import SITE, clear_record, write_plain
 
 from missions.files.errors import InputError
-from missions.weather.checks import TEMPERATURE, _diffuse_fraction, checked_air
+from missions.weather.checks import _diffuse_fraction
 from missions.weather.files import load_weather
 from missions.weather.record import day_of_year
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
@@ -39,16 +39,18 @@ def replaced(number, **fields):
         (2, replaced(9, ghi="24:00"), r"a.csv:15: ghi: must be a number \(got '24:00'\)$"),
         (2, replaced(9, dhi="0.1-4"), r"a.csv:15: dhi: must be a number \(got '0.1-4'\)$"),
         (2, replaced(9, time="1677-06-20T09:00Z"), r"a.csv:15: time\S*: .*got '?1677"),
+        (3, lambda r: [*r, "2061-05-01T00:00:00Z,0,0,0"], "a gap of"),
+        (3, lambda r: [*r, "2061-09-01T00:00:00Z,0,0,0"], "more than 60 years"),
     ],
 )
 def test_rows_that_cannot_be_are_refused(tmp_path, days, change, message):
     with pytest.raises(InputError, match=message):
-        load(tmp_path, clear_record(days), rows=change)
+        load(tmp_path, clear_record(days), changed=change)
 
 
 def test_short_gaps_follow_the_clear_sky(tmp_path):
     record = clear_record(3, share=0.6)
-    weather = load(tmp_path, record, rows=lambda rows: [*rows[:34], *rows[36:]])
+    weather = load(tmp_path, record, changed=lambda rows: [*rows[:34], *rows[36:]])
     assert "2 of 72 rows are missing" in weather.repairs
     assert "2 rows filled between their neighbours" in weather.repairs
     # A gap at noon under an evenly dimmed sky is filled exactly, but that the clear sky in the
@@ -64,7 +66,7 @@ def test_of_rows_in_one_place_the_last_counts(tmp_path):
         again = with_fields(rows[34], time=rows[34].replace(":00Z", ":30Z").split(",")[0], ghi=7)
         return [*rows[:35], again, *rows[35:40], *rows[42:]]
 
-    weather = load(tmp_path, record, rows=doubled)
+    weather = load(tmp_path, record, changed=doubled)
     assert weather.ghi[34] == 7.0
     assert weather.ghi[33] == pytest.approx(record.ghi[33], abs=1e-3)
     assert "2 of 72 rows are missing" in weather.repairs
@@ -72,7 +74,7 @@ def test_of_rows_in_one_place_the_last_counts(tmp_path):
 
 def test_long_gaps_take_the_nearest_day(tmp_path):
     record = clear_record(70, share=0.6)
-    weather = load(tmp_path, record, rows=lambda rows: [*rows[:100], *rows[116:]])
+    weather = load(tmp_path, record, changed=lambda rows: [*rows[:100], *rows[116:]])
     # No light is missing at night.
     daylight_rows = np.count_nonzero(record.ghi[100:116])
     assert f"{daylight_rows} rows of long gaps filled from the nearest days" in weather.repairs
@@ -86,7 +88,7 @@ def test_nights_without_rows_are_no_gaps(tmp_path):
     def daylight_rows(rows):
         return [row for row, light in zip(rows, record.ghi, strict=True) if light > 0.0]
 
-    weather = load(tmp_path, record, rows=daylight_rows)
+    weather = load(tmp_path, record, changed=daylight_rows)
     assert weather.ghi.sum() == pytest.approx(record.ghi.sum(), rel=1e-4)
     assert not any("filled" in text for text in weather.repairs)
 
@@ -100,7 +102,7 @@ def test_noise_of_the_night_is_taken_out_and_counted(tmp_path):
             for row, light in zip(rows, record.ghi, strict=True)
         ]
 
-    weather = load(tmp_path, record, rows=noisy)
+    weather = load(tmp_path, record, changed=noisy)
     dark = int(np.count_nonzero(record.ghi == 0.0))
     assert f"noise at night or below zero in {dark} rows set to zero" in weather.repairs
     assert weather.ghi.min() == 0.0
@@ -108,7 +110,7 @@ def test_noise_of_the_night_is_taken_out_and_counted(tmp_path):
 
 def test_few_impossible_values_are_replaced(tmp_path):
     record = clear_record(10)
-    weather = load(tmp_path, record, rows=replaced(35, dni=1e6))
+    weather = load(tmp_path, record, changed=replaced(35, dni=1e6))
     assert "1 rows with impossible light taken out" in weather.repairs
     # Closure: the beam is what global and diffuse light leave, at the sun's height of half past.
     assert weather.dni == pytest.approx(record.dni, rel=0.01, abs=1.0)
@@ -129,21 +131,15 @@ def test_day_of_year_counts_dates_alike_in_leap_years():
     assert day_of_year(seconds) == pytest.approx([60.0, 60.0, 59.5, 365.75])
 
 
-def beside(temperature, wind):
-    """Rows with temperature and wind beside the light."""
-
-    def rows(table):
-        values = zip(table, temperature, wind, strict=True)
-        return [f"{row},{t},{w}" for row, t, w in values]
-
-    return rows
-
-
 def loaded_beside(tmp_path, temperature, wind):
-    record = clear_record(3)
+    """Load a record with temperature and wind beside the light."""
     head = ["# latitude_deg: 46.8", "# longitude_deg: 6.9", "# altitude_m: 491"]
     head.append("time_utc,ghi,dni,dhi,temperature_c,wind_m_per_s")
-    return load(tmp_path, record, header=head, rows=beside(temperature, wind))
+
+    def beside(rows):
+        return [f"{row},{t},{w}" for row, t, w in zip(rows, temperature, wind, strict=True)]
+
+    return load(tmp_path, clear_record(3), header=head, changed=beside)
 
 
 @pytest.mark.parametrize(
@@ -170,6 +166,9 @@ def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
         "1 rows with a wind speed not from 0 to 120 m/s taken out",
     )
     assert (weather.temperature_c.max(), weather.wind_m_per_s.max()) == (15.0, 3.0)
+    # What is at the ends of what can be is kept.
+    weather = loaded_beside(tmp_path, [-90.0, 70.0, *([20.0] * 70)], [3.0] * 72)
+    assert weather.temperature_c[:2].tolist() == [-90.0, 70.0]
     weather = loaded_beside(tmp_path, [99.9] * 72, [999] * 19 + [99.9] + [3.0] * 52)
     assert weather.repairs == (
         "temperature missing in 72 of 72 rows: that of the mission's air",
@@ -184,7 +183,7 @@ def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_pa
     def february_of(year):
         return lambda rows: [row.replace("2001-02", f"{year}-02") for row in rows]
 
-    weather = load(tmp_path, record, rows=february_of(1993))
+    weather = load(tmp_path, record, changed=february_of(1993))
     assert weather.typical
     # A year without 29 February: the rows follow each other as those of 2001 do.
     assert np.diff(weather.start_s) == pytest.approx(3600.0)
@@ -192,13 +191,15 @@ def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_pa
         load(
             tmp_path,
             clear_record(8, first="2001-01-10"),
-            rows=lambda rows: [*rows[:96], *(row.replace("2001", "1993") for row in rows[96:])],
+            changed=lambda rows: [*rows[:96], *(row.replace("2001", "1993") for row in rows[96:])],
         )
 
 
 def test_a_beam_is_told_of_the_sun_from_one_degree_on(tmp_path):
     record = clear_record(2, interval_s=60.0)
-    weather = load(tmp_path, record, rows=lambda rows: [with_fields(row, dni="") for row in rows])
+    weather = load(
+        tmp_path, record, changed=lambda rows: [with_fields(row, dni="") for row in rows]
+    )
     day = day_of_year(weather.start_s + 30.0)
     hour = solar_time_h((day % 1.0) * 24.0, day, SITE.longitude_deg)
     height = np.degrees(
@@ -212,30 +213,12 @@ def test_a_beam_is_told_of_the_sun_from_one_degree_on(tmp_path):
     assert weather.dni[higher] == pytest.approx(record.dni[higher], rel=0.02, abs=0.1)
 
 
-@pytest.mark.parametrize(("years", "told"), [(59.9, "a gap of"), (60.2, "more than 60 years")])
-def test_a_record_spans_no_more_than_sixty_years(tmp_path, years, told):
-    later = np.datetime64("1950-06-20T00:00:00") + np.timedelta64(round(years * 365.25 * 24), "h")
-    record = clear_record(3, first="1950-06-20")
-    with pytest.raises(InputError, match=told):
-        load(tmp_path, record, rows=lambda rows: [*rows, f"{later}Z,0,0,0"])
-
-
-def test_air_at_the_ends_of_what_can_be_is_kept():
-    ends = np.array([-90.0, 70.0, 20.0])
-    values, repairs = checked_air(TEMPERATURE, {"temp_air": ends}, np.zeros(3, int), "a.csv")
-    assert values == pytest.approx(ends)
-    assert not repairs
-
-
-def test_light_without_a_sun_is_diffuse():
-    assert _diffuse_fraction(np.array([3.0]), np.array([0.0])).tolist() == [1.0]
-
-
 # Erbs et al. (1982), equation 1, worked by hand.
 @pytest.mark.parametrize(
     ("clearness", "share"),
     [(0.2, 0.982), (0.3, 0.9485956), (0.5, 0.65915), (0.79, 0.16463391), (0.9, 0.165)],
 )
 def test_share_of_diffuse_light(clearness, share):
-    fraction = _diffuse_fraction(np.array([1000.0 * clearness]), np.array([1000.0]))
-    assert fraction == pytest.approx([share], abs=1e-8)
+    fraction = _diffuse_fraction(np.array([1000.0 * clearness, 3.0]), np.array([1000.0, 0.0]))
+    # Light without a sun is diffuse.
+    assert fraction == pytest.approx([share, 1.0], abs=1e-8)

@@ -231,37 +231,31 @@ def test_final_and_preliminary_months_of_era5_are_one_record(tmp_path):
     assert found.ghi == pytest.approx(record.ghi, abs=0.1)
 
 
-def test_what_a_grid_does_not_have_is_told(tmp_path):
-    era5(clear_record(3)).to_netcdf(tmp_path / "a.nc")
-    for where, message in (
-        (None, "has 3 values of latitude_deg: give latitude_deg on the mission"),
-        (mission(latitude_deg=46.8, longitude_deg=None), "has 3 values of longitude_deg"),
-        (mission(latitude_deg=48.0, longitude_deg=6.9), "has latitudes 46.55 to 47.05, not 48"),
-        (mission(latitude_deg=46.8, longitude_deg=-40.0), "has longitudes 6.65 to 7.15, not -40"),
-    ):
-        with pytest.raises(InputError, match=message):
-            load_weather(tmp_path / "a.nc", where)
-    (tmp_path / "e.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + b"nonsense")
-    with pytest.raises(InputError, match="cannot be read as NetCDF"):
-        load_weather(tmp_path / "e.nc", HERE)
-
-
-def test_a_grid_whose_parts_do_not_fit_each_other_is_refused(tmp_path):
+def test_a_grid_without_the_place_or_whose_parts_do_not_fit_each_other_is_refused(tmp_path):
     data = era5(clear_record(3))
+    far = mission(latitude_deg=48.0, longitude_deg=6.9)
+    west = mission(latitude_deg=46.8, longitude_deg=-40.0)
     level = ("pressure_level", [900.0, 800.0], {"units": "hPa"})
     column = xr.DataArray([280.0, 275.0], {"pressure_level": level}, attrs={"units": "K"})
     direct = data.drop_vars("ssrd").assign(dni=data["fdir"].assign_attrs(units="W m**-2"))
     odd = data.assign(ssrd=data["ssrd"].assign_attrs(units="furlongs"))
     swapped = data.assign_coords(latitude=[170.0, 175.0, 180.0])
-    for broken, message in (
-        (swapped, "latitudes beyond 90 degrees: its axes may be swapped"),
-        (data[["t2m"]], "has no light"),
-        (odd, "has ghi in furlongs"),
-        (direct, "has no light: ghi, or dni and dhi, are needed"),
-        (data.drop_vars("t2m").assign(t=column), "has t on levels, but not over time"),
-        (data.isel(latitude=slice(0)), "has a latitude without values"),
-        (data.assign_coords(latitude=[46.5, np.nan, 47.0]), "has a latitude without values"),
+    for broken, where, message in (
+        (data, None, "has 3 values of latitude_deg: give latitude_deg on the mission"),
+        (data, mission(latitude_deg=46.8, longitude_deg=None), "has 3 values of longitude_deg"),
+        (data, far, "has latitudes 46.55 to 47.05, not 48"),
+        (data, west, "has longitudes 6.65 to 7.15, not -40"),
+        (swapped, HERE, "latitudes beyond 90 degrees: its axes may be swapped"),
+        (data[["t2m"]], HERE, "has no light"),
+        (odd, HERE, "has ghi in furlongs"),
+        (direct, HERE, "has no light: ghi, or dni and dhi, are needed"),
+        (data.drop_vars("t2m").assign(t=column), HERE, "has t on levels, but not over time"),
+        (data.isel(latitude=slice(0)), HERE, "has a latitude without values"),
+        (data.assign_coords(latitude=[46.5, np.nan, 47.0]), HERE, "has a latitude without values"),
     ):
         broken.to_netcdf(tmp_path / "a.nc")
         with pytest.raises(InputError, match=message):
-            load_weather(tmp_path / "a.nc", HERE)
+            load_weather(tmp_path / "a.nc", where)
+    (tmp_path / "a.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + b"nonsense")
+    with pytest.raises(InputError, match="cannot be read as NetCDF"):
+        load_weather(tmp_path / "a.nc", HERE)
