@@ -4,7 +4,6 @@ import re
 import runpy
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -52,9 +51,6 @@ DRAWING = [
         r" -70 N: .*; else missed: .*sun\n(.*\n)+   0 N: 27 of 27 days have a design, \d\.\d\d to",
     ),
 ]
-
-
-Script = Callable[..., str]
 
 
 @pytest.fixture

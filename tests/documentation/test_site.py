@@ -1,8 +1,5 @@
 """The built site in a browser, opened as files: formulas, search, pictures, no other server."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 from browser_pages import DESKTOP, PHONE, accessibility_problems, too_wide
 from documented import DOCS
@@ -22,9 +19,6 @@ PAGES = (
     "notebooks/first_design.html",
     "api/generated/sizing.Analysis.html",
 )
-
-
-OpenSite = Callable[[str], Any]
 
 
 @pytest.fixture(params=[DESKTOP, PHONE], ids=["desktop", "phone"])

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
 from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface, direction_cosines
@@ -143,13 +141,11 @@ def test_module_under_the_tail_is_shaded_by_the_sun_overhead():
     assert shaded_fraction(ATLANTIKSOLAR, sky, sun_from(np.linspace(5, 89, 99), 30.0)).max() == 1.0
 
 
-def test_sun_overhead_behind_the_module_or_in_its_plane_shades_nothing():
+def test_sun_or_tail_where_there_is_no_shade():
+    # The sun overhead, behind the module or in its plane; a tail below it.
     assert not shaded_area(ATLANTIKSOLAR, TAIL, [0.0, 0.0, -1.0]).any()
     suns = sun_from([-90.0, -16.0, 0.0, 0.05], 180.0)
     assert not shaded_area(level_wing(), t_tail(), suns).any()
-
-
-def test_tail_below_the_module_shades_nothing():
     hanging = t_tail(vertical_height_m=-HEIGHT, boom_height_m=-0.01)
     suns = sun_from(np.linspace(-90.0, 90.0, 181), 180.0)
     assert not shaded_area(level_wing(), hanging, suns).any()
@@ -195,9 +191,6 @@ def test_agrees_with_ray_casting_for_odd_tails(seed):
     assert result == pytest.approx(np.array(expected), abs=0.01)
 
 
-components = hnp.arrays(float, (5, 3), elements=st.floats(-1.0, 1.0))
-
-
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (4, 5)])
 def test_shape_of_the_result(shape):
     suns = np.broadcast_to(sun_from(10.0), (*shape, 3))
@@ -215,15 +208,6 @@ def test_no_tail_shades_nothing_and_needs_no_outlines():
         shaded_area(bare, TAIL, [0.0, 0.0, -1.0])
 
 
-# Elevation above which nothing is shaded.
-
-
-def test_free_elevation_of_the_level_wing_by_hand():
-    expected = np.degrees(np.arctan(HEIGHT / (AFT - REAR)))
-    result = elevation_free_of_shading_deg(level_wing(), t_tail())
-    assert result == pytest.approx(expected, rel=1e-9)  # accuracy of the least squares
-
-
 @pytest.mark.parametrize(
     ("roll_deg", "pitch_deg"), [(0, 0), (0, 5), (0, -5), (15, 0), (-15, 3), (40, 0)]
 )
@@ -238,7 +222,10 @@ def test_free_elevation_separates_shade_from_light(roll_deg, pitch_deg):
     assert shaded_area(ATLANTIKSOLAR, TAIL, sun_from(limit - 0.1, azimuths) @ to_ned).any()
 
 
-def test_free_elevation_of_atlantiksolar_is_the_reported_one():
+def test_free_elevation_by_hand_and_as_reported():
+    expected = np.degrees(np.arctan(HEIGHT / (AFT - REAR)))
+    result = elevation_free_of_shading_deg(level_wing(), t_tail())
+    assert result == pytest.approx(expected, rel=1e-9)  # accuracy of the least squares
     # "Above 19 degrees": two digits. The height of the assumed T-tail was chosen for it.
     result = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL)
     assert result == pytest.approx(19.0, abs=0.5)

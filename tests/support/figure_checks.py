@@ -4,14 +4,12 @@ The figures are those of the shipped aircraft, on grids as coarse as a figure be
 """
 
 import itertools
-from collections.abc import Callable
 from contextlib import nullcontext
 from functools import cache
 
 import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 from weather_files import clear_record
 
@@ -23,8 +21,6 @@ from studies.output.figures.options import in_style
 
 # A little of what a glyph's box has around the glyph may meet another, or the edge [px].
 _BLEED_PX = 1.0
-
-Draw = Callable[..., Figure]
 
 
 # ---- Every figure

@@ -19,87 +19,75 @@ def _epoch_us(table):
 
 def ground_station(table):
     """Commas, plain names without units, milliseconds since 1970."""
-    return str(
-        pd.DataFrame(
-            {
-                "timestamp": _epoch_us(table) // 1000,
-                "lat": table["latitude_deg"],
-                "lon": table["longitude_deg"],
-                "alt": table["altitude_m"],
-                "roll": table["roll_deg"],
-                "pitch": table["pitch_deg"],
-                "heading": table["yaw_deg"] % 360.0,
-                "P_solar": table["solar_power_w"],
-                "SoC": table["state_of_charge"],
-            }
-        ).to_csv(index=False)
-    )
+    columns = {
+        "timestamp": _epoch_us(table) // 1000,
+        "lat": table["latitude_deg"],
+        "lon": table["longitude_deg"],
+        "alt": table["altitude_m"],
+        "roll": table["roll_deg"],
+        "pitch": table["pitch_deg"],
+        "heading": table["yaw_deg"] % 360.0,
+        "P_solar": table["solar_power_w"],
+        "SoC": table["state_of_charge"],
+    }
+    return pd.DataFrame(columns).to_csv(index=False)
 
 
 def spreadsheet(table):
     """Semicolons, decimal commas, local date and time in two columns, kW and per cent."""
     local = _utc(table).dt.tz_convert(ZoneInfo("Europe/Zurich"))
-    return str(
-        pd.DataFrame(
-            {
-                "Date": local.dt.strftime("%d.%m.%Y"),
-                "Time": local.dt.strftime("%H:%M:%S.%f").str[:-3].str.replace(".", ","),
-                "Latitude [°]": table["latitude_deg"],
-                "Longitude [°]": table["longitude_deg"],
-                "Altitude [ft]": table["altitude_m"] / 0.3048,
-                "Bank angle [°]": table["roll_deg"],
-                "Pitch [°]": table["pitch_deg"],
-                "Heading [°]": table["yaw_deg"],
-                "Solar power [kW]": table["solar_power_w"] / 1000.0,
-                "SOC [%]": 100.0 * table["state_of_charge"],
-                "Remark": "",
-            }
-        ).to_csv(index=False, sep=";", decimal=",")
-    )
+    columns = {
+        "Date": local.dt.strftime("%d.%m.%Y"),
+        "Time": local.dt.strftime("%H:%M:%S.%f").str[:-3].str.replace(".", ","),
+        "Latitude [°]": table["latitude_deg"],
+        "Longitude [°]": table["longitude_deg"],
+        "Altitude [ft]": table["altitude_m"] / 0.3048,
+        "Bank angle [°]": table["roll_deg"],
+        "Pitch [°]": table["pitch_deg"],
+        "Heading [°]": table["yaw_deg"],
+        "Solar power [kW]": table["solar_power_w"] / 1000.0,
+        "SOC [%]": 100.0 * table["state_of_charge"],
+        "Remark": "",
+    }
+    return pd.DataFrame(columns).to_csv(index=False, sep=";", decimal=",")
 
 
 def telemetry(table):
     """Tabs, radians, integers of autopilots, voltage and milliamperes, microseconds."""
     volts = table["mppt_voltage_v"]
-    return str(
-        pd.DataFrame(
-            {
-                "time_us": _epoch_us(table),
-                "gps_lat": (1e7 * table["latitude_deg"]).round().astype(np.int64),
-                "gps_lon": (1e7 * table["longitude_deg"]).round().astype(np.int64),
-                "gps_alt": (1e3 * table["altitude_m"]).round().astype(np.int64),
-                "phi": np.radians(table["roll_deg"]).round(6),
-                "theta": np.radians(table["pitch_deg"]).round(6),
-                "psi": np.radians(table["yaw_deg"]).round(6),
-                "V_pv": volts,
-                "I_pv_mA": 1e3 * table["solar_power_w"] / volts,
-                "T_amb_K": table["ambient_temperature_c"] + 273.15,
-            }
-        ).to_csv(index=False, sep="\t")
-    )
+    columns = {
+        "time_us": _epoch_us(table),
+        "gps_lat": (1e7 * table["latitude_deg"]).round().astype(np.int64),
+        "gps_lon": (1e7 * table["longitude_deg"]).round().astype(np.int64),
+        "gps_alt": (1e3 * table["altitude_m"]).round().astype(np.int64),
+        "phi": np.radians(table["roll_deg"]).round(6),
+        "theta": np.radians(table["pitch_deg"]).round(6),
+        "psi": np.radians(table["yaw_deg"]).round(6),
+        "V_pv": volts,
+        "I_pv_mA": 1e3 * table["solar_power_w"] / volts,
+        "T_amb_K": table["ambient_temperature_c"] + 273.15,
+    }
+    return pd.DataFrame(columns).to_csv(index=False, sep="\t")
 
 
 def own_names(table):
     """Bars, names that nobody can guess, American dates by a clock of India, two MPPTs."""
     local = _utc(table).dt.tz_convert("Asia/Kolkata")
     volts, first = table["mppt_voltage_v"], CURRENT_A
-    return str(
-        pd.DataFrame(
-            {
-                "A": local.dt.strftime("%m/%d/%Y %I:%M:%S.%f %p"),
-                "B": table["longitude_deg"],
-                "C": table["latitude_deg"],
-                "D": table["altitude_m"] / 1000.0,
-                "E": np.radians(table["roll_deg"]),
-                "F": -np.radians(table["pitch_deg"]),
-                "G": np.radians(table["yaw_deg"]),
-                "U1": volts,
-                "I1": np.full(len(table), first),
-                "U2": 1e3 * volts,
-                "I2": table["solar_power_w"] / volts - first,
-            }
-        ).to_csv(index=False, sep="|")
-    )
+    columns = {
+        "A": local.dt.strftime("%m/%d/%Y %I:%M:%S.%f %p"),
+        "B": table["longitude_deg"],
+        "C": table["latitude_deg"],
+        "D": table["altitude_m"] / 1000.0,
+        "E": np.radians(table["roll_deg"]),
+        "F": -np.radians(table["pitch_deg"]),
+        "G": np.radians(table["yaw_deg"]),
+        "U1": volts,
+        "I1": np.full(len(table), first),
+        "U2": 1e3 * volts,
+        "I2": table["solar_power_w"] / volts - first,
+    }
+    return pd.DataFrame(columns).to_csv(index=False, sep="|")
 
 
 OWN_NAMES_MAP = """\

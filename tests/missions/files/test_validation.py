@@ -161,13 +161,6 @@ def test_all_problems_come_together_where_they_stand(text, problems):
     assert problems_of(text) == [f"as2.yaml:{problem}" for problem in problems]
 
 
-def test_missing_key_points_at_the_mapping_around_it():
-    text = "name: x\nbattery:\n  cells: 2\n"
-    assert problem_of(text) == "as2.yaml:2:1: battery.mass_kg: required key is missing"
-    assert problem_of("\nname: x\n") == "as2.yaml:2:1: battery: required key is missing"
-    assert problems_of("{}")[0] == "as2.yaml:1:1: name: required key is missing"
-
-
 @pytest.mark.parametrize(
     ("key", "meant"),
     [
@@ -185,15 +178,6 @@ def test_unknown_key_gets_a_suggestion(key, meant):
     text = f"{GOOD}  {key}: 1\n"
     message = f"as2.yaml:4:3: battery.{key}: unknown key; did you mean '{meant}'?"
     assert problem_of(text) == message
-
-
-def test_unit_suffix_beats_a_similar_spelling():
-    class Model(Record):
-        energy_kwh_max: Real = 1.0
-        energy_j: Real = 1.0
-
-    (problem,) = problems_of("energy_kwh: 1", model=Model)
-    assert problem.endswith("did you mean 'energy_j'?")
 
 
 @pytest.mark.parametrize(
@@ -236,37 +220,165 @@ def test_plain_words(line, message):
     assert problem_of(GOOD + line + "\n") == f"as2.yaml:4:{message}"
 
 
-def test_null_for_a_required_mapping_and_an_empty_text():
-    message = "as2.yaml:2:9: battery: must be a mapping of keys and values (got null)"
-    assert problem_of("name: x\nbattery:\n") == message
-    assert problem_of(GOOD.replace("AS-2", "''")).endswith("name: must not be empty (got '')")
+class Table(Record):
+    title: Annotated[Text, Field(max_length=3)]
+    values: tuple[PositiveReal, ...] = Field(min_length=2)
 
 
-def test_a_wrong_item_does_not_make_a_list_too_short():
-    class Table(Record):
-        title: Annotated[Text, Field(max_length=3)]
-        values: tuple[PositiveReal, ...] = Field(min_length=2)
+class OldPack(Battery):
+    explained_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
 
-    assert problems_of("title: abcd\nvalues: [1, -2]\n", model=Table) == [
-        "as2.yaml:1:8: title: must have at most 3 characters (got 'abcd')",
-        "as2.yaml:2:13: values.1: must be greater than 0 (got -2)",
+
+class Packs(Record):
+    packs: tuple[OldPack, ...]
+
+
+class Units(Record):
+    energy_kwh_max: Real = 1.0
+    energy_j: Real = 1.0
+
+
+class Unions(Record):
+    one: Annotated[
+        Annotated[Battery, UnionTag("pack")] | Annotated[Window, UnionTag("night")],
+        Discriminator(lambda value: "pack" if "mass_kg" in value else "night"),
     ]
-    assert problems_of("title: a\nvalues: [1]\n", model=Table) == [
-        "as2.yaml:2:1: values: must have at least 2 items (got a list of 1)"
-    ]
+    two: Cruise | Loiter | None = Field(default=None, discriminator="kind")
 
 
-def test_key_of_an_earlier_version_is_refused_with_its_new_name():
-    class Pack(Battery):
-        explained_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
+class Choices(Record):
+    window: Real | Window = 1.0
+    source: Window | Real | None = None
+    other: Window | Battery | None = None
+    pair: tuple[Battery, Cruise] | None = None
 
-    class Model(Record):
-        packs: tuple[Pack, ...]
 
-    text = "packs:\n- mass_kg: 1\n- weight_kg: 1\n  mass_kg: 1\n"
-    assert problems_of(text, model=Model) == [
-        "as2.yaml:3:3: packs.1.weight_kg: this key is called 'mass_kg' now"
-    ]
+class Legs(RootModel[tuple[Cruise, ...]]):
+    pass
+
+
+class Behind(Record):
+    legs: Legs
+    pack: NewType("Pack", Battery)
+
+
+class Short(Record):
+    table: dict[Annotated[str, Field(max_length=1)], Real]
+    items: Annotated[tuple[Real, ...], Field(max_length=1)]
+
+
+class Aliased(Record):
+    lift: PositiveReal = Field(alias="C_L")
+
+
+class Pointing(Record):
+    legs: tuple[Real, ...]
+
+    @model_validator(mode="after")
+    def _refuse(self):
+        raise PydanticCustomError("x", "too\nlong", {"key": "legs.1"})
+
+
+NO_KEY = "unknown key; allowed keys"
+
+
+@pytest.mark.parametrize(
+    ("model", "text", "problems"),
+    [
+        # A missing key points at the mapping around it.
+        (
+            Aircraft,
+            "name: x\nbattery:\n  cells: 2\n",
+            ["2:1: battery.mass_kg: required key is missing"],
+        ),
+        (Aircraft, "\nname: x\n", ["2:1: battery: required key is missing"]),
+        (Aliased, "{}", ["1:1: C_L: required key is missing"]),
+        (
+            Aircraft,
+            "name: ''\nbattery:\n",
+            [
+                "1:7: name: must not be empty (got '')",
+                "2:9: battery: must be a mapping of keys and values (got null)",
+            ],
+        ),
+        # A wrong item does not make a list too short.
+        (
+            Table,
+            "title: abcd\nvalues: [1, -2]\n",
+            [
+                "1:8: title: must have at most 3 characters (got 'abcd')",
+                "2:13: values.1: must be greater than 0 (got -2)",
+            ],
+        ),
+        (
+            Table,
+            "title: a\nvalues: [1]\n",
+            ["2:1: values: must have at least 2 items (got a list of 1)"],
+        ),
+        # A key of an earlier version is refused with its new name.
+        (
+            Packs,
+            "packs:\n- mass_kg: 1\n- weight_kg: 1\n  mass_kg: 1\n",
+            ["3:3: packs.1.weight_kg: this key is called 'mass_kg' now"],
+        ),
+        # A unit's suffix beats a similar spelling.
+        (Units, "energy_kwh: 1", ["1:1: energy_kwh: unknown key; did you mean 'energy_j'?"]),
+        (
+            Unions,
+            "one: {mass_kg: 0, zzz: 1}\ntwo: {kind: cruise, speed_m_s: 0}\n",
+            [
+                "1:16: one.mass_kg: must be greater than 0 (got 0)",
+                f"1:19: one.zzz: {NO_KEY}: mass_kg, usable_fraction, cells",
+                "2:32: two.speed_m_s: must be greater than 0 (got 0)",
+            ],
+        ),
+        # The validator of one choice silences the types of the others.
+        (
+            Choices,
+            "window: {start_h: 5, end_h: 4}",
+            ["1:1: window: the window ends before it starts"],
+        ),
+        (
+            Choices,
+            "source: {start_h: 1, end_h: 2, zzz: 3}",
+            [f"1:32: source.zzz: {NO_KEY}: start_h, end_h"],
+        ),
+        (
+            Choices,
+            "pair:\n- mass_kg: 1\n- {kind: cruise, speed_m_s: 1, zzz: 1}",
+            [f"3:32: pair.1.zzz: {NO_KEY}: kind, speed_m_s"],
+        ),
+        (
+            Behind,
+            "legs: [{kind: cruise, speed_m_s: 1, zzz: 1}]\npack: {mass_kg: 1, mass_g: 1}",
+            [
+                f"1:37: legs.0.zzz: {NO_KEY}: kind, speed_m_s",
+                "2:20: pack.mass_g: unknown key; did you mean 'mass_kg'?",
+            ],
+        ),
+        # A key that is refused is located itself.
+        (
+            Short,
+            "table: {long: 1}\nitems: [1, 2]",
+            [
+                "1:9: table.long: must have at most 1 character (got 'long')",
+                "2:1: items: must have at most 1 item (got a list of 2)",
+            ],
+        ),
+        # An aliased field goes by the key of the file.
+        (Aliased, "C_L: 0", ["1:6: C_L: must be greater than 0 (got 0)"]),
+        (Aliased, "C_D: 1\nC_L: 1", ["1:1: C_D: unknown key; did you mean 'C_L'?"]),
+        (Pointing, "legs:\n- 1\n- 2", ["3:3: legs.1: too long"]),
+    ],
+)
+def test_problems_of_any_model(model, text, problems):
+    assert problems_of(text, model=model) == [f"as2.yaml:{problem}" for problem in problems]
+
+
+def test_validators_do_not_hide_the_name_of_a_choice():
+    problems = problems_of("other: {start_h: 1, end_h: 2, zzz: 3}", model=Choices)
+    first = next(problem for problem in problems if "zzz" in problem)
+    assert first.endswith("allowed keys: start_h, end_h")
 
 
 class Rack(Battery):
@@ -334,105 +446,6 @@ def test_discriminated_unions_give_clean_keys(leg, message):
     first, *_ = problems_of(f"{GOOD}legs:\n  - {leg}\n")
     assert first.startswith("as2.yaml:5:")
     assert first.split(": ", 1)[1] == message
-
-
-def test_unions_by_callable_and_by_optional_field():
-    def shape(value):
-        return "pack" if "mass_kg" in value else "night"
-
-    class Model(Record):
-        one: Annotated[
-            Annotated[Battery, UnionTag("pack")] | Annotated[Window, UnionTag("night")],
-            Discriminator(shape),
-        ]
-        two: Cruise | Loiter | None = Field(default=None, discriminator="kind")
-
-    text = "one: {mass_kg: 0, zzz: 1}\ntwo: {kind: cruise, speed_m_s: 0}\n"
-    assert problems_of(text, model=Model) == [
-        "as2.yaml:1:16: one.mass_kg: must be greater than 0 (got 0)",
-        "as2.yaml:1:19: one.zzz: unknown key; allowed keys: mass_kg, usable_fraction, cells",
-        "as2.yaml:2:32: two.speed_m_s: must be greater than 0 (got 0)",
-    ]
-
-
-def test_validator_of_one_choice_silences_the_types_of_the_others():
-    class Model(Record):
-        window: Real | Window
-
-    text = "window: {start_h: 5, end_h: 4}"
-    assert problems_of(text, model=Model) == [
-        "as2.yaml:1:1: window: the window ends before it starts"
-    ]
-
-
-def test_unknown_key_of_one_choice_among_models():
-    class Model(Record):
-        source: Window | Real | None = None
-        other: Window | Battery | None = None
-        pair: tuple[Battery, Cruise] | None = None
-
-    text = "source: {start_h: 1, end_h: 2, zzz: 3}"
-    unknown = "source.zzz: unknown key; allowed keys: start_h, end_h"
-    assert problems_of(text, model=Model) == [f"as2.yaml:1:32: {unknown}"]
-    # Validators do not hide the name of a choice.
-    text = text.replace("source", "other")
-    first, *_ = [line for line in problems_of(text, model=Model) if "zzz" in line]
-    assert first.endswith("allowed keys: start_h, end_h")
-    text = "pair:\n- mass_kg: 1\n- {kind: cruise, speed_m_s: 1, zzz: 1}"
-    assert problems_of(text, model=Model) == [
-        "as2.yaml:3:32: pair.1.zzz: unknown key; allowed keys: kind, speed_m_s"
-    ]
-
-
-def test_types_behind_other_names():
-    class Legs(RootModel[tuple[Cruise, ...]]):
-        pass
-
-    Pack = NewType("Pack", Battery)
-
-    class Model(Record):
-        legs: Legs
-        pack: Pack
-
-    text = "legs: [{kind: cruise, speed_m_s: 1, zzz: 1}]\npack: {mass_kg: 1, mass_g: 1}"
-    assert problems_of(text, model=Model) == [
-        "as2.yaml:1:37: legs.0.zzz: unknown key; allowed keys: kind, speed_m_s",
-        "as2.yaml:2:20: pack.mass_g: unknown key; did you mean 'mass_kg'?",
-    ]
-
-
-def test_key_that_is_refused_is_located_itself():
-    class Model(Record):
-        table: dict[Annotated[str, Field(max_length=1)], Real]
-        items: Annotated[tuple[Real, ...], Field(max_length=1)]
-
-    text = "table: {long: 1}\nitems: [1, 2]"
-    assert problems_of(text, model=Model) == [
-        "as2.yaml:1:9: table.long: must have at most 1 character (got 'long')",
-        "as2.yaml:2:1: items: must have at most 1 item (got a list of 2)",
-    ]
-
-
-def test_aliased_field_goes_by_the_key_of_the_file():
-    class Model(Record):
-        lift: PositiveReal = Field(alias="C_L")
-
-    (problem,) = problems_of("C_L: 0", model=Model)
-    assert problem == "as2.yaml:1:6: C_L: must be greater than 0 (got 0)"
-    assert problems_of("C_D: 1\nC_L: 1", model=Model) == [
-        "as2.yaml:1:1: C_D: unknown key; did you mean 'C_L'?"
-    ]
-
-
-def test_validator_may_point_into_a_list():
-    class Model(Record):
-        legs: tuple[Real, ...]
-
-        @model_validator(mode="after")
-        def _refuse(self):
-            raise PydanticCustomError("x", "too\nlong", {"key": "legs.1"})
-
-    assert problems_of("legs:\n- 1\n- 2", model=Model) == ["as2.yaml:3:3: legs.1: too long"]
 
 
 def test_located_error():

@@ -34,9 +34,6 @@ def test_wind_of_each_scenario_is_that_of_its_latitude_and_month():
     assert there.scenario_winds_m_per_s().tolist() == expected
     assert there.strongest_wind_m_per_s == max(expected)
     assert there.wind.speed_m_per_s == max(expected)
-
-
-def test_a_month_ends_with_its_last_day():
     days = Scenarios(np.full(4, 47.6), np.array([31, 32, 59, 60]))  # 31 Jan, 1 Feb, 28 Feb, 1 Mar
     january, february, also_february, march = mission().scenario_winds_m_per_s(days).tolist()
     assert february == also_february
