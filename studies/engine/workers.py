@@ -54,17 +54,20 @@ class Pool:
     For None they are as many as there are cores if the work is worth their start, or 1: small
     computations never wait for processes. ``work_s``: time that it takes on one core, roughly [s].
 
-    ``in_process``: whether tasks are computed here. ``same_code``: whether workers have the code of
-    this process for certain. ``imports``: modules that the tasks need.
+    ``in_process``: whether tasks are computed here, which a single worker's are if they may be.
+    ``same_code``: whether workers have the code of this process for certain. ``imports``: modules
+    that the tasks need.
     """
 
     same_code = True
     imports: tuple[str, ...] = ()
 
-    def __init__(self, workers: int | None = None, work_s: float = 0.0) -> None:
+    def __init__(
+        self, workers: int | None = None, work_s: float = 0.0, *, in_process: bool = True
+    ) -> None:
         if workers is None:
             workers = available_cores() if work_s > _PAYS_S else 1
-        self._workers, self.in_process = workers, workers == 1
+        self._workers, self.in_process = workers, in_process and workers == 1
         self._executor: Executor | None = None
         self._started: Future[int] | None = None
         self._failed_starts = 0

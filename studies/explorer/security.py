@@ -13,8 +13,8 @@ import asyncio
 import html
 import secrets
 from typing import Any
-from urllib.parse import parse_qs
 
+from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -23,7 +23,7 @@ from studies.explorer.settings import AnsweredError
 
 MAXIMUM_BODY_BYTES = 16_384
 BODY_S = 10.0  # within which a body must come
-_MAXIMUM_QUERY_BYTES = 512
+_MAXIMUM_QUERY_BYTES, _MOST_FIELDS = 512, 10
 _HEADERS = {
     # Scripts, styles and data from here alone; nothing may frame the page or send it elsewhere.
     "content-security-policy": (
@@ -59,8 +59,8 @@ class Guard:
 
     def __init__(self, app: ASGIApp, *, port: int, token: str) -> None:
         self._app, self._token = app, token.encode()
-        self._hosts = {f"{name}:{port}".encode() for name in ("127.0.0.1", "localhost")}
-        self._origins = {b"http://" + host for host in self._hosts}
+        self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+        self._origins = {f"http://{host}" for host in self._hosts}
         # Cookies do not know of ports: two explorers must not take each other's.
         self.cookie = f"solar-uav-{port}"
 
@@ -68,11 +68,9 @@ class Guard:
         """Check a request, and answer it."""
         if scope["type"] != "http":
             return  # neither web sockets nor a lifespan
-        headers: dict[bytes, list[bytes]] = {}
-        for name, value in scope["headers"]:
-            headers.setdefault(name.lower(), []).append(value)
-        refused = self._refused(scope, headers)
-        first_page = scope["path"] == "/" and self._is_ours(_tokens(scope))
+        request = Request(scope)
+        refused = self._refused(request)
+        first_page = scope["path"] == "/" and self._is_ours(_query_tokens(request))
 
         async def guarded_send(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -87,74 +85,55 @@ class Guard:
         if refused is not None:
             status, kind, words = refused
             body, media = error_body(kind, words), "application/json"
-            if b"text/html" in b",".join(headers.get(b"accept", [])):
+            if "text/html" in ",".join(request.headers.getlist("accept")):
                 body, media = _PAGE.format(words=html.escape(words)).encode(), "text/html"
             await Response(body, status, media_type=media)(scope, receive, guarded_send)
             return
         await self._app(scope, _limited(receive), guarded_send)
 
-    def _refused(
-        self, scope: Scope, headers: dict[bytes, list[bytes]]
-    ) -> tuple[int, str, str] | None:
+    def _refused(self, request: Request) -> tuple[int, str, str] | None:
         """Return status, kind and words of a refusal; None for a request that may pass."""
-        hosts, origins = headers.get(b"host", []), headers.get(b"origin", [])
+        hosts, origins = (request.headers.getlist(name) for name in ("host", "origin"))
         if len(hosts) != 1 or hosts[0].lower() not in self._hosts:
-            allowed = ", ".join(sorted(h.decode() for h in self._hosts))
+            allowed = ", ".join(sorted(self._hosts))
             instead = "solar-uav report --out FILE writes a page for other computers"
             return 403, "host", f"this server answers to {allowed} alone; {instead}"
-        reads = scope["method"] in ("GET", "HEAD")
         if len(origins) > 1 or any(o.lower() not in self._origins for o in origins):
             return 403, "origin", "requests of other pages are refused"
-        if not reads and not origins:
+        if request.method not in ("GET", "HEAD") and not origins:
             return 403, "origin", "a request that is not GET needs the header Origin of this server"
-        if len(scope.get("query_string", b"")) > _MAXIMUM_QUERY_BYTES:
+        if len(request.scope["query_string"]) > _MAXIMUM_QUERY_BYTES:
             return 414, "size", f"a query has at most {_MAXIMUM_QUERY_BYTES} bytes"
-        if not self._knows_token(scope, headers):
+        if not self._is_ours(self._tokens(request)):
             words = "the token is missing or wrong: open the address that solar-uav explore printed"
             return 403, "token", words
-        if not all(map(_allowed_length, headers.get(b"content-length", []))):
+        if not all(map(_allowed_length, request.headers.getlist("content-length"))):
             return 413, "size", f"a request has at most {MAXIMUM_BODY_BYTES} bytes"
         return None
 
-    def _knows_token(self, scope: Scope, headers: dict[bytes, list[bytes]]) -> bool:
-        tokens = []
-        for value in headers.get(b"authorization", []):
-            scheme, _, token = value.partition(b" ")
-            tokens += [token.strip()] if scheme.lower() == b"bearer" else []
-        for value in headers.get(b"cookie", []):
-            tokens += _cookies(value, self.cookie)
-        if scope["path"] == "/":
-            tokens += _tokens(scope)
-        return self._is_ours(tokens)
+    def _tokens(self, request: Request) -> list[str]:
+        tokens = _query_tokens(request) if request.scope["path"] == "/" else []
+        for value in request.headers.getlist("authorization"):
+            scheme, _, token = value.partition(" ")
+            tokens += [token.strip()] if scheme.lower() == "bearer" else []
+        return [*tokens, request.cookies.get(self.cookie, "")]
 
-    def _is_ours(self, tokens: list[bytes]) -> bool:
-        return any(secrets.compare_digest(token, self._token) for token in tokens)
+    def _is_ours(self, tokens: list[str]) -> bool:
+        return any(secrets.compare_digest(token.encode(), self._token) for token in tokens)
 
 
-def _allowed_length(value: bytes) -> bool:
+def _allowed_length(value: str) -> bool:
     """Return whether a length is a number of bytes that a body may have."""
     # Python refuses to read numbers of thousands of digits.
-    return value.isdigit() and len(value) <= 20 and int(value) <= MAXIMUM_BODY_BYTES
+    return value.isdecimal() and len(value) <= 20 and int(value) <= MAXIMUM_BODY_BYTES
 
 
 _OURS = {name.encode() for name in _HEADERS}
 
 
-def _tokens(scope: Scope) -> list[bytes]:
-    try:
-        query = parse_qs(scope.get("query_string", b"").decode("latin-1"), max_num_fields=10)
-    except ValueError:  # more fields than that
-        return []
-    return [value.encode() for value in query.get("token", [])]
-
-
-def _cookies(header: bytes, name: str) -> list[bytes]:
-    """Return the values of a cookie among those that other programs have set.
-
-    ``SimpleCookie`` drops all of them where it does not understand one.
-    """
-    pairs = (pair.strip().partition(b"=") for pair in header.split(b";"))
-    return [value for key, _, value in pairs if key == name.encode()]
+def _query_tokens(request: Request) -> list[str]:
+    few = request.scope["query_string"].count(b"&") < _MOST_FIELDS
+    return request.query_params.getlist("token") if few else []
 
 
 def _limited(receive: Receive) -> Receive:

@@ -6,12 +6,9 @@ draws for seconds.
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 import threading
 from collections.abc import Callable
-from contextlib import suppress
-from multiprocessing.connection import Connection
+from concurrent.futures import BrokenExecutor, CancelledError
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missions.files.errors import InputError
@@ -23,6 +20,7 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX, with_parameter
 from sizing.performance import performance
 from sizing.program.objectives import Objective
+from studies.engine.workers import Pool
 from studies.explorer.settings import AnsweredError
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
@@ -68,10 +66,8 @@ class Worker:
     """The process, started with the first task and kept for the next."""
 
     def __init__(self, longest_s: float = LONGEST_S) -> None:
-        self._longest_s = longest_s
-        self._busy, self._starting = threading.Lock(), threading.Lock()
-        self._process: multiprocessing.process.BaseProcess | None = None
-        self._pipe: Connection | None = None
+        self._longest_s, self._busy = longest_s, threading.Lock()
+        self._pool: Pool | None = None
 
     def run(self, work: Callable[[Any], dict[str, Any]], task: Any) -> dict[str, Any]:
         """Give the process a task, and wait for it.
@@ -81,52 +77,29 @@ class Worker:
         if not self._busy.acquire(blocking=False):
             raise WorkerBusyError("another sizing or report is being made; wait, or cancel it")
         try:
-            pipe = self._started()
-            pipe.send((work, task))
-            if not pipe.poll(self._longest_s):
-                raise WorkerEndedError(f"no answer within {self._longest_s:g} s")
-            answer: dict[str, Any] = pipe.recv()
-        except (EOFError, OSError) as error:
-            raise WorkerEndedError("cancelled, or the process ended") from error
-        except BaseException:
+            self._pool = self._pool or Pool(1, in_process=False)
+            return self._pool.submit(_answer, work, task).result(self._longest_s)
+        except TimeoutError:
             self.end()
-            raise
-        else:
-            return answer
+            raise WorkerEndedError(f"no answer within {self._longest_s:g} s") from None
+        except (BrokenExecutor, CancelledError) as error:
+            raise WorkerEndedError("cancelled, or the process ended") from error
         finally:
             self._busy.release()
 
     def end(self) -> None:
         """End the process, in the middle of a task if need be; the next starts another one."""
-        with self._starting:
-            process, self._process, self._pipe = self._process, None, None
-        if process is not None:
-            process.kill()
-            process.join()
-
-    def _started(self) -> Connection:
-        with self._starting:
-            if self._process is None or not self._process.is_alive() or self._pipe is None:
-                context = multiprocessing.get_context("spawn")
-                self._pipe, theirs = context.Pipe()
-                self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
-                self._process.start()
-                theirs.close()  # so that the end of the process ends the pipe
-            return self._pipe
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            pool.close(at_once=True)
 
 
-def _serve(pipe: Connection) -> None:
-    """Work on one task after the other, until the other end of the pipe is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's, which ends this one
+def _answer(work: Callable[[Any], dict[str, Any]], task: Any) -> dict[str, Any]:
     ignore_settings_of_folder()
-    with suppress(EOFError, OSError):
-        while True:
-            work, task = pipe.recv()
-            try:
-                answer = work(task)
-            except (InputError, ImpossibleDesignError, ValueError) as error:
-                answer = {"error": str(error)}
-            pipe.send(answer)
+    try:
+        return work(task)
+    except (InputError, ImpossibleDesignError, ValueError) as error:
+        return {"error": str(error)}
 
 
 def report_page(task: ReportTask) -> dict[str, Any]:
