@@ -6,7 +6,6 @@ Linear in latitude, altitude and percentile, constant within a month; no extrapo
 from __future__ import annotations
 
 import gzip
-import io
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.dates import MONTH_NAMES
-from missions.files.errors import InputError, Problem, file_error, shown
+from missions.files.errors import InputError, Problem, file_error
+from missions.files.tables import number_rows, text_table
 from solar.schema import Allowed, refusal, spell, spell_ends
 from solar.types import FloatArray, IntArray
 
@@ -156,13 +156,18 @@ def shipped_winds() -> WindTable:
 
 def wind_table_from_text(text: str, source: str) -> WindTable:
     """Read CSV text: a row for each latitude, altitude, month and percentile."""
-    lines = text.splitlines()
-    first = next((i for i, s in enumerate(lines) if s.strip() and not s.startswith("#")), None)
-    names = [] if first is None else [name.strip() for name in lines[first].split(",")]
-    if first is None or sorted(names) != sorted(COLUMNS):
+    table = text_table(text)
+    if sorted(table.names) != sorted(COLUMNS):
         raise file_error(source, f"has no line of the columns {', '.join(COLUMNS)}")
-    rows = _number_rows(lines[first + 1 :], first + 2, names, source)
-    columns = {name: rows[:, names.index(name)] for name in COLUMNS}
+    rows, lines, problems = number_rows(table, _ALLOWED, source)
+    columns = {name: rows[:, table.names.index(name)] for name in COLUMNS}
+    for row in np.flatnonzero(columns["month"] % 1.0)[:1]:
+        message = refusal("must be a whole number", columns["month"][row])
+        problems.append(Problem(source, lines[row], None, "month", message))
+    if problems:
+        raise InputError(problems[:1])
+    if not len(rows):
+        raise file_error(source, "has no row")
     axes, places = zip(
         *(np.unique(columns[name], return_inverse=True) for name in COLUMNS[:-1]), strict=True
     )
@@ -190,40 +195,3 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
         )
     months = tuple(int(month) for month in axes[2])
     return WindTable(source, axes[0], axes[1], months, axes[3], values)
-
-
-def _number_rows(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
-    """Convert rows to numbers; ``first``: line of the first row in the file."""
-    kept = [s for s in lines if s.strip()]
-    if not kept:
-        raise file_error(source, "has no row")
-    try:  # fast; refused text is read again line by line, to name the place
-        rows = np.loadtxt(io.StringIO("\n".join(kept)), delimiter=",", ndmin=2, comments=None)
-    except ValueError:
-        rows = np.empty((0, 0))
-    wrong = rows.shape[1] != len(names) or any(
-        not _ALLOWED[name].holds(column).all() for name, column in zip(names, rows.T, strict=True)
-    )
-    if wrong or np.any(rows[:, names.index("month")] % 1.0):
-        raise InputError([_first_problem(lines, first, names, source)])
-    return rows
-
-
-def _first_problem(lines: list[str], first: int, names: list[str], source: str) -> Problem:
-    for number, line in enumerate(lines, start=first):
-        parts = line.split(",")
-        if not line.strip():
-            continue
-        if len(parts) != len(names):
-            message = f"has {len(parts)} values, but the table names {len(names)} columns"
-            return Problem(source, number, None, "", message)
-        for name, part in zip(names, parts, strict=True):
-            try:
-                value = float(part)
-            except ValueError:
-                value = float("nan")
-            if not _ALLOWED[name].holds(value) or (name == "month" and value % 1.0):
-                what = "a whole number" if name == "month" else "a number"
-                message = refusal(f"must be {what} {_ALLOWED[name]}", shown(part.strip()))
-                return Problem(source, number, None, name, message)
-    return Problem(source, first, None, "", "cannot be read as a table of numbers")

@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib import resources
 
-import numpy as np
-
-from missions.files.errors import InputError, Problem, file_error, left_out_note, shown
+from missions.files.errors import InputError, Problem, file_error, left_out_note
+from missions.files.tables import number_rows, text_table
 from missions.files.texts import read_folder, read_text
-from solar.schema import Allowed, refusal
+from solar.schema import Allowed
 from solar.types import FloatArray
 
 # Suffixes of files with polars; the path of a folder ends with a slash.
@@ -26,10 +25,11 @@ _ALLOWED = {
     "reynolds": Allowed(0.0, 1e10, above=True),
     "cl": LIFT,
     "cd": Allowed(0.0, 10.0, above=True),
-    "cm": Allowed(),
+    "cm": Allowed(above=True, below=True),
     "confidence": Allowed(0.0, 1.0),
 }
 # Largest share of rows with impossible lift or drag that is left out of a table or a polar.
+_LEFT_OUT = ("cl", "cd")
 SHARE_LEFT_OUT = 1 / 12
 COLUMNS = tuple(_ALLOWED)
 
@@ -101,62 +101,28 @@ def parse_polar_table(text: str, source: str) -> PolarTable:
     then come the line of column names and the rows, in any order. ``source`` is the file name, for
     messages. Raises InputError with every wrong line.
     """
-    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
-    comments = [(number, line) for number, line in lines if line.startswith("#")]
-    content = [(number, line) for number, line in lines if line and not line.startswith("#")]
-    entries = (line.lstrip("# ").partition(":") for _, line in comments)
-    header = {key.strip().lower(): value.strip() for key, colon, value in entries if colon}
+    table = text_table(text)
     problems = [
         Problem(source, None, None, "", f"the header has no line '# {key}: ...'")
         for key in ("airfoil", "source")
-        if not header.get(key)
+        if not table.header.get(key)
     ]
-    expected = ",".join(COLUMNS)
-    if not content or content[0][1].replace(" ", "") != expected:
-        line = content[0][0] if content else None
-        problems.append(Problem(source, line, None, "", f"column names must be {expected}"))
-        raise InputError(problems)
-    rows, mistakes, left_out = _read_rows(content[1:], source)
+    if table.names != list(COLUMNS):
+        message = f"column names must be {','.join(COLUMNS)}"
+        raise InputError([*problems, Problem(source, table.line, None, "", message)])
+    rows, lines, wrong = number_rows(table, _ALLOWED, source)
+    left_out = [problem for problem in wrong if problem.key in _LEFT_OUT]
+    problems += [problem for problem in wrong if problem.key not in _LEFT_OUT]
+    seen: dict[tuple[float, ...], int] = {}
+    for line, place in zip(lines, map(tuple, rows[:, :2].tolist()), strict=True):
+        if (earlier := seen.setdefault(place, line)) != line:
+            message = f"same alpha_deg and reynolds as in line {earlier}"
+            problems.append(Problem(source, line, None, "", message))
     if len(left_out) > SHARE_LEFT_OUT * len(rows):
-        mistakes += left_out
-    if problems or mistakes:
-        raise InputError([*problems, *mistakes])
-    if not rows:
+        problems += left_out
+    if problems:
+        raise InputError(problems)
+    if not len(rows):
         raise file_error(source, "the table has no rows")
-    values = np.asarray(rows)
-    columns = {name: values[:, i] for i, name in enumerate(COLUMNS)}
-    return PolarTable(source, header, columns, notes=left_out_note(left_out))
-
-
-def _read_rows(
-    content: list[tuple[int, str]], source: str
-) -> tuple[list[list[float]], list[Problem], list[Problem]]:
-    """Return rows, mistakes, and rows with impossible lift or drag."""
-    rows: list[list[float]] = []
-    problems: list[Problem] = []
-    left_out: list[Problem] = []
-    seen: dict[tuple[float, float], int] = {}
-    for number, line in content:
-        try:
-            values = [float(field) for field in line.split(",")]
-        except ValueError:
-            values = []
-        complaint = _complaint(values, line)
-        if not complaint:
-            earlier = seen.setdefault((values[0], values[1]), number)
-            if earlier != number:
-                complaint = f"same alpha_deg and reynolds as in line {earlier}"
-        if complaint:
-            impossible = complaint.startswith(("cl must", "cd must"))
-            kept = left_out if impossible else problems
-            kept.append(Problem(source, number, None, "", complaint))
-        else:
-            rows.append(values)
-    return rows, problems, left_out
-
-
-def _complaint(values: list[float], line: str) -> str:
-    if len(values) != len(COLUMNS) or not np.all(np.isfinite(values)):
-        return refusal(f"{len(COLUMNS)} finite numbers are needed", shown(line))
-    columns = zip(_ALLOWED.items(), values, strict=True)
-    return next(filter(None, (a.trouble(name, value) for (name, a), value in columns)), "")
+    columns = dict(zip(COLUMNS, rows.T, strict=True))
+    return PolarTable(source, table.header, columns, notes=left_out_note(left_out))

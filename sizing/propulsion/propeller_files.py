@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +18,7 @@ from missions.files.errors import (
     printable,
     shown,
 )
+from missions.files.tables import number_of, number_rows, text_table
 from missions.files.texts import read_text
 from sizing.propulsion.propeller import PropellerTable, SpeedCurve
 from solar.schema import Allowed, refusal, spell
@@ -28,6 +29,13 @@ _MPH_M_PER_S = 0.44704
 _LARGEST_INCHES = 40.0
 _ADVANCE, _COEFFICIENT = Allowed(0.0, 5.0), Allowed(-2.0, 2.0)  # beyond any propeller
 _RPM = Allowed(0.0, 1e5, above=True)
+_ALLOWED = {
+    "j": _ADVANCE,
+    "ct": _COEFFICIENT,
+    "cp": _COEFFICIENT,
+    "rpm": _RPM,
+    "eta": Allowed(above=True, below=True),
+}
 # Relative difference of the speeds of two wind tunnel runs at one nominal speed.
 _SAME_SPEED = 0.01
 # Relative error of the efficiency by rounding of the coefficients.
@@ -141,25 +149,33 @@ def _check_as_a_whole(read: _Read, names: str, any_speed: bool) -> None:
 
 def _read_file(read: _Read, text: str, file: str) -> None:
     """Add the points of a file in any of the formats."""
-    lines = text.splitlines()
-    head = [line.lower().replace(",", " ").split() for line in lines if line.strip()][:40]
+    lines, table = text.splitlines(), text_table(text)
+    names = table.names
     if any(_BLOCK.match(line) for line in lines):
         _read_apc(read, lines, file)
-    elif head and head[0][:3] == ["j", "ct", "cp"] and "," not in lines[0]:
-        name = file.replace("\\", "/").rpartition("/")[2]
-        _take_diameter(read, name)
-        run = _RUN.search(name)
-        speed = float(run[1]) if run else math.nan
-        rows = _numbers(read, lines[1:], file, len(lines[0].split()))
-        read.points += [_Point(file, line, speed, *row[:3]) for line, row in rows]
-    elif head and head[0] == ["rpm", "ct", "cp"] and "," not in lines[0]:
-        rows = _numbers(read, lines[1:], file, 3)
-        read.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
-    elif any({"j", "ct", "cp"} <= set(words) for words in head):
-        _read_csv(read, lines, file)
-    else:
+        return
+    if not {"ct", "cp"} < set(names) & _ALLOWED.keys():
         message = "is no table of a propeller: neither 'PROP RPM =' nor columns J, CT and CP"
         read.refuse(file, None, message)
+        return
+    if not set(names) <= _ALLOWED.keys() or len(set(names)) < len(names):
+        message = "columns must be J, CT, CP and rpm, each once"
+        read.refuse(file, table.line, refusal(message, shown(", ".join(names))))
+        return
+    speed = math.nan
+    if table.separator is None and "j" in names:
+        name = file.replace("\\", "/").rpartition("/")[2]
+        _take_diameter(read, name)
+        speed = float(run[1]) if (run := _RUN.search(name)) else math.nan
+    elif read.diameter_m is None and "diameter_m" in table.header:
+        read.diameter_m = number_of(table.header["diameter_m"])
+    rows, places, problems = number_rows(table, _ALLOWED, file)
+    read.problems += problems
+    static = table.separator is None and "j" not in names
+    for line, row in zip(places, rows.tolist(), strict=True):
+        by = {"rpm": speed, "j": 0.0} | dict(zip(names, row, strict=True))
+        point = _Point(file, line, *(by[key] for key in ("rpm", "j", "ct", "cp")))
+        (read.static if static else read.points).append(point)
 
 
 def _take_diameter(read: _Read, text: str) -> None:
@@ -176,7 +192,7 @@ def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
     for number, line in enumerate(lines, 1):
         words = line.split()
         if block := _BLOCK.match(line):
-            speed = _number(block[1])
+            speed = number_of(block[1])
             order = []
             if not _RPM.holds(speed):
                 message = refusal(f"PROP RPM must be {_RPM}", shown(block[1]))
@@ -192,7 +208,7 @@ def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
 
 def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, int]) -> None:
     """Add a row; the finer rounded of J and V counts, and they must agree."""
-    values = {key: _number(row.get(key, "")) for key in ("v", "j", "ct", "cp")}
+    values = {key: number_of(row.get(key, "")) for key in ("v", "j", "ct", "cp")}
     wrong = [key for key, value in values.items() if math.isnan(value)]
     if wrong:
         # Where its computation does not converge APC prints NaN, since 2022 nothing.
@@ -220,53 +236,6 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
 def _last_digit(text: str) -> float:
     """Return the last digit's place value of a printed number."""
     return 10.0 ** -len(text.partition(".")[2])
-
-
-def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
-    names: list[str] = []
-    for number, line in enumerate(lines, 1):
-        if line.lstrip().startswith("#"):
-            key, _, value = line.lstrip("# \t").partition(":")
-            if key.strip().lower() == "diameter_m" and read.diameter_m is None:
-                read.diameter_m = _number(value.strip())
-        elif not line.strip():
-            continue
-        elif not names:
-            names = [name.strip().lower() for name in line.split(",")]
-            odd = sorted(set(names) - {"j", "ct", "cp", "rpm", "eta"})
-            if odd or len(set(names)) < len(names) or not {"j", "ct", "cp"} <= set(names):
-                allowed = "columns must be J, CT, CP and rpm, each once"
-                return read.refuse(file, number, refusal(allowed, shown(line.strip())))
-        else:
-            for place, row in _numbers(read, [line.replace(",", " ")], file, len(names), number):
-                by = {"rpm": math.nan} | dict(zip(names, row, strict=True))
-                read.points.append(_Point(file, place, *(by[k] for k in ("rpm", "j", "ct", "cp"))))
-                if not math.isnan(by["rpm"]) and (trouble := _RPM.trouble("rpm", by["rpm"])):
-                    read.refuse(file, place, trouble)
-
-
-def _numbers(
-    read: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
-) -> Iterator[tuple[int, list[float]]]:
-    """Yield rows of numbers with their lines, and add other rows to the problems."""
-    for number, line in enumerate(lines, first):
-        if not line.strip():
-            continue
-        values = [_number(word) for word in line.split()]
-        if len(values) != columns or any(map(math.isnan, values)):
-            got = shown(" ".join(line.split()))
-            read.refuse(file, number, refusal(f"{columns} finite numbers are needed", got))
-        else:
-            yield number, values
-
-
-def _number(text: str) -> float:
-    """Return the number of a text; NaN if it is none or not finite."""
-    try:
-        value = float(text)
-    except ValueError:
-        return math.nan
-    return value if math.isfinite(value) else math.nan
 
 
 def _impossible(point: _Point) -> str:
