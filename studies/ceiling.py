@@ -21,6 +21,7 @@ from sizing.results.result import Result, data_frame
 from sizing.validity.extrapolations import merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
+from solar.schema import spell
 from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,
@@ -74,7 +75,7 @@ class Ceiling(Result):
             highest="highest floor",
             floors="night floors ",
             from_floors=" from night floors",
-            climbs=f"climbs to {self.mission.ceiling_m:g} m",
+            climbs=f"climbs to {spell(self.mission.ceiling_m)} m",
             note="; power and airspeed at the night's floor",
         )
 
@@ -115,7 +116,7 @@ def headline(ceiling: Ceiling) -> str:
     search, required = ceiling.search, ceiling.search.required_excess_time_h
     words = ceiling.words
     more = [words.climbs] if words.climbs else []
-    more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
+    more += [f"more than {spell(required)} h of excess time"] if required > 0.0 else []
     how = f" with {' and '.join(more)}" if more else ""
     best = f"; largest excess time {hours(search.best.excess_time_h)}"
     best += f" at {text_of('altitude_m', search.best.altitude_m)}"
@@ -130,7 +131,7 @@ def headline(ceiling: Ceiling) -> str:
         said = f"perpetual flight{how}{words.from_floors} up to {up_to}"
         if search.highest.altitude_m < ceiling.mission.altitude_m:
             # Altitudes below were not tried, where the excess time may be larger.
-            said, best = f"{said}, below the mission's {ceiling.mission.altitude_m:g} m", ""
+            said, best = f"{said}, below the mission's {spell(ceiling.mission.altitude_m)} m", ""
     return f"{ceiling.aircraft.name} on {ceiling.mission.name}: {said}{best}"
 
 

@@ -22,6 +22,7 @@ from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import collect_extrapolations, merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
+from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 from studies.engine.run import Progress
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
@@ -158,7 +159,7 @@ def blocks(station: Station, level: int) -> list[Any]:
     if not np.all(np.isfinite(station.airspeed_m_per_s)):
         notes.insert(0, Line("-: no perpetual flight", "faint"))
     if station.at_end:
-        text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
+        text = f"airspeeds end at {spell(FASTEST)} times that of the design: it may stay longer"
         notes.insert(0, Line(text, "faint"))
     outside = extrapolation_blocks(station.extrapolations, level)
     tables = [station.table(level)]

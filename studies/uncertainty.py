@@ -25,6 +25,7 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT
 from studies.quantities import EXCESS_TIME
+from studies.render.numbers import percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,7 +113,7 @@ def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
     excess = analysis.flights.excess_time_h
     styles = tuple(_LINES.values())
     for style, (name, chosen) in zip(styles, analysis.lobes.items(), strict=False):
-        share = f"{100.0 * np.mean(chosen):.0f} % {name}, median"
+        share = f"{percent(float(np.mean(chosen)), '.0f')} {name}, median"
         yield style, share, percentiles(excess[chosen])["p50"]
     if not analysis.lobes:
         for name, value in percentiles(excess).items():

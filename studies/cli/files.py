@@ -42,6 +42,7 @@ from sizing.library import refuse_named_twice
 from sizing.mass_budget import ImpossibleDesignError, with_total_mass
 from sizing.parameters import design_keys
 from solar.names import ATTITUDE_MODELS
+from solar.schema import spell
 from studies.cli.options import (
     CaseOptions,
     MassOptions,
@@ -135,8 +136,8 @@ class Case:
             raise click.BadParameter(str(error), param_hint="--mass") from None
         key = aircraft.airframe.unaccounted_mass_key
         now, before = (getattr(version.airframe, key) for version in (aircraft, self.aircraft))
-        rest = f"{now:.4g} instead of {before:.4g}"
-        tell_error(f"solar-uav: --mass {total_mass_kg:g}: airframe.{key} is {rest}")
+        rest = f"{spell(now, 4)} instead of {spell(before, 4)}"
+        tell_error(f"solar-uav: --mass {spell(total_mass_kg)}: airframe.{key} is {rest}")
         file = self.aircraft_file
         document = with_overrides(file.document, {f"airframe.{key}": now})
         file = replace(file, record=validate(document, Aircraft), document=document)
@@ -351,7 +352,7 @@ def require_climb_power(case: Case) -> None:
     if case.mission.climb is not None and ratio is not None and ratio <= 1.0:
         message = (
             f"a mission with climb needs more power than level flight takes; allowed: above 1 "
-            f"(got {ratio:g}), or climb_rate_m_per_s"
+            f"(got {spell(ratio)}), or climb_rate_m_per_s"
         )
         case.refuse("airframe.propulsion.climb_power_ratio", message)
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from missions.files.errors import printable
 from missions.files.writing import OutputError, make_folder, probe, writing_trouble
+from solar.schema import spell
 
 # Result of one chunk: columns of one value per cell, among them why a cell failed, or nothing.
 Part: TypeAlias = dict[str, NDArray[Any]]
@@ -63,8 +64,8 @@ class ChunkStore:
                 free = shutil.disk_usage(self.folder).free
                 if free < needed:
                     raise OutputError(
-                        f"not enough room in {self.folder}: about {needed / 1e6:.3g} MB are "
-                        f"needed, {free / 1e6:.3g} MB are free"
+                        f"not enough room in {self.folder}: about {spell(needed / 1e6, 3)} MB are "
+                        f"needed, {spell(free / 1e6, 3)} MB are free"
                     )
                 yield self
             finally:

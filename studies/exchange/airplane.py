@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
+from solar.schema import spell
 from studies.exchange.geometry import LiftingSurface, lifting_surfaces
 
 if TYPE_CHECKING:
@@ -122,11 +123,11 @@ def _script(aircraft: Aircraft, gravity_m: float | None) -> str:
         "]",
         "airplane = asb.Airplane(",
         f"    name={_script_name(aircraft.name)!r},",
-        f"    xyz_ref=[{surfaces.reference_x_m:.6g}, 0.0, 0.0],",
+        f"    xyz_ref=[{spell(surfaces.reference_x_m)}, 0.0, 0.0],",
         "    wings=wings,",
-        f"    s_ref={surfaces.wing_area_m2:.6g},",
-        f"    c_ref={surfaces.chord_m:.6g},",
-        f"    b_ref={surfaces.wingspan_m:.6g},",
+        f"    s_ref={spell(surfaces.wing_area_m2)},",
+        f"    c_ref={spell(surfaces.chord_m)},",
+        f"    b_ref={spell(surfaces.wingspan_m)},",
         ")",
     ]
     return "\n".join(lines) + "\n"
@@ -143,7 +144,7 @@ def _wing_lines(surface: LiftingSurface) -> list[str]:
     shape = surface.shape
     airfoil = f"asb.Airfoil({shape.airfoil!r})"
     if shape.airfoil is None:
-        numbers = f"max_camber=0.0, camber_loc=0.4, thickness={shape.thickness_ratio:g}"
+        numbers = f"max_camber=0.0, camber_loc=0.4, thickness={spell(shape.thickness_ratio)}"
         points = f"get_NACA_coordinates({numbers})"
         airfoil = f'asb.Airfoil("symmetric", coordinates={points})'
     lines = [
@@ -155,9 +156,9 @@ def _wing_lines(surface: LiftingSurface) -> list[str]:
     for x_m, y_m, z_m, chord_m, twist_deg in surface.sections:
         lines += [
             "            asb.WingXSec(",
-            f"                xyz_le=[{x_m:.6g}, {y_m:.6g}, {z_m:.6g}],",
-            f"                chord={chord_m:.6g},",
-            f"                twist={twist_deg:.6g},",
+            f"                xyz_le=[{spell(x_m)}, {spell(y_m)}, {spell(z_m)}],",
+            f"                chord={spell(chord_m)},",
+            f"                twist={spell(twist_deg)},",
             f"                airfoil={airfoil},",
             "            ),",
         ]
@@ -169,7 +170,7 @@ def _wing(surface: LiftingSurface) -> asb.Wing:
     shape, (lift, drag) = surface.shape, surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     name, points = shape.airfoil, None
     if name is None:
-        name = f"symmetric {100.0 * shape.thickness_ratio:g} %"
+        name = f"symmetric {spell(100.0 * shape.thickness_ratio)} %"
         coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
         points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
     airfoil = asb.Airfoil(name, coordinates=points)

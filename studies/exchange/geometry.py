@@ -18,6 +18,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import BuiltUpPolar
 from sizing.balance.in_design import polar_with_tail
 from sizing.balance.surfaces import QUARTER, wing_of
+from solar.schema import spell
 from studies.report.geometry import Drawing
 
 _TAIL_THICKNESS = 0.08  # as WingPolar's default, where the file has none
@@ -156,8 +157,8 @@ def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str
         return SectionShape(polar.airfoil, thickness), f"Section: {polar.airfoil}."
     why = "the table has no coordinates" if isinstance(polar, WingPolar) else "the file names none"
     note = (
-        f"Section: symmetric, {100.0 * thickness:g} % thick, as {why}: angles of attack count from "
-        "zero lift."
+        f"Section: symmetric, {spell(100.0 * thickness)} % thick, as {why}: angles of attack count "
+        "from zero lift."
     )
     return SectionShape(None, thickness), note
 

@@ -15,6 +15,7 @@ from sizing.design_space import Range
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import parameter, parameter_value, unit_text
 from solar.names import CORRECTION_NAMES, MODELS
+from solar.schema import significant, spell
 
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
 ALTITUDE, WIND = "mission.altitude_m", "mission.wind_m_per_s"
@@ -94,7 +95,7 @@ class Field:
         """Range in words."""
         kind = "a whole number" if self.whole else "a number"
         unit = f" {self.unit}" if self.unit else ""
-        return f"{kind} from {self.minimum:g} to {self.maximum:g}{unit}"
+        return f"{kind} from {spell(self.minimum)} to {spell(self.maximum)}{unit}"
 
     def mistake(self, value: object) -> str:
         """Return what is wrong with a number; empty if nothing is."""
@@ -226,7 +227,7 @@ def _round(value: float, rounded: Any) -> float:
     if value <= 0.0:
         return 0.0
     scale = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{rounded(value / scale - 1e-9) * scale:.6g}")
+    return significant(rounded(value / scale - 1e-9) * scale)
 
 
 def _choices(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Sequence[Choice]:

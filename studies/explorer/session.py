@@ -31,6 +31,7 @@ from sizing.program.objectives import SINGLE_OBJECTIVES
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.numbers import finite
 from solar._version import __version__
+from solar.schema import significant, spell
 from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
@@ -206,7 +207,7 @@ class Session:
         if record["airspeed_above_wind"] is False:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
             held = "is raised to" if analysis.mission.holds_station else "is below"
-            notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {wind:g} m/s")
+            notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {spell(wind)} m/s")
         curves = {name: _digits(each[0]) for name, each in analysis.curves.items()}
         del curves["energy_wh"]
         view: dict[str, Any] = {
@@ -307,7 +308,7 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
 
 def _digits(values: Any) -> list[float]:
     """Return numbers with five digits: more than a screen has pixels."""
-    return [float(f"{value:.5g}") for value in np.asarray(values).tolist()]
+    return [significant(value, 5) for value in np.asarray(values).tolist()]
 
 
 def _refusals(error: InputError, settings: Settings) -> list[Refusal]:

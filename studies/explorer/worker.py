@@ -20,10 +20,12 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX, with_parameter
 from sizing.performance import performance
 from sizing.program.objectives import Objective
+from solar.schema import significant, spell
 from studies.engine.workers import Pool
 from studies.explorer.settings import AnsweredError
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
+from studies.render.numbers import percent
 from studies.render.words import constraint_words, parameter_words
 
 if TYPE_CHECKING:
@@ -81,7 +83,7 @@ class Worker:
             return self._pool.submit(_answer, work, task).result(self._longest_s)
         except TimeoutError:
             self.end()
-            raise WorkerEndedError(f"no answer within {self._longest_s:g} s") from None
+            raise WorkerEndedError(f"no answer within {spell(self._longest_s)} s") from None
         except (BrokenExecutor, CancelledError) as error:
             raise WorkerEndedError("cancelled, or the process ended") from error
         finally:
@@ -129,7 +131,7 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     aircraft, mission, objective, solar = task
     study = size(aircraft, mission, objective, **vars(solar), with_margin=True)
     record, guarded = study.to_dict(), study.with_margin
-    error = f"one RMS error of {study.solar.model} ({100 * study.solar.rms_relative:.0f} %)"
+    error = f"one RMS error of {study.solar.model} ({percent(study.solar.rms_relative, '.0f')})"
     return {
         "feasible": study.feasible,
         "status": study.status.label,
@@ -166,7 +168,7 @@ def _short_values(study: SizingStudy) -> dict[str, float] | None:
     values = {key: getattr(chosen, name) for key, name in variable_keys().items()}
     values |= {f"{MISSION_PREFIX}payload.{key}": getattr(payload, key) for key in _PAYLOAD_KEYS}
     exact = {key: float(value) for key, value in values.items() if value is not None}
-    short = {key: float(f"{value:.6g}") for key, value in exact.items()}
+    short = {key: significant(value) for key, value in exact.items()}
     aircraft, mission = study.sized_aircraft(), study.sized_mission()
     for key, value in short.items():
         aircraft, mission = with_parameter(aircraft, mission, key, value)

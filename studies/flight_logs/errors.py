@@ -18,6 +18,7 @@ import pandas as pd
 
 from missions.files.errors import file_error
 from solar.names import ModelName
+from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.forward import Samples, numbered_runs
@@ -38,7 +39,7 @@ class Window:
     @property
     def label(self) -> str:
         """Readable name."""
-        hours = f"{self.start_h:g} to {self.end_h:g} h"
+        hours = f"{spell(self.start_h)} to {spell(self.end_h)} h"
         return hours if self.day is None else f"{_iso_date(self.day)}, {hours}"
 
 

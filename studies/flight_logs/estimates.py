@@ -20,6 +20,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import all_replaced, parameter_value
+from solar.schema import spell
 from solar.types import FloatArray, IntArray
 from studies.flight_logs.fit import CONFIDENCE, Fit, correlation_time
 from studies.flight_logs.forward import Forward
@@ -108,7 +109,7 @@ def _estimates_of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> It
     if other is None:
         efficiency = parameter_value(forward.aircraft, None, _EFFICIENCY)
         assert efficiency is not None  # every aircraft has one
-        apply, why = ("--set", f"{_EFFICIENCY}={factor * efficiency:.4g}"), ""
+        apply, why = ("--set", f"{_EFFICIENCY}={spell(factor * efficiency, 4)}"), ""
     yield _estimate("solar_factor", factor, *ends, apply=apply, why=why)
 
 
@@ -172,8 +173,10 @@ def _estimate_level_power(forward: Forward, daylight: IntArray) -> Estimate:
     freedom = max(count - 1.0, 1.0)
     wide = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * means.std() / np.sqrt(freedom))
     key = level_power_key(forward.aircraft, mission, mean)
-    apply, why = ((), key) if isinstance(key, str) else (("--set", f"{key[0]}={key[1]:.4g}"), "")
-    return _estimate(name, mean, mean - wide, mean + wide, apply=apply, why=why)
+    interval = (mean, mean - wide, mean + wide)
+    if isinstance(key, str):
+        return _estimate(name, *interval, why=key)
+    return _estimate(name, *interval, apply=("--set", f"{key[0]}={spell(key[1], 4)}"))
 
 
 def _means(values: FloatArray, slot: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -22,6 +22,7 @@ from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, direction_cosines
 from solar.horizontal_models import HORIZONTAL_MODELS, conceptual_analysis_model
 from solar.names import MODELS, ModelName
+from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY, SunPosition, sun_position
 from solar.types import FloatArray, IntArray
 
@@ -106,7 +107,7 @@ class Forward:
         altitude_m = np.clip(logged_m, MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
         if air.ambient_temperature_c is not None:
             other = np.full(len(altitude_m), air.ambient_temperature_c)
-            name = f"{air.ambient_temperature_c:g} C of the mission"
+            name = f"{spell(air.ambient_temperature_c)} C of the mission"
         else:
             other = standard_air(altitude_m, air.temperature_offset_k or 0.0).temperature_c
             name = "standard air"
@@ -121,7 +122,7 @@ class Forward:
         """Return the constant module temperature [C] of CDM, CAM and VM, and its source."""
         mission_c = self.mission.air.module_temperature_c
         if mission_c is not None:
-            return mission_c, f"constant module temperature: {mission_c:g} C of the mission"
+            return mission_c, f"constant module temperature: {spell(mission_c)} C of the mission"
         mean = float(self.ambient_c()[0].mean())
         return mean, f"constant module temperature: mean of the ambient one, {mean:.1f} C"
 

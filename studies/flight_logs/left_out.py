@@ -17,6 +17,7 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.fit import Fit, fit_log
 from studies.flight_logs.forward import Forward, Samples
+from studies.render.numbers import percent
 from studies.render.tables import Column, Table
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
@@ -95,7 +96,7 @@ def _without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
         after = int(np.searchsorted(time_s, time_s[stop - 1] + _SMOOTH_S, side="right"))
         neighbours = np.concatenate((power[before:start], power[stop:after]))
         mask[start:stop] = neighbours.max(initial=0.0) > _ABRUPT * peak
-    text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
+    text = f"below {percent(_NONE, '.0f')} of the peak, from or to bright power at once"
     every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, time_s))
     return mask, [_stretch("no_power", time_s, inside & mask, text) for inside in every]
 
@@ -126,8 +127,8 @@ def _battery_full(
         why = "no charge is logged; power falls to the load"
         if charge is not None:
             mean = float(np.nanmean(charge[samples.index][inside]))
-            why = f"state of charge {100 * mean:.0f} % on average"
-        text = f"power down to {100 * least:.0f} % of what is expected; {why}"
+            why = f"state of charge {percent(mean, '.0f')} on average"
+        text = f"power down to {percent(least, '.0f')} of what is expected; {why}"
         yield _stretch("battery_full", time_s, inside, text), inside
 
 

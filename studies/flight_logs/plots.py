@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.logs.plausible import utc_text
+from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
@@ -131,7 +132,7 @@ class _Page:
             count,
             canvas=canvas,
             title=f"{result.aircraft}, {what}",
-            notes=(f"time series averaged over ±{filter_s:g} s",),
+            notes=(f"time series averaged over ±{spell(filter_s)} s",),
             size_in=(8.0, 2.3 * count + 0.8),
         )
         self.result, self.filter_s = result, filter_s

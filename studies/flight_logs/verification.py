@@ -21,6 +21,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.result import Result
 from solar.names import ModelName
+from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
     Section,
@@ -222,7 +223,7 @@ def blocks(verification: Verification, level: int) -> list[Any]:
     """Return errors and estimates, with all models and residuals at the last level."""
     shown: list[Any] = [Line(headline(verification), "strong")]
     units = zip(("clock", "heading"), verification.applied, ("min", "deg"), strict=True)
-    if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
+    if taken := [f"{name} offset of {spell(by)} {unit}" for name, by, unit in units if by]:
         shown.append(f"compared without a {' and a '.join(taken)}, as asked for")
     shown += (
         verification.tables()
@@ -285,7 +286,7 @@ def _error_table(section: Section) -> Table:
     if (measured := section.measured_mean_w) is None:
         return Table(f"{name}: all samples are excluded", _ERRORS, ())
     rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
-    count = f"{section.samples} samples, filter {section.filter_s:g} s"
+    count = f"{section.samples} samples, filter {spell(section.filter_s)} s"
     title = f"{name}: {measured:.2f} W measured, {count}"
     return Table(title, _ERRORS if measured < _MANY_W else _WHOLE_WATTS, tuple(rows))
 

@@ -20,6 +20,7 @@ from sizing.validity.checks import charge_rate_is_open, check_user_models
 from sizing.validity.extrapolations import add_effects
 from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from solar.schema import spell
 from solar.types import FloatArray
 from studies.maps.cells import (
     MapConfiguration,
@@ -264,7 +265,7 @@ def _grid(
     ):
         good = values.ndim == 1 and len(values) and values[0] >= low and values[-1] <= high
         if not (good and np.all(np.diff(values) > 0.0)):
-            raise ValueError(f"{name} must ascend within {low:g} to {high:g}")
+            raise ValueError(f"{name} must ascend within {spell(low)} to {spell(high)}")
     if np.any(date != np.round(date)):
         raise ValueError("days must be whole numbers")
     return north_deg, date.astype(int)

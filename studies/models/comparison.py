@@ -32,6 +32,7 @@ from sizing.validity.extrapolations import (
 )
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
+from solar.schema import spell
 from studies.maps.season import perpetual_flags, season_of
 from studies.models.prediction import Built, Case, predict
 from studies.models.solar_models import (
@@ -114,10 +115,8 @@ class Comparison(Result):
         promised = "promised " if objective is Objective.max_excess_time else ""
         goal = Column("goal", f"{promised}{objective.label}", objective.unit, ".2f")
         judged = group("model correction judged_excess_time_h judged_endurance")
-        title = (
-            f"designs by {objective.value} with {self.required_excess_time_h:g} h of excess time, "
-            "then evaluated by the reference"
-        )
+        required = f"{spell(self.required_excess_time_h)} h of excess time"
+        title = f"designs by {objective.value} with {required}, then evaluated by the reference"
         columns = (*judged[:2], goal, *judged[2:])
         built = table_of(title, columns, map(self._design_row, self.cases), sections=lines)
         return predicted, built

@@ -9,6 +9,7 @@ import numpy as np
 
 from missions.dates import MONTH_NAMES, MONTH_STARTS
 from sizing.program.objectives import Objective
+from solar.schema import spell
 from studies.maps.season import Season
 from studies.models.comparison import Comparison
 from studies.models.prediction import Case
@@ -118,7 +119,7 @@ def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
         "excess time [h],\nworst scenario\n(lines: RMS error)",
         "perpetual season\naround the summer\nsolstice [d]",
         f"design: {promised}{objective.label} [{objective.unit}],\n"
-        f"{required:g} h of excess time required",
+        f"{spell(required)} h of excess time required",
     )
 
 

@@ -14,6 +14,7 @@ from sizing.day.metrics import SUFFICIENT, Cycle, Status
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
+from solar.schema import spell
 from studies.maps.season import Season
 
 # Excess time below the required one by less than printed counts as met [h].
@@ -78,7 +79,7 @@ class Prediction:
         if excess_h < required_excess_time_h - _MET_H:
             return (
                 f"flies perpetually, but with {excess_h:.2f} h of excess time at {at} instead of "
-                f"the required {required_excess_time_h:g} h"
+                f"the required {spell(required_excess_time_h)} h"
             )
         where = " in every scenario" if self.several_scenarios else ""
         return f"flies perpetually{where}, with {excess_h:.1f} h of excess time at {at}"

@@ -23,6 +23,7 @@ from sizing.day.module_power import modelled_power, surroundings_in_flight
 from sizing.library import load_aircraft
 from sizing.results.result import Result
 from solar.names import MODEL_NAMES, ModelName
+from solar.schema import spell
 from solar.types import FloatArray
 from studies.output.figures.drawing import (
     MODEL_COLOURS,
@@ -82,10 +83,11 @@ class Reproduction(Result):
 
     def tables(self) -> tuple[Table, ...]:
         """Return published against computed means and, if requested, varied assumptions."""
-        period = f"{PERIOD_H[0]:g} to {PERIOD_H[1]:g} h"
+        period = f"{spell(PERIOD_H[0])} to {spell(PERIOD_H[1])} h"
         means = [(f"{m}, {period}", PUBLISHED_W[m], MEASURED_W) for m in MODEL_NAMES]
         means += [
-            (f"FM, {w.from_h:g} to {w.to_h:g} h", w.published_w, w.measured_w) for w in WINDOWS
+            (f"FM, {spell(w.from_h)} to {spell(w.to_h)} h", w.published_w, w.measured_w)
+            for w in WINDOWS
         ]
         columns = (
             Column("mean_power", "mean power"),
@@ -102,7 +104,7 @@ class Reproduction(Result):
         power = Table(title, columns, rows, sections=(len(MODEL_NAMES),))
         if not self.varied:
             return (power,)
-        heads = [*MODEL_NAMES, *(f"FM {w.from_h:g} h" for w in WINDOWS)]
+        heads = [*MODEL_NAMES, *(f"FM {spell(w.from_h)} h" for w in WINDOWS)]
         return power, Table(
             "one assumption changed at a time",
             (Column("assumption"), *(Column(head, unit="W", form=".1f") for head in heads)),
@@ -156,12 +158,12 @@ def headline(reproduction: Reproduction) -> str:
 def blocks(reproduction: Reproduction, level: int) -> list[Any]:
     """Return the tables and the assumptions, at every level."""
     inputs = assumptions(reproduction.mission)
-    path = inputs["flight_path"]
+    known = inputs | inputs["flight_path"]
+    numbers = {name: spell(value) for name, value in known.items() if isinstance(value, float)}
     assumed = (
-        f"Assumed: {path['kind']} of {path['radius_m']:g} m at {path['airspeed_m_per_s']:g} "
-        f"m/s, pitch {path['pitch_deg']:g} deg, wind {inputs['wind_m_per_s']:g} m/s from "
-        f"{inputs['wind_from_deg']:g} deg, air {inputs['ambient_temperature_c']:g} C."
-    )
+        "Assumed: {kind} of {radius_m} m at {airspeed_m_per_s} m/s, pitch {pitch_deg} deg, wind "
+        "{wind_m_per_s} m/s from {wind_from_deg} deg, air {ambient_temperature_c} C."
+    ).format(**known | numbers)
     return [Line(headline(reproduction), "strong"), *reproduction.tables(), Line(assumed, "faint")]
 
 
@@ -212,18 +214,18 @@ def _variations(mission: Mission) -> list[tuple[str, str, Mission]]:
 
     return [
         *(
-            ("wind from east", f"{w:g} m/s", mission.model_copy(update={"wind_m_per_s": w}))
+            ("wind from east", f"{spell(w)} m/s", mission.model_copy(update={"wind_m_per_s": w}))
             for w in (0.0, 1.0, 3.0)
         ),
         *(
             ("2 m/s wind from", name, mission.model_copy(update={"wind_from_deg": degrees}))
             for name, degrees in (("north", 0.0), ("south", 180.0), ("west", 270.0))
         ),
-        *(("radius", f"{r:g} m", with_path(radius_m=r)) for r in (50.0, 200.0)),
-        *(("airspeed", f"{v:g} m/s", with_path(airspeed_m_per_s=v)) for v in (8.0, 10.0)),
+        *(("radius", f"{spell(r)} m", with_path(radius_m=r)) for r in (50.0, 200.0)),
+        *(("airspeed", f"{spell(v)} m/s", with_path(airspeed_m_per_s=v)) for v in (8.0, 10.0)),
         *(("pitch", f"{p:+g} deg", with_path(pitch_deg=p)) for p in (-3.0, 3.0)),
         *(("turns", d, with_path(direction=d)) for d in ("clockwise", "counterclockwise")),
-        *(("temperature", f"{air_c + d:g} C", with_air(air_c + d)) for d in (-5.0, 5.0)),
+        *(("temperature", f"{spell(air_c + d)} C", with_air(air_c + d)) for d in (-5.0, 5.0)),
     ]
 
 
@@ -248,7 +250,7 @@ def assumptions(mission: Mission) -> dict[str, Any]:
 def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Figure:
     """Draw all models over solar time, with the report's windows and the flight's means."""
     aircraft, mission, time_h = result.aircraft, result.mission, _time_axis_h(4.0, 10.0)
-    wind = f"loiter in {mission.wind_m_per_s:g} m/s of easterly wind"
+    wind = f"loiter in {spell(mission.wind_m_per_s)} m/s of easterly wind"
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{aircraft.name} on {mission.name}, 47.6° N, 1 Jul",

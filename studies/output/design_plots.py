@@ -14,6 +14,7 @@ from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.parts import cells_record
 from sizing.validity.ranges import Extrapolation
+from solar.schema import spell
 from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,
@@ -79,7 +80,8 @@ def plot_sensitivities(
         lines=True,
         grid="x",
     )
-    labels = [f"{label(s.parameter)} = {s.value:.4g} {unit_text(s.unit)}".rstrip() for s in shown]
+    numbers = [f"{spell(s.value, 4)} {unit_text(s.unit)}".rstrip() for s in shown]
+    labels = [f"{label(s.parameter)} = {n}" for s, n in zip(shown, numbers, strict=True)]
     changes = np.array([s.per_percent for s in shown])
     better = changes > 0.0 if objective.maximised else changes < 0.0
     looks: dict[str, Any] = {"edgecolor": "white", "linewidth": 0.0}

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.files.errors import did_you_mean
 from sizing.catalogues.choice import Kind, entry_names
 from sizing.parameters import MISSION_PREFIX, catalogue, design_keys
+from solar.schema import refusal, significant, spell
 
 SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]
 SAMPLE_NAMES: tuple[SampleName, ...] = ("grid", "lhs", "sobol", "one-at-a-time")
@@ -221,7 +222,8 @@ def _stepped(key: str, numbers: Sequence[float]) -> tuple[float, ...]:
     first, last = numbers[:2]
     if len(numbers) == 2:
         if not first < last:
-            raise ValueError(f"{key} must rise from first to last (got {first:g}:{last:g})")
+            got = f"{spell(first)}:{spell(last)}"
+            raise ValueError(refusal(f"{key} must rise from first to last", got))
         return first, last
     step = numbers[2]
     if not (first <= last and step > 0.0):
@@ -230,7 +232,7 @@ def _stepped(key: str, numbers: Sequence[float]) -> tuple[float, ...]:
     if count >= _MAXIMUM_VALUES:
         raise ValueError(f"{key} has more than {_MAXIMUM_VALUES} values")
     # Rounded, so that 0.1 steps are 0.3 and not 0.30000000000000004.
-    return tuple(float(f"{first + i * step:.12g}") for i in range(int(count) + 1))
+    return tuple(significant(first + i * step, 12) for i in range(int(count) + 1))
 
 
 def points(

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from sizing.day.metrics import ENDS
 from sizing.program.objectives import Objective
+from solar.schema import spell
 from studies.output.cells import (
     draw_cells,
     draw_colour_bar,
@@ -233,7 +234,7 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
             handles |= {str(entry.get_label()): entry for entry in entries}
             if value is not None and variable == _plotted_variables(data)[0]:
-                value_text = value if isinstance(value, str) else f"{value:g}"
+                value_text = value if isinstance(value, str) else spell(value)
                 axes.set_title(f"{_label(data, names[2])} = {value_text}", fontsize="medium")
         unlimited = bool(np.isposinf(every).any())
         draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
@@ -353,7 +354,7 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     for place, name in enumerate(columns):
         axes.plot([place, place], [0.0, 1.0], color=ink(), linewidth=0.8)
         for height, value in ((-0.04, low[name]), (1.04, high[name])):
-            axes.annotate(f"{value:.4g}", (place, height), ha="center", va="center")
+            axes.annotate(spell(value, 4), (place, height), ha="center", va="center")
     axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
     axes.set(yticks=[], ylim=(-0.1, 1.1), xlim=(-0.5, len(columns) - 0.5))
     for side in ("left", "right", "top", "bottom"):
@@ -394,7 +395,7 @@ def _tornado_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             words = f"{lost} without a result"
             axes.annotate(words, at, xycoords=by, ha="right", fontsize="x-small")
     axes.axvline(base[variable], color=ink(), linewidth=0.8)
-    labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
+    labels = [f"{_label(data, name)}\n(file: {spell(base[name], 4)})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels)
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
     entries = [
@@ -428,7 +429,7 @@ def _draw_bar(
         extreme = side.loc[(side[variable] - base[variable]).abs().idxmax()]
         right = extreme[variable] >= base[variable]
         axes.annotate(
-            f"{extreme[name]:.4g}",
+            spell(extreme[name], 4),
             (extreme[variable], place + height / 2),
             (4 if right else -4, 0),
             textcoords="offset points",

@@ -35,7 +35,7 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.smooth import Value
 from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
-from solar.schema import Record
+from solar.schema import Record, spell
 from solar.types import FloatArray
 from studies.output import gridded
 from studies.quantities import (
@@ -49,6 +49,7 @@ from studies.quantities import (
     TOTAL_MASS,
     described,
 )
+from studies.render.numbers import percent
 from studies.study import blanks_of
 from studies.sweeps.axes import design_variable
 
@@ -289,7 +290,8 @@ def _violations(
     if known_kg is None:
         rows[MASS_BUDGET] = (afloat, unable)
     else:
-        rows["parts"] = (afloat, f"the parts weigh more than the total mass of {known_kg:g} kg")
+        text = f"the parts weigh more than the total mass of {spell(known_kg)} kg"
+        rows["parts"] = (afloat, text)
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:
         rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
@@ -317,7 +319,8 @@ def _row_of_design(
         most = max(amounts, key=lambda name: amounts[name])
         # For a design that cannot fly the other reasons mean nothing.
         reported = [most] if np.isinf(amounts[most]) else list(amounts)
-        texts = [violations[n].text.format(missed=f"{100.0 * amounts[n]:.3g} %") for n in reported]
+        missed = {name: percent(amount, ".3g") for name, amount in amounts.items()}
+        texts = [violations[n].text.format(missed=missed[n]) for n in reported]
         return row | {
             "status": Status.infeasible,
             "violated_requirement": most,

@@ -25,6 +25,7 @@ from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
+from solar.schema import refusal, spell_ends
 from solar.types import FloatArray, IntArray
 from studies.output.gridded import (
     CLIMB,
@@ -265,7 +266,7 @@ def _check_values(configuration: SweepConfiguration, axis: Axis, others: Sequenc
         least = 0.0 if axis.design_variable == "module_area_m2" else _LEAST
         if low < least or high > _LARGEST:
             wrong = low if low < least else high
-            raise _error(key, f"must be from {least:g} to {_LARGEST:g} (got {wrong:g})")
+            raise _error(key, refusal(f"must be from {spell_ends((least, _LARGEST))}", wrong))
         return
     if len(values) > _CHECKED_VALUES:  # the ends, and the first that is no integer
         values = (low, high, *[value for value in values if value != round(value)][:1])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from missions.dates import MONTH_NAMES
 from sizing.day.record import WeatherRun
 from sizing.results.weather import WeatherAnalysis
+from solar.schema import spell
 from solar.types import BoolArray
 from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
@@ -171,7 +172,7 @@ def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     if last > _FEW_DAYS:
         axes.set(xscale="log", xlim=(0.5, last))
         ticks = [days for days in _TICKS_DAYS if days <= last]
-        axes.set_xticks(ticks, [f"{days:g}" for days in ticks], minor=False)
+        axes.set_xticks(ticks, [spell(days) for days in ticks], minor=False)
         axes.minorticks_off()
     else:
         axes.set_xlim(0.0, last)

@@ -219,6 +219,7 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
 
     def run(self) -> None:
         """Find the highest altitude of perpetual flight, and tell it."""
+        from solar.schema import refusal, spell
         from studies.ceiling import perpetual_ceiling
         from studies.cli.files import load_flyable, refuse_polar_night
         from studies.cli.outputs import deliver, figure_of
@@ -228,12 +229,11 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
         refuse_polar_night(case)
         lowest_m, most_m = case.mission.altitude_m, case.mission.highest_floor_m
         if most_m <= lowest_m:
-            message = f"must be above the night's floor of {lowest_m:g} (got {most_m:g})"
-            case.refuse("mission.climb.ceiling_m", message)
+            message = f"must be above the night's floor of {spell(lowest_m)}"
+            case.refuse("mission.climb.ceiling_m", refusal(message, most_m))
         if self.highest_m is not None and self.highest_m <= lowest_m:
-            message = f"must be above the mission's altitude_m of {lowest_m:g}"
-            text = f"{message} (got {self.highest_m:g})"
-            raise click.BadParameter(text, param_hint="--highest")
+            message = f"must be above the mission's altitude_m of {spell(lowest_m)}"
+            raise click.BadParameter(refusal(message, self.highest_m), param_hint="--highest")
         with progress_of("altitudes", lines=False) as progress:
             result = perpetual_ceiling(
                 **case.arguments, highest_m=self.highest_m, step_m=self.step_m, progress=progress

@@ -270,7 +270,9 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         if study.feasible:
             return "the same with --out FOLDER keeps the design, for analyse, map and report"
         if eased := study.relaxations:
-            to = f"{eased[0].parameter}={eased[0].value:g}"
+            from solar.schema import spell
+
+            to = f"{eased[0].parameter}={spell(eased[0].value)}"
             return f"the same with --set {to}, or another of these"
         return "ease what holds it back; docs/sizing-answers.md, Infeasible, says how to read it"
 
