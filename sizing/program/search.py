@@ -124,6 +124,7 @@ class Search:
     report: SolverReport = field(default_factory=SolverReport)
     _blocks: list[int] = field(default_factory=list)
     _rounds_without_gain: int = 0
+    _rounds_unmended: int = 0
     _violation: float = math.inf
 
     def run(self) -> Search:
@@ -293,18 +294,19 @@ class Search:
         if solution.violation > LACKING:
             # Corrections that mend a violation at least halve it; and none mends more than what a
             # linearisation leaves out over a step.
-            self._rounds_without_gain += solution.violation > self._violation / 2.0
+            self._rounds_unmended += solution.violation > self._violation / 2.0
             self._violation = min(self._violation, solution.violation)
-            known = near or self._rounds_without_gain > 0
+            known = near or self._rounds_unmended > 0
             hopeless = known and solution.violation > _NEAR**2
-            if hopeless or self._rounds_without_gain >= 2:
+            if hopeless or self._rounds_unmended >= 2:
                 self.status = SizingStatus.infeasible
                 return True
             return False
         if not judged.accepted:
             return False
         excess_h = float(judged.excess_h.min()) - task.required_h
-        to_gain = excess_h * solution.cost_of_hour()
+        # An infinite one is the sun's, and no battery gains by less of it.
+        to_gain = excess_h * solution.cost_of_hour() if math.isfinite(excess_h) else 0.0
         to_gain += max(scenario.margin for scenario in self._known.values()) - FIRST_MARGIN
         if task.window_h is not None:
             on_way_h = _least_left_h(judged.perf, judged.worst)

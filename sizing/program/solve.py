@@ -141,8 +141,9 @@ class Solution:
 
     @property
     def stride(self) -> float:
-        """Largest change of what is moved, as a logarithm."""
-        return max(self._changes(self.task.moved), default=0.0)
+        """Largest change of a size that is moved, as a logarithm."""
+        sizes = [v.name for v in self.task.variables if may_be_limited(self.task, v)]
+        return max(self._changes(sizes), default=0.0)
 
     @property
     def is_limited(self) -> bool:
@@ -348,9 +349,14 @@ def _bounds(
     return low, high
 
 
+def may_be_limited(task: SizingTask, v: Variable) -> bool:
+    """Return whether a step of a variable may be limited: of a size that is moved, no payload."""
+    return v.name in task.moved and v.role is Role.design
+
+
 def within_reach(task: SizingTask, point: Linearisation, v: Variable) -> tuple[float, float]:
     """Return the ends of a variable in a program: its bounds, or how far one step may go."""
-    if v.name not in task.moved or v.role is not Role.design or math.isinf(point.reach):
+    if not may_be_limited(task, v) or math.isinf(point.reach):
         return v.minimum, v.maximum
     value, factor = point.values[v.name], math.exp(point.reach)
     return max(v.minimum, value / factor), min(v.maximum, value * factor)
