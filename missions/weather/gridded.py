@@ -13,7 +13,7 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -25,17 +25,17 @@ from missions.weather.checks import MISSING
 from missions.weather.raw import END, START, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds.netcdf import (
-    AXES,
     altitudes_m,
+    axis_of,
     by_unit,
     east_deg,
     find_variable,
     latitudes_deg,
-    merged_versions,
     nearest_longitude,
     not_of_the_mission,
     opened,
     values_of,
+    without_other_axes,
 )
 from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
@@ -77,18 +77,18 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
             raise file_error(source, f"has no light (variables named {names}, ...)")
-        place, latitude, longitude = _nearest_point(data, mission, source)
+        point = _nearest_point(data, mission, source)
         columns = {}
         air_m = None
         for key, variable in known.items():
             if variable is None:
                 continue
-            values, height = _values_at_point(variable, place, mission, source)
+            values, height = _values_at_point(point[variable.name], mission, source)
             air_m = height if key == "temp_air" and height is not None else air_m
             columns[key] = _convert_units(values, str(variable.attrs.get("units", "")), key, source)
-        time = _axis_name(data, "time", source)
-        index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
+        index = pd.DatetimeIndex(axis_of(data, "time", source).to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
+        latitude, longitude = float(point["latitude"]), east_deg(float(point["longitude"]))
     table = _make_table(columns, index, (latitude, longitude), passed, source=source)
     return table._replace(air_altitude_m=air_m)
 
@@ -217,31 +217,17 @@ def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArr
     return np.where(since_s > 1.5 * np.median(steps_s), np.nan, mean)
 
 
-def _axis_name(data: Any, axis: str, source: str) -> str:
-    names = AXES[axis]
-    name = next((name for name in names if name in data.coords), None)
-    if name is None:
-        raise file_error(source, f"has no {axis} (named {', '.join(names)})")
-    return name
-
-
-def _nearest_point(
-    data: xr.Dataset, mission: Mission | None, source: str
-) -> tuple[dict[str, int], float, float]:
-    """Return indices of the nearest grid point by axis, its latitude and longitude."""
-    names = {axis: _axis_name(data, axis, source) for axis in ("latitude", "longitude")}
-    north = latitudes_deg(data[names["latitude"]], source)
-    east = np.atleast_1d(data[names["longitude"]].to_numpy()).astype(float)
-    for name, values in zip(names.values(), (north, east), strict=True):
-        if not len(values) or not np.all(np.isfinite(values)):
-            raise file_error(source, f"has a {name} without values, or one that is no number")
+def _nearest_point(data: xr.Dataset, mission: Mission | None, source: str) -> xr.Dataset:
+    """Return the data of the grid point nearest to the mission."""
+    north = latitudes_deg(axis_of(data, "latitude", source), source)
+    east = np.atleast_1d(axis_of(data, "longitude", source).to_numpy()).astype(float)
     to_north = None if mission is None else mission.latitudes()[0]
     to_east = None if mission is None else mission.longitude_deg
-    for values, key, degrees in (
-        (north, "latitude_deg", to_north),
-        (east, "longitude_deg", to_east),
-    ):
+    for name, values, degrees in (("latitude", north, to_north), ("longitude", east, to_east)):
+        if not len(values) or not np.all(np.isfinite(values)):
+            raise file_error(source, f"has a {name} without values, or one that is no number")
         if degrees is None and len(values) > 1:
+            key = f"{name}_deg"
             message = f"has {len(values)} values of {key}: give {key} on the mission"
             raise file_error(source, message)
     i = 0 if to_north is None else int(np.argmin(np.abs(north - to_north)))
@@ -251,39 +237,30 @@ def _nearest_point(
     j = 0
     if to_east is not None and len(east) > 1:
         j = nearest_longitude(east, to_east, source)
-    place = {names["latitude"]: i, names["longitude"]: j}
-    return place, float(north[i]), east_deg(float(east[j]))
+    place = {"latitude": i, "longitude": j}
+    return data.isel({name: index for name, index in place.items() if name in data.dims})
 
 
 def _values_at_point(
-    variable: xr.DataArray, place: dict[str, int], mission: Mission | None, source: str
+    variable: xr.DataArray, mission: Mission | None, source: str
 ) -> tuple[FloatArray, float | None]:
     """Return values over time at a grid point, and their altitude [m] if there are levels.
 
     Levels are interpolated at the mission's altitude.
     """
-    at = merged_versions(
-        variable.isel({name: i for name, i in place.items() if name in variable.dims})
-    )
-    level = next((name for name in AXES["level"] if name in at.dims), None)
-    time = next((name for name in AXES["time"] if name in at.dims), None)
-    for name in at.dims:
-        if name not in (level, time):
-            if at.sizes[name] != 1:
-                raise file_error(source, f"has the axis {name} for {variable.name}")
-            at = at.isel({name: 0})
-    if level is None:
+    at = without_other_axes(variable, source)
+    if "level" not in at.dims:
         return values_of(at, source), None
-    if time is None:
+    if "time" not in at.dims:
         raise file_error(source, f"has {variable.name} on levels, but not over time")
-    heights = altitudes_m(at[level], source)
+    heights = altitudes_m(at["level"], source)
     order = np.argsort(heights)
     altitude_m = heights[order[0]] if mission is None else mission.altitude_m
     if not heights[order[0]] <= altitude_m <= heights[order[-1]]:
         raise not_of_the_mission(
             source, f"{variable.name} at altitude_m", heights.round(), altitude_m
         )
-    values = values_of(at.transpose(time, level), source)[:, order]
+    values = values_of(at.transpose("time", "level"), source)[:, order]
     upper = int(np.clip(np.searchsorted(heights[order], altitude_m), 1, len(order) - 1))
     low, high = heights[order[upper - 1]], heights[order[upper]]
     share = (altitude_m - low) / (high - low)

@@ -31,9 +31,10 @@ PERCENTILES = (5.0, 10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0)
 AXES = {
     "time": ("time", "valid_time"),
     "latitude": ("latitude", "lat"),
+    "level": ("level", "pressure_level", "isobaricInhPa", "plev", "height", "altitude"),
     "longitude": ("longitude", "lon"),
-    "level": ("pressure_level", "level", "isobaricInhPa", "plev", "height", "altitude"),
 }
+_EVERY = ", ".join(AXES)
 _COMPONENTS = (
     ("eastward_wind", "u", "u_component_of_wind", "ua"),
     ("northward_wind", "v", "v_component_of_wind", "va"),
@@ -119,12 +120,36 @@ def opened(path: str, source: str) -> Iterator[xr.Dataset]:
         if packed:
             _check_sizes(path, source)
         with xr.open_dataset(path) as data:
-            yield data
+            yield data.rename(_axes_renamed(data))
     except InputError:
         raise
     except Exception as error:  # the libraries raise whatever a damaged file makes them trip over
         reason = printable(" ".join(str(error).split()))[:160]
         raise file_error(source, f"cannot be read as NetCDF: {reason}") from error
+
+
+def _axes_renamed(data: xr.Dataset) -> dict[str, str]:
+    """Return the axes of a dataset that have other names than those of :data:`AXES`."""
+    named = {axis: [n for n in names if n in data.coords] for axis, names in AXES.items()}
+    return {names[0]: axis for axis, names in named.items() if names and axis not in names}
+
+
+def axis_of(data: xr.Dataset | xr.DataArray, axis: str, source: str) -> xr.DataArray:
+    """Return the values of an axis, refused if missing."""
+    if axis not in data.coords:
+        what = "" if data.name is None else f" for {data.name}"
+        raise file_error(source, f"has no {axis}{what} (named {', '.join(AXES[axis])})")
+    return data[axis]
+
+
+def without_other_axes(variable: xr.DataArray, source: str) -> xr.DataArray:
+    """Return a variable without axes besides those of :data:`AXES`, which must be of length 1."""
+    variable = merged_versions(variable)
+    for name in set(map(str, variable.dims)) - AXES.keys():
+        if variable.sizes[name] != 1:
+            raise file_error(source, f"has the axis {name} for {variable.name}, beside {_EVERY}")
+        variable = variable.isel({name: 0})
+    return variable
 
 
 def _check_sizes(path: str, source: str) -> None:
@@ -190,22 +215,12 @@ def _component(data: xr.Dataset, *names: str, source: str) -> xr.DataArray:
     component = find_variable(data, names)
     if component is None:
         raise file_error(source, f"has no {names[0]} (variables named {', '.join(names[1:])})")
-    component = merged_versions(component)
-    for axis, known in AXES.items():
-        name = next((n for n in known if n in component.coords), None)
-        if name is None:
-            raise file_error(
-                source, f"has no {axis} for {component.name} (named {', '.join(known)})"
-            )
-        if name not in component.dims:
-            component = component.expand_dims(name)
-        component = component.rename({name: axis}) if name != axis else component
-    rest = [str(name) for name in component.dims if name not in AXES]
-    for name in rest:
-        if component.sizes[name] != 1:
-            raise file_error(source, f"has the axis {name} beside time, latitude, longitude, level")
-        component = component.isel({name: 0})
-    return component.transpose("time", "latitude", "level", "longitude")
+    component = without_other_axes(component, source)
+    for axis in AXES:
+        axis_of(component, axis, source)
+        if axis not in component.dims:
+            component = component.expand_dims(axis)
+    return component.transpose(*AXES)
 
 
 def latitudes_deg(axis: xr.DataArray, source: str) -> FloatArray:

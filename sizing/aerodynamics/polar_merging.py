@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
 from sizing.aerodynamics.polar_files import (
     FilePolar,
-    PolarRow,
     is_foreign,
     read_polars,
     reading_notes,
@@ -170,11 +169,20 @@ def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
 def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> FloatArray:
     """Return the rows at fixed Reynolds numbers, from polars of fixed lift."""
     highest = max(row.lift for polar, _ in pairs for row in polar.rows)
+    # Rows with positive lift, by polar.
+    points = [
+        np.array(
+            [
+                (row.alpha_deg, re, row.lift, math.log(row.drag), row.moment)
+                for row, re in zip(polar.rows, reynolds, strict=True)
+                if row.lift > 0.0 and math.isfinite(re)
+            ]
+        ).reshape(-1, 5)
+        for polar, reynolds in pairs
+    ]
     # Re C_L^1/2 of every polar, constant up to rounding.
     constants = sorted(
-        float(np.median([re * math.sqrt(row.lift) for row, re in _level_flight_rows(polar, res)]))
-        for polar, res in pairs
-        if any(True for _ in _level_flight_rows(polar, res))
+        float(np.median(rows[:, 1] * np.sqrt(rows[:, 2]))) for rows in points if len(rows)
     )
     low, high = 0.0, 0.0
     if len(constants) >= 2 and highest > 0.0:
@@ -187,40 +195,23 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
             f"least {ratio} times the smallest; export more of them, or polars of type 1"
         )
         raise file_error(source, message)
+    every = np.concatenate(points)
     targets = np.geomspace(low, high, max(len(constants), 2))
-    by_angle: dict[float, list[tuple[float, PolarRow]]] = {}
-    for polar, reynolds in pairs:
-        for row, re in _level_flight_rows(polar, reynolds):
-            by_angle.setdefault(round(row.alpha_deg, 6), []).append((re, row))
-    rows = [row for alpha in sorted(by_angle) for row in _rows_at(targets, alpha, by_angle[alpha])]
-    if not rows:
+    tables = []
+    for alpha in np.unique(every[:, 0]):
+        at = every[every[:, 0] == alpha]
+        at = at[np.argsort(at[:, 1], kind="stable")]
+        log_re = np.log(at[:, 1])
+        if len(at) < 2 or np.any(np.diff(log_re) <= 0.0):
+            continue
+        log_targets = np.log(targets)
+        inside = (log_targets >= log_re[0] - 1e-9) & (log_targets <= log_re[-1] + 1e-9)
+        cl, cd, cm = (np.interp(log_targets[inside], log_re, column) for column in at[:, 2:].T)
+        reynolds = [significant(float(target)) for target in targets[inside]]
+        tables.append(np.stack([np.full(len(cl), alpha), reynolds, cl, np.exp(cd), cm], axis=1))
+    if not sum(map(len, tables)):
         raise file_error(source, "no angle of attack is in two polars of fixed lift")
-    return np.array(rows)
-
-
-def _level_flight_rows(
-    polar: FilePolar, reynolds: Sequence[float]
-) -> Iterator[tuple[PolarRow, float]]:
-    """Yield rows with positive lift, and their Reynolds numbers."""
-    for row, re in zip(polar.rows, reynolds, strict=True):
-        if row.lift > 0.0 and math.isfinite(re):
-            yield row, re
-
-
-def _rows_at(
-    targets: FloatArray, alpha: float, points: Sequence[tuple[float, PolarRow]]
-) -> Iterator[tuple[float, ...]]:
-    """Yield the rows of an angle at the target Reynolds numbers between its points."""
-    points = sorted(points, key=lambda point: point[0])
-    log_re = np.log([re for re, _ in points])
-    if len(points) < 2 or np.any(np.diff(log_re) <= 0.0):
-        return
-    columns = np.array([(row.lift, math.log(row.drag), row.moment) for _, row in points]).T
-    for target in targets:
-        x = math.log(target)
-        if log_re[0] - 1e-9 <= x <= log_re[-1] + 1e-9:
-            cl, cd, cm = (float(np.interp(x, log_re, column)) for column in columns)
-            yield (alpha, significant(target), cl, math.exp(cd), cm)
+    return np.concatenate(tables)
 
 
 def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: str) -> float:

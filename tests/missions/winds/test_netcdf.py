@@ -126,7 +126,7 @@ SWAPPED = {"latitude": "longitude", "longitude": "latitude"}
         (with_u(np.nan), 5.0, "has gaps in the wind"),
         (lambda data: data.drop_vars("v"), 5.0, "has no northward_wind"),
         (lambda data: data.drop_vars("latitude"), 5.0, "has no latitude for u"),
-        (lambda data: data.expand_dims(member=[0, 1]), 5.0, "has the axis member beside"),
+        (lambda data: data.expand_dims(member=[0, 1]), 5.0, "has the axis member for u, beside"),
         # One value of twenty lies above the 95th percentile; of nineteen none does.
         (lambda data: data.isel(valid_time=slice(0, 50)), 5.0, "19 values in a month, too few fo"),
         (lambda data: data.assign(u=data["u"].assign_attrs(units="K")), 5.0, "u in K .*, knots"),
