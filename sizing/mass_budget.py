@@ -16,7 +16,7 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2, plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import level_flight_power_w
+from sizing.aerodynamics.parabolic import level_airspeed_m_per_s, level_flight_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.in_design import (
     polar_with_tail,
@@ -107,7 +107,8 @@ def level_flight(
     """Return propulsion, electric power [W] and airspeed of level flight at a total mass."""
     airframe = aircraft.parametric
     polar = polar_at(airframe.aerodynamics, variables.lift_coefficient)
-    airspeed = polar.airspeed_m_per_s(
+    airspeed = level_airspeed_m_per_s(
+        polar,
         mass_kg=total_mass_kg,
         wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
         density_kg_per_m3=air.density_kg_per_m3,

@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks.validation.built_aircraft import ATLANTIKSOLAR
 from benchmarks.validation.figure_script import write_figure
 from missions.air import GRAVITY_M_PER_S2
+from sizing.aerodynamics.parabolic import level_airspeed_m_per_s
 from sizing.aerodynamics.polar_table import shipped_airfoils
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.smooth import Value
@@ -191,8 +192,11 @@ def check_level_flight() -> list[LevelFlightCheck]:
 
 def _level_flight(airfoil: str) -> LevelFlightCheck:
     polar = wing_polar(airfoil, AS2)
-    speed = polar.airspeed_m_per_s(
-        mass_kg=AS2.mass_kg, wing_area_m2=AS2.wing_area_m2, density_kg_per_m3=AS2.density_kg_per_m3
+    speed = level_airspeed_m_per_s(
+        polar,
+        mass_kg=AS2.mass_kg,
+        wing_area_m2=AS2.wing_area_m2,
+        density_kg_per_m3=AS2.density_kg_per_m3,
     )
     power = AS2.electric_power_w(polar, speed)
     lift = polar.flight_lift_coefficient
@@ -274,7 +278,8 @@ def power_curve_figure(
 
 
 def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
-    flight_speed = polar.airspeed_m_per_s(
+    flight_speed = level_airspeed_m_per_s(
+        polar,
         mass_kg=case.mass_kg,
         wing_area_m2=case.wing_area_m2,
         density_kg_per_m3=case.density_kg_per_m3,

@@ -37,12 +37,6 @@ class Polar(Protocol):
         """Lift coefficient at the stall [-]."""
         ...
 
-    def airspeed_m_per_s(
-        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
-    ) -> Value:
-        """Return the airspeed of level flight at :attr:`flight_lift_coefficient` [m/s]."""
-        ...
-
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
         """Return the drag coefficient on the wing area in level flight [-].
 
@@ -67,13 +61,6 @@ class AtLiftCoefficient(Record):
     def flight_lift_coefficient(self) -> Value:
         """Lift coefficient of level flight [-]."""
         return self.lift_coefficient
-
-    def airspeed_m_per_s(
-        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
-    ) -> Value:
-        """Return the airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
-        weight = mass_kg * GRAVITY_M_PER_S2
-        return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
 
 
 class DragPolar(AtLiftCoefficient):
@@ -117,6 +104,14 @@ class UserDragPolar(AtLiftCoefficient):
         return user_function("drag", self.name)(self.lift_coefficient, aspect_ratio, reynolds)
 
 
+def level_airspeed_m_per_s(
+    polar: Polar, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+) -> Value:
+    """Return the airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
+    weight, lift = mass_kg * GRAVITY_M_PER_S2, polar.flight_lift_coefficient
+    return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * lift)) ** 0.5
+
+
 def level_flight_power_w(
     polar: Polar,
     *,
@@ -129,15 +124,9 @@ def level_flight_power_w(
     """Return the aerodynamic power of level flight, ``0.5 rho V^3 S C_D`` with S = b^2/AR [W]."""
     area = wingspan_m**2 / aspect_ratio
     chord = wingspan_m / aspect_ratio
-    airspeed = polar.airspeed_m_per_s(
-        mass_kg=mass_kg, wing_area_m2=area, density_kg_per_m3=density_kg_per_m3
+    airspeed = level_airspeed_m_per_s(
+        polar, mass_kg=mass_kg, wing_area_m2=area, density_kg_per_m3=density_kg_per_m3
     )
     reynolds = density_kg_per_m3 * airspeed * chord / dynamic_viscosity
-    drag = (
-        0.5
-        * density_kg_per_m3
-        * airspeed**2
-        * area
-        * polar.drag_coefficient(aspect_ratio, reynolds)
-    )
-    return drag * airspeed
+    drag_area = area * polar.drag_coefficient(aspect_ratio, reynolds)
+    return 0.5 * density_kg_per_m3 * airspeed**3 * drag_area

@@ -19,7 +19,6 @@ from pydantic import (
     model_validator,
 )
 
-from missions.air import GRAVITY_M_PER_S2
 from missions.files.errors import InputError
 from missions.files.validation import wrong_file
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
@@ -256,13 +255,6 @@ class WingPolar(Record):
         shares = (drag.profile, drag.induced, drag.tail + drag.fuselage + drag.parasitic)
         profile, induced, other = (self.calibration * share for share in shares)
         return profile, induced, other
-
-    def airspeed_m_per_s(
-        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
-    ) -> Value:
-        """Return the airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
-        pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
-        return (2.0 * pressure / density_kg_per_m3) ** 0.5
 
 
 def _wing_values(data: Any) -> dict[str, float]:

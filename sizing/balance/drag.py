@@ -186,14 +186,6 @@ class BuiltUpPolar:
         """Lift coefficient at the stall [-]."""
         return self.base.maximum_lift_coefficient
 
-    def airspeed_m_per_s(
-        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
-    ) -> Value:
-        """Return the airspeed of level flight, by the base polar [m/s]."""
-        return self.base.airspeed_m_per_s(
-            mass_kg=mass_kg, wing_area_m2=wing_area_m2, density_kg_per_m3=density_kg_per_m3
-        )
-
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
         """Return the drag coefficient of the aircraft in level flight, with its own wing [-]."""
         return self.shares(reynolds).total

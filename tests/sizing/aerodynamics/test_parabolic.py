@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from sizing.aerodynamics.parabolic import DragPolar, level_flight_power_w
+from sizing.aerodynamics.parabolic import DragPolar, level_airspeed_m_per_s, level_flight_power_w
 
 G = 9.80665
 POLAR = DragPolar(
@@ -26,7 +26,7 @@ masses = st.floats(0.5, 300.0)
 @given(span=spans, aspect=aspects, mass=masses, density=st.floats(0.05, 1.4))
 def test_lift_equals_weight(span, aspect, mass, density):
     area = span**2 / aspect
-    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=density)
+    v = level_airspeed_m_per_s(POLAR, mass_kg=mass, wing_area_m2=area, density_kg_per_m3=density)
     # Definition of the lift coefficient; rounding.
     assert 0.5 * density * v**2 * area * 1.0 == pytest.approx(mass * G, rel=1e-12)
 
@@ -34,7 +34,7 @@ def test_lift_equals_weight(span, aspect, mass, density):
 @given(span=spans, aspect=aspects, mass=masses)
 def test_power_is_sink_rate_times_weight(span, aspect, mass):
     area = span**2 / aspect
-    v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
+    v = level_airspeed_m_per_s(POLAR, mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
     reynolds = 1.1 * v * span / aspect / 1.8e-5
     cd = 0.012 * (158000.0 / reynolds) ** 0.35 + 0.006 + 1.0 / (np.pi * 0.9 * aspect)
     power_w = level_flight_power_w(POLAR, mass_kg=mass, wingspan_m=span, aspect_ratio=aspect, **AIR)

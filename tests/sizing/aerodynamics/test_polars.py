@@ -17,7 +17,7 @@ from benchmarks.validation.power_curve import AS2, power_tables
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.parabolic import level_flight_power_w
+from sizing.aerodynamics.parabolic import level_airspeed_m_per_s, level_flight_power_w
 from sizing.aerodynamics.polar_table import (
     COLUMNS,
     parse_polar_table,
@@ -337,7 +337,7 @@ def test_wing_polar_serves_level_flight_power_as_the_parabolic_polar_does():
         dynamic_viscosity=AS2.dynamic_viscosity,
         **flight,
     )
-    speed = polar.airspeed_m_per_s(wing_area_m2=AS2.wing_area_m2, **flight)
+    speed = level_airspeed_m_per_s(polar, wing_area_m2=AS2.wing_area_m2, **flight)
     electric = power / AS2.propulsion_efficiency
     assert float(AS2.electric_power_w(polar, speed)) == pytest.approx(float(electric), rel=1e-9)
 
