@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import TypeAlias
 
@@ -69,6 +70,25 @@ class InputError(ValueError):
 def file_error(source: str, message: str) -> InputError:
     """Return an error that concerns a whole file."""
     return InputError([Problem(source, None, None, "", message)])
+
+
+def refused(message: str, *, line: int = 0, key: str = "", rows: int = 1) -> InputError:
+    """Return an error of a file that :func:`in_file` names, at the first of some rows.
+
+    ``line``: counted from 1, 0 if unknown.
+    """
+    more = f" (and {rows - 1} more rows)" if rows > 1 else ""
+    return InputError([Problem("", int(line) or None, None, key, message + more)])
+
+
+@contextmanager
+def in_file(source: str) -> Iterator[None]:
+    """Name the file of mistakes that are raised without one."""
+    try:
+        yield
+    except InputError as error:
+        named = [replace(p, source=p.source or source) for p in error.problems]
+        raise InputError(named) from error
 
 
 def _order(problem: Problem) -> tuple[float, float]:

@@ -12,8 +12,9 @@ from missions.files.errors import (
     InputError,
     Problem,
     did_you_mean,
-    file_error,
+    in_file,
     printable,
+    refused,
     shortened,
 )
 from missions.files.validation import unknown_key
@@ -58,7 +59,8 @@ def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = No
         If the file cannot be read or anything in it is wrong.
     """
     readers = {".ulg": read_ulog, ".bin": read_dataflash}
-    return readers.get(Path(path).suffix.lower(), read_csv)(path, columns)
+    with in_file(os.fspath(path)):
+        return readers.get(Path(path).suffix.lower(), read_csv)(path, columns)
 
 
 def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
@@ -97,10 +99,10 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
 def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
     """Refuse missing, doubled and misspelt columns; return notes on unused columns."""
     header, line = text.header, text.line
-    problems = [Problem(text.source, line, None, "", message) for message in recipes.problems]
+    problems = [Problem("", line, None, "", message) for message in recipes.problems]
 
     def complain(name: str, message: str) -> None:
-        problems.append(Problem(text.source, line, None, shortened(printable(name)), message))
+        problems.append(Problem("", line, None, shortened(printable(name)), message))
 
     for name in dict.fromkeys(
         name for recipe in recipes.by_quantity.values() for name in recipe.columns
@@ -144,7 +146,7 @@ def _read_time(
 ) -> pd.Series:
     """Read the column of time: text in the form of the log format, or seconds since 1970."""
     if recipe.value is not None or not recipe.single:
-        raise file_error(check.source, "columns.time: needs the name of one column")
+        raise refused("columns.time: needs the name of one column")
     name = recipe.columns[0]
     column = frame[name]
     check.labels |= dict.fromkeys((TIME, EPOCH), shortened(printable(name)))
@@ -155,7 +157,7 @@ def _read_time(
         try:
             time_s, note = times_from_numbers(values, unit, layout.start, printable(name))
         except ValueError as error:
-            problem = Problem(check.source, text.line, None, printable(name), str(error))
+            problem = Problem("", text.line, None, printable(name), str(error))
             raise InputError([problem]) from None
         check.notes += [note] if note else []
         return pd.Series(time_s, name=EPOCH)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from missions.files.errors import file_error
+from missions.files.errors import refused
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.streams import Stream, Streams, kinds_named
@@ -57,26 +57,26 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)
-    streams, skipped = _read_streams(content, {*_KINDS, *kinds_named(layout)}, source)
+    streams, skipped = _read_streams(content, {*_KINDS, *kinds_named(layout)})
     every = Streams(streams, layout, source)
     if "solar_power_w" not in every.mapped:
         raise every.no_power(_EXAMPLE)
     gps = every.needed(("GPS",), "has no messages GPS")
-    place = {name: gps.field(source, field) for name, field in _GPS_FIELDS.items()}
+    place = {name: gps.field(field) for name, field in _GPS_FIELDS.items()}
     fixed = gps.has_fix("Status")
     series = gps.series({name: np.where(fixed, v, np.nan) for name, v in place.items()})
     if not all(name in every.mapped for name in ATTITUDE):
         attitude = every.needed(("ATT",), "has no messages ATT")
-        angles = (attitude.field(source, name) for name in ("Roll", "Pitch", "Yaw"))
+        angles = (attitude.field(name) for name in ("Roll", "Pitch", "Yaw"))
         series |= attitude.series(dict(zip(ATTITUDE, angles, strict=True)))
     series |= _first_battery(streams)
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
-    return every.log(series, _boot_s(gps, source), notes, "the first battery monitor")
+    return every.log(series, _boot_s(gps), notes, "the first battery monitor")
 
 
-def _read_streams(content: bytes, names: set[str], source: str) -> tuple[dict[str, Stream], int]:
+def _read_streams(content: bytes, names: set[str]) -> tuple[dict[str, Stream], int]:
     """Read the messages of the named kinds, by instance, and count bytes outside messages."""
     kinds: dict[int, _Kind] = {}
     lengths = {_FMT: _FMT_LENGTH}
@@ -113,7 +113,7 @@ def _read_streams(content: bytes, names: set[str], source: str) -> tuple[dict[st
                 scales |= {f: 0.01 for f in ("Volt", "Curr") if kind_of.get(f, "") in ("h", "H")}
             kinds[described] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
     if len(lengths) == 1:
-        raise file_error(source, "is not a DataFlash log: it describes no messages")
+        raise refused("is not a DataFlash log: it describes no messages")
     by_instance = (_split_by_instance(kind, content) for kind in kinds.values() if kind.places)
     return {name: stream for part in by_instance for name, stream in part.items()}, skipped
 
@@ -154,11 +154,11 @@ def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
     return battery.series(result)
 
 
-def _boot_s(gps: Stream, source: str) -> float:
+def _boot_s(gps: Stream) -> float:
     """Return the universal time of the boot [s since 1970], from GPS weeks and milliseconds."""
-    week, ms = gps.field(source, "GWk", "Week"), gps.field(source, "GMS", "TimeMS")
+    week, ms = gps.field("GWk", "Week"), gps.field("GMS", "TimeMS")
     known = gps.has_fix("Status") & (week > 0.0)
     gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
-    boot_s = gps.boot_s(source, known, gps_s)
+    boot_s = gps.boot_s(known, gps_s)
     middle = float(np.median(gps_s[known]))
     return boot_s - max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)

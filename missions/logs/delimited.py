@@ -15,7 +15,7 @@ from typing import Any, BinaryIO
 
 import pandas as pd
 
-from missions.files.errors import InputError, Problem, file_error, printable
+from missions.files.errors import InputError, Problem, printable, refused
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import MAXIMUM_DROPPED, first_few
@@ -43,7 +43,6 @@ _LOOKED_AT = 50  # rows that a guess is made from
 class Text:
     """Non-blank lines of a table, their numbers from 1 on, and the form of their numbers."""
 
-    source: str
     header: list[str]
     line: int
     rows: list[str]
@@ -54,7 +53,7 @@ class Text:
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
         """Return columns of the table as a data frame, numbers where all fields are."""
         if not self.rows:
-            raise file_error(self.source, "has a header but no rows")
+            raise refused("has a header but no rows")
         # By their places: names of columns that nothing needs may be there twice.
         places = [self.header.index(name) for name in used]
         try:
@@ -68,7 +67,7 @@ class Text:
                 low_memory=False,
             )
         except (pd.errors.ParserError, ValueError) as error:
-            raise file_error(self.source, f"is not a CSV table: {printable(str(error))}") from None
+            raise refused(f"is not a CSV table: {printable(str(error))}") from None
         return table.rename(columns=dict(zip(places, used, strict=True)))
 
 
@@ -77,31 +76,31 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if Path(source).suffix.lower() == ".xlsx":
         content, notes = _read_sheet(source)
     else:
-        content, notes = _decode(read_plain_file(source, most_bytes=_MOST_BYTES), source)
+        content, notes = _decode(read_plain_file(source, most_bytes=_MOST_BYTES))
     # Only line breaks: str.splitlines would also break at other control characters.
     every = enumerate(content.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
     lines = [(number, line) for number, line in every if line.strip()]
     for number, text in lines:
         if len(text) > _LONGEST_LINE:
             message = f"is longer than {_LONGEST_LINE} characters"
-            raise InputError([Problem(source, number, None, "", message)])
+            raise InputError([Problem("", number, None, "", message)])
     named = _NAMED_SEPARATOR.fullmatch(lines[0][1]) if lines else None
     if named is not None:
         del lines[0]
     while lines and lines[0][1].lstrip().startswith("#"):  # remarks above the table
         del lines[0]
     if not lines:
-        raise file_error(source, "is empty; allowed: a header with the names of the columns")
+        raise refused("is empty; allowed: a header with the names of the columns")
     line, first = lines[0]
     if first.startswith("FMT,"):
-        raise file_error(source, "is ArduPilot's log as text: use the .bin that it was made from")
+        raise refused("is ArduPilot's log as text: use the .bin that it was made from")
     # Names may hold a comma, hardly ever one of the others.
     guessed = next((sign for sign in "\t;|" if first.count(sign) >= 2), ",")
     separator = named[1] if named else guessed
     if layout.separator is not None:
         separator = _SEPARATORS.get(layout.separator, layout.separator)
     header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
-    kept = _rows_of_width(source, lines, separator, notes)
+    kept = _rows_of_width(lines, separator, notes)
     row = kept[0][1].split(separator) if kept else []
     units = [field.strip().strip("[]()").strip() for field in row]
     if all(unit.lower() in _IN_UNITS for unit in units) and any(unit.isalpha() for unit in units):
@@ -122,10 +121,10 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
     form = {"sep": separator, "decimal": decimal, "thousands": thousands}
-    return Text(source, header, line, rows, numbers, form, notes)
+    return Text(header, line, rows, numbers, form, notes)
 
 
-def _decode(content: bytes, source: str) -> tuple[str, list[str]]:
+def _decode(content: bytes) -> tuple[str, list[str]]:
     """Decode the content: UTF-8, UTF-16 from spreadsheets, else Windows' code page 1252."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # Latin-1 has a character for every byte; where it differs, it has control characters.
@@ -135,11 +134,11 @@ def _decode(content: bytes, source: str) -> tuple[str, list[str]]:
             break
         except UnicodeDecodeError as error:
             if wide:
-                raise file_error(source, f"is not UTF-16 text (byte {error.start})") from None
+                raise refused(f"is not UTF-16 text (byte {error.start})") from None
     windows = "the text is not UTF-8: read as that of Windows (code page 1252)"
     notes = [] if encoding.startswith("utf") else [windows]
     if _CONTROLS.search(text[:_LONGEST_LINE]):
-        raise file_error(source, "is not a text table: it holds control characters")
+        raise refused("is not a text table: it holds control characters")
     return text, notes
 
 
@@ -147,23 +146,22 @@ def _read_sheet(source: str) -> tuple[str, list[str]]:
     """Return the first sheet of an Excel file as text with tabs."""
     content = io.BytesIO(read_plain_file(source, most_bytes=_MOST_BYTES))
     try:
-        _check_cells(content, source)
+        _check_cells(content)
         sheet = pd.read_excel(content, header=None, dtype=object, engine="calamine")
     except InputError:
         raise
     except ImportError:
-        raise file_error(
-            source,
+        raise refused(
             "reading .xlsx needs the package python-calamine: "
-            "pip install 'solar-uav-sizing[excel]', or save it as CSV",
+            "pip install 'solar-uav-sizing[excel]', or save it as CSV"
         ) from None
     except Exception as error:  # calamine raises an error of its own for every kind of damage
-        raise file_error(source, f"is not an Excel file: {printable(str(error))[:200]}") from None
+        raise refused(f"is not an Excel file: {printable(str(error))[:200]}") from None
     text = sheet.to_csv(None, sep="\t", header=False, index=False, lineterminator="\n")
     return text, ["the first sheet is read"]
 
 
-def _check_cells(content: BinaryIO, source: str) -> None:
+def _check_cells(content: BinaryIO) -> None:
     """Refuse sheets larger than a log: the reader would fill all between their cells.
 
     Counts the rectangle around the cells of each part of the file, and its unpacked size.
@@ -177,8 +175,7 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                 while block := xml.read(1_000_000):
                     unpacked += len(block)
                     if unpacked > _MOST_UNPACKED:
-                        message = f"unpacks to more than {_MOST_UNPACKED // 1_000_000} MB"
-                        raise file_error(source, message)
+                        raise refused(f"unpacks to more than {_MOST_UNPACKED // 1_000_000} MB")
                     block = rest + block
                     for letters, row in _CELL.findall(block):
                         last_row = max(last_row, int(row))
@@ -187,10 +184,9 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                         last_column = max(last_column, column)
                     rest = block[-_LONGEST_CELL:]
             if (count := last_row * last_column) > _MOST_CELLS:
-                raise file_error(
-                    source,
+                raise refused(
                     f"has cells up to row {last_row} and column {last_column}, {count:,} in all, "
-                    f"at most {_MOST_CELLS:,}: delete those far away, or save it as CSV",
+                    f"at most {_MOST_CELLS:,}: delete those far away, or save it as CSV"
                 )
 
 
@@ -210,7 +206,7 @@ def _detect_thousands_sign(rows: Sequence[str], separator: str, decimal: str) ->
 
 
 def _rows_of_width(
-    source: str, lines: list[tuple[int, str]], separator: str, notes: list[str]
+    lines: list[tuple[int, str]], separator: str, notes: list[str]
 ) -> list[tuple[int, str]]:
     """Keep rows with as many fields as the header; refuse a table where most have not."""
 
@@ -224,7 +220,7 @@ def _rows_of_width(
     odd = [(number, width) for (number, _), width in rows if width != expected]
     if len(odd) > MAXIMUM_DROPPED * len(rows):
         raise InputError(
-            Problem(source, number, None, "", f"has {width} fields, the header {expected}{rest}")
+            Problem("", number, None, "", f"has {width} fields, the header {expected}{rest}")
             for (number, width), rest in first_few(odd)
         )
     if odd:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from missions.files.errors import InputError, file_error, printable
+from missions.files.errors import InputError, printable, refused
 from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
 from missions.logs.streams import Stream, Streams, kinds_named
@@ -46,16 +46,16 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     if "solar_power_w" not in every.mapped:
         if _POWER_TOPIC not in topics:
             raise every.no_power(_EXAMPLE)
-        series |= _mppt(topics[_POWER_TOPIC], source)
+        series |= _mppt(topics[_POWER_TOPIC])
     lack = f"has no topic {' or '.join(_POSITION_TOPICS)}: needed for position and universal time"
     position = every.needed(_POSITION_TOPICS, lack)
     fixed = position.has_fix("fix_type")
     for column, (new, old, unit) in _POSITION_FIELDS.items():
-        values = position.field(source, new, old) * (1.0 if new in position.fields else unit)
+        values = position.field(new, old) * (1.0 if new in position.fields else unit)
         series |= position.series({column: np.where(fixed, values, np.nan)})
     if not all(name in every.mapped for name in ATTITUDE):
         lack = "has no topic vehicle_attitude: needed for the attitude"
-        series |= _euler_deg(every.needed(("vehicle_attitude",), lack), source)
+        series |= _euler_deg(every.needed(("vehicle_attitude",), lack))
     if battery := topics.get("battery_status"):
         # Load and state of charge are not known where they are negative.
         fields = {name: np.asarray(values, float) for name, values in battery.fields.items()}
@@ -65,8 +65,8 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
         if "remaining" in fields:
             share = np.where(fields["remaining"] < 0.0, np.nan, fields["remaining"])
             series |= battery.series({"state_of_charge": share})
-    utc = position.field(source, "time_utc_usec") / 1e6
-    boot_s = position.boot_s(source, (utc > 0.0) & fixed, utc)
+    utc = position.field("time_utc_usec") / 1e6
+    boot_s = position.boot_s((utc > 0.0) & fixed, utc)
     return every.log(series, boot_s, damage, "battery_status")
 
 
@@ -131,8 +131,8 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     try:
         from pyulog import ULog
     except ImportError:
-        raise file_error(
-            source, "reading a ULog needs the package pyulog: pip install pyulog (the extra 'log')"
+        raise refused(
+            "reading a ULog needs the package pyulog: pip install pyulog (the extra 'log')"
         ) from None
     names = {_POWER_TOPIC, "vehicle_attitude", "battery_status", *_POSITION_TOPICS, *others}
     # What pyulog prints of damaged logs would stand among the results.
@@ -141,19 +141,19 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
             with _BoundedFile(source) as file:
                 log = _bounded_reader(ULog)(file, sorted(names))
         except OSError as error:
-            raise file_error(source, f"cannot be read: {str(error.strerror).lower()}") from None
+            raise refused(f"cannot be read: {str(error.strerror).lower()}") from None
         except InputError:
             raise
         except RecursionError:
-            raise file_error(source, "is not a ULog: its formats are nested too deeply") from None
+            raise refused("is not a ULog: its formats are nested too deeply") from None
         except Exception as error:  # pyulog raises whatever its parsing trips over
-            raise file_error(source, f"is not a ULog: {printable(str(error))[:200]}") from None
+            raise refused(f"is not a ULog: {printable(str(error))[:200]}") from None
     topics: dict[str, Stream] = {}
     for data in sorted(log.data_list, key=lambda d: int(d.multi_id)):
         fields = {str(k): np.asarray(v) for k, v in data.data.items()}
         name = str(data.name)
         if "timestamp" not in fields:
-            raise file_error(source, f"topic {printable(name)} has no field timestamp")
+            raise refused(f"topic {printable(name)} has no field timestamp")
         if len(fields["timestamp"]):
             # Instances are counted by where they first stand: some logs begin at 1.
             name = name if name not in topics else f"{name}[{int(data.multi_id)}]"
@@ -166,11 +166,11 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     return topics, lost
 
 
-def _mppt(power: Stream, source: str) -> dict[str, Series]:
+def _mppt(power: Stream) -> dict[str, Series]:
     """Return the mean voltage [V] of the MPPTs in use, the power of all [W] and of each."""
     count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
     volt, amp = (
-        np.array([power.field(source, f"{name}[{i}]") for i in range(count)])
+        np.array([power.field(f"{name}[{i}]") for i in range(count)])
         for name in ("mppt_volt", "mppt_amp")
     )
     used = np.any(volt != 0.0, axis=1)
@@ -181,12 +181,12 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
     return power.series(values)
 
 
-def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
+def _euler_deg(attitude: Stream) -> dict[str, Series]:
     """Return roll, pitch and yaw [deg] from the quaternion body (FRD) to North-East-Down.
 
     Source: Beard & McLain, Small Unmanned Aircraft (2012), eq. B.1 to B.3.
     """
-    w, x, y, z = (attitude.field(source, f"q[{i}]") for i in range(4))
+    w, x, y, z = (attitude.field(f"q[{i}]") for i in range(4))
     # Normalised: single precision and estimators leave a quaternion a little off the unit.
     norm = np.sqrt(w * w + x * x + y * y + z * z)
     norm = np.where(norm > 0.0, norm, np.nan)

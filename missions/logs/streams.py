@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missions.files.errors import InputError, Problem, file_error, printable
+from missions.files.errors import InputError, Problem, printable, refused
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
 from missions.logs.table import REQUIRED, FlightLog, Series, log_from_table, sampled
 from missions.logs.units import EPOCH
@@ -28,13 +28,13 @@ class Stream(NamedTuple):
     fields: Mapping[str, NDArray[Any]]
     kind: str = "message"
 
-    def field(self, source: str, *names: str) -> FloatArray:
+    def field(self, *names: str) -> FloatArray:
         """Return the first of the named fields that exists."""
         for name in names:
             if name in self.fields:
                 return np.asarray(self.fields[name], float)
         message = f"{printable(self.name)} has no field {' or '.join(names)}"
-        raise file_error(source, f"{self.kind} {message}")
+        raise refused(f"{self.kind} {message}")
 
     def has_fix(self, status: str) -> BoolArray:
         """Flag messages with a 3D position; all of them where no field says so."""
@@ -42,11 +42,11 @@ class Stream(NamedTuple):
             return np.ones(len(self.time_s), bool)
         return np.asarray(self.fields[status] >= _FIX_3D)
 
-    def boot_s(self, source: str, known: BoolArray, universal_s: FloatArray) -> float:
+    def boot_s(self, known: BoolArray, universal_s: FloatArray) -> float:
         """Return the universal time of the boot [s since 1970] by the satellites."""
         if not known.any():
             name = printable(self.name)
-            raise file_error(source, f"{self.kind} {name} never knows the universal time")
+            raise refused(f"{self.kind} {name} never knows the universal time")
         return float(np.median((universal_s - self.time_s)[known]))
 
     def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
@@ -76,7 +76,7 @@ class Streams:
         header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
         recipes = recipes_for(header, layout, guess=False)
         if recipes.problems:
-            raise InputError(Problem(source, None, None, "", text) for text in recipes.problems)
+            raise InputError(Problem("", None, None, "", text) for text in recipes.problems)
         self.mapped: dict[str, Series] = {}
         for name, recipe in recipes.by_quantity.items():
             self.mapped |= {} if name == "time" else self._make_series(recipe)
@@ -99,15 +99,14 @@ class Streams:
         for name in names:
             if name in self.streams:
                 return self.streams[name]
-        raise file_error(self.source, lack)
+        raise refused(lack)
 
     def no_power(self, example: str) -> InputError:
         """Return the error of a log that does not say which message has the solar power."""
         names = ", ".join(printable(name) for name in list(self.streams)[:12]) or "nothing"
-        return file_error(
-            self.source,
+        return refused(
             f"does not say where the solar power is; give it, for instance --column "
-            f"'solar_power_w={example}'; read: {names}",
+            f"'solar_power_w={example}'; read: {names}"
         )
 
     def log(
@@ -116,7 +115,7 @@ class Streams:
         """Join quantities at the times of the solar power; the layout's precede ``made``."""
         ignored = self.layout.ignore
         if needed := set(REQUIRED) & set(ignored):
-            raise file_error(self.source, f"{min(needed)} cannot be ignored: it is needed")
+            raise refused(f"{min(needed)} cannot be ignored: it is needed")
         if "load_w" in made and "load_w" not in self.mapped:
             notes.append(f"load_w is voltage times current of {battery}")
         every = {name: s for name, s in {**made, **self.mapped}.items() if name not in ignored}

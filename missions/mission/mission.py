@@ -196,8 +196,7 @@ class Mission(FileRecord):
             first = error.problems[0]
             if first.line is None:
                 raise wrong_value("wind", f"{first.source} {first.message}") from error
-            why = "the table has a mistake"
-            raise wrong_value("wind", why, problems=error.problems) from error
+            raise wrong_value("wind", "the table has a mistake", problems=error.problems) from error
         except OSError as error:
             why = f"cannot read {statistics.file!r}: {error.strerror or error}"
             raise wrong_value("wind", why) from error

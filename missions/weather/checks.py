@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from missions.files.errors import file_error, shown
-from missions.weather.raw import END, RawTable, row_error
+from missions.files.errors import refused, shown
+from missions.weather.raw import END, RawTable
 from missions.weather.record import (
     SECONDS_PER_HOUR,
     TYPICAL_YEAR,
@@ -45,23 +45,23 @@ _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 
 def checked_record(raw: RawTable, source: str) -> Weather:
     """Make a weather record of a table: no gaps, all three kinds of light."""
-    time_s, lines, typical = _read_times(raw, source)
+    time_s, lines, typical = _read_times(raw)
     apart_s = float(np.median(np.diff(time_s)))
     if not 60.0 <= apart_s <= 3.0 * SECONDS_PER_HOUR:
         message = f"has a row every {spell(apart_s / 60)} minutes"
-        raise file_error(source, f"{message}; allowed: from 1 minute to 3 hours")
+        raise refused(f"{message}; allowed: from 1 minute to 3 hours")
     interval_s = min(raw.interval_s or apart_s, apart_s)
     stride = round(apart_s / interval_s)
     start_s = time_s + raw.offset_s - raw.passed * interval_s
     values = {
-        name: _column_values(raw, name, source, lines)
+        name: _column_values(raw, name, lines)
         for name in (*LIGHT, "temp_air", "wind_speed")
         if name in raw.table
     }
     logged = [name for name in LIGHT if name in values and np.isfinite(values[name]).any()]
     if "ghi" not in logged and len(logged) < 2:
-        raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
-    grid = _place_on_grid(start_s, interval_s, values, lines, source)
+        raise refused("has no light: ghi, or dni and dhi, are needed")
+    grid = _place_on_grid(start_s, interval_s, values, lines)
     start_s, of_line = grid.index.to_numpy(), grid.pop(_LINE).to_numpy()
     columns = {str(name): column.to_numpy(copy=True) for name, column in grid.items()}
     sun = _Sun.over(raw.site, start_s, interval_s)
@@ -74,18 +74,18 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         repairs.append(f"{missing} of {len(of_line)} rows are missing")
     light = {name: columns[name] for name in LIGHT if name in values}
     repairs += _zero_night_noise(light, sun)
-    repairs += _drop_impossible(light, sun, source, of_line)
+    repairs += _drop_impossible(light, sun, of_line)
     light = _complete_light(light, sun, repairs)
-    repairs += _fill_gaps(light, sun, interval_s, source, start_s, stride=stride)
+    repairs += _fill_gaps(light, sun, interval_s, start_s, stride=stride)
     if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
-        raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
+        raise refused("is a record without sun: ghi, dni and dhi are zero throughout")
     share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
     if share < _DARKEST:
         message = f"has {spell(100.0 * share, 2)} % of the light of a clear sky"
-        raise file_error(source, f"{message}: is the unit wrong? W/m² are needed")
+        raise refused(f"{message}: is the unit wrong? W/m² are needed")
     air = {}
     for quantity in (TEMPERATURE, WIND):
-        air[quantity], notes = checked_air(quantity, columns, of_line, source, stride=stride)
+        air[quantity], notes = checked_air(quantity, columns, of_line, stride=stride)
         repairs += notes
     return Weather(
         source=source,
@@ -102,7 +102,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     )
 
 
-def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> FloatArray:
+def _column_values(raw: RawTable, name: str, lines: IntArray) -> FloatArray:
     """Return a column's values, NaN where missing; text is an error that names its line."""
     column = raw.table[name]
     try:
@@ -114,24 +114,24 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
     if len(text):
         at = int(text[0])
         message = refusal("must be a number", shown(str(column.iloc[at])))
-        raise row_error(source, lines[at], name, message, len(text))
+        raise refused(message, line=lines[at], key=name, rows=len(text))
     # As light, a code between these may be a measurement: 999 W/m2 is a bright noon.
     code = ((values < -_NIGHT_NOISE) | (values >= 9999.0)) if name in LIGHT else True
     return np.where(np.isin(values, MISSING) & code, np.nan, values)
 
 
-def _read_times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
+def _read_times(raw: RawTable) -> tuple[FloatArray, IntArray, bool]:
     """Return the rows' universal time [s], their lines, and true for a typical year."""
     index: Any = pd.DatetimeIndex(raw.table.index)
     if len(index) < 24:
-        raise file_error(source, f"has {len(index)} rows: a record has at least a day of them")
+        raise refused(f"has {len(index)} rows: a record has at least a day of them")
     lines = np.arange(len(index)) + raw.first_line if raw.first_line else np.zeros(len(index), int)
     wrong = np.flatnonzero(~((index.year >= EARLIEST_YEAR) & (index.year <= LATEST_YEAR)))
     if len(wrong):
         at = int(wrong[0])
         got = "no time" if index[at] is pd.NaT else str(index[at].year)
         message = refusal(f"years must be from {EARLIEST_YEAR} to {LATEST_YEAR}", got)
-        raise row_error(source, lines[at], "time", message)
+        raise refused(message, line=lines[at], key="time")
     utc = index.tz_convert("UTC") if index.tz is not None else index.tz_localize("UTC")
     time_s = utc.tz_localize(None).to_numpy("datetime64[ns]").astype(np.int64) / 1e9
     backwards = np.flatnonzero(np.diff(time_s) <= 0.0)
@@ -142,7 +142,7 @@ def _read_times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]
         at = int(backwards[0]) + 1
         what = "is the same as before" if time_s[at] == time_s[at - 1] else "goes back in time"
         message = f"{index[at]} {what}: rows must be in order"
-        raise row_error(source, lines[at], "", message, len(backwards))
+        raise refused(message, line=lines[at], rows=len(backwards))
     return typical, lines, True
 
 
@@ -169,11 +169,7 @@ def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
 
 
 def _place_on_grid(
-    start_s: FloatArray,
-    interval_s: float,
-    values: dict[str, FloatArray],
-    lines: IntArray,
-    source: str,
+    start_s: FloatArray, interval_s: float, values: dict[str, FloatArray], lines: IntArray
 ) -> pd.DataFrame:
     """Place rows on an even time axis, the last of one place; rows between places are errors.
 
@@ -185,10 +181,10 @@ def _place_on_grid(
     off = np.flatnonzero(np.abs(place - nearest) > 0.02)
     if len(off):
         message = f"is not a whole number of {spell(interval_s / 60)} minutes after the first row"
-        raise row_error(source, lines[off[0]], "time", message, len(off))
+        raise refused(message, line=lines[off[0]], key="time", rows=len(off))
     count = int(nearest[-1]) + 1
     if count * interval_s > MAXIMUM_DAYS * SECONDS_PER_DAY:
-        raise file_error(source, f"spans more than {MAXIMUM_DAYS // 366} years")
+        raise refused(f"spans more than {MAXIMUM_DAYS // 366} years")
     rows = pd.DataFrame(values | {_LINE: lines}, index=nearest)
     rows = rows[~rows.index.duplicated(keep="last")].reindex(range(count))
     rows.index = pd.Index(start_s[0] + interval_s * np.arange(count))
@@ -243,9 +239,7 @@ def _zero_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
     return [f"noise at night or below zero in {count} rows set to zero"] if count else []
 
 
-def _drop_impossible(
-    light: dict[str, FloatArray], sun: _Sun, source: str, lines: IntArray
-) -> list[str]:
+def _drop_impossible(light: dict[str, FloatArray], sun: _Sun, lines: IntArray) -> list[str]:
     """Replace physically impossible values by NaN, in place; refuse too many of them.
 
     Limits: Long, C. N. and Dutton, E. G. (2002), BSRN Global Network recommended QC tests, V2.0,
@@ -271,7 +265,7 @@ def _drop_impossible(
             f"{count} of {len(up)} rows have light that cannot be (first here): is the time zone "
             "or the unit wrong? W/m² are needed"
         )
-        raise row_error(source, lines[first], "", message)
+        raise refused(message, line=lines[first])
     return [f"{count} rows with impossible light taken out"] if count else []
 
 
@@ -318,7 +312,6 @@ def _fill_gaps(
     light: dict[str, FloatArray],
     sun: _Sun,
     interval_s: float,
-    source: str,
     start_s: FloatArray,
     *,
     stride: int = 1,
@@ -330,7 +323,7 @@ def _fill_gaps(
         when = np.datetime64(int(start_s[begin]), "s")
         message = f"has a gap of {round(gap_h / 24, 1)} days from {when} UTC"
         most = f"at most {spell(LONGEST_GAP_H / 24)} days, which are filled"
-        raise file_error(source, f"{message}; allowed: {most}")
+        raise refused(f"{message}; allowed: {most}")
     for values in light.values():
         values[np.isnan(values) & (sun.highest < 0.0)] = 0.0  # a night without rows is no gap
     empty &= sun.highest >= 0.0
@@ -339,7 +332,7 @@ def _fill_gaps(
         return []
     if len(empty) - count < (1.0 - MAXIMUM_FILLED) * len(empty) / stride:
         most = f"at most {round(100 * MAXIMUM_FILLED)} %, which are filled"
-        raise file_error(source, f"lacks light in {count} of {len(empty)} rows; allowed: {most}")
+        raise refused(f"lacks light in {count} of {len(empty)} rows; allowed: {most}")
     per_day = round(SECONDS_PER_DAY / interval_s)
     copied = 0
     for begin, stop in runs_of(empty).tolist():
@@ -407,7 +400,6 @@ def checked_air(
     quantity: Quantity,
     columns: Mapping[str, FloatArray],
     lines: IntArray,
-    source: str,
     *,
     stride: int = 1,
 ) -> tuple[FloatArray | None, list[str]]:
@@ -427,7 +419,7 @@ def checked_air(
         first = int(wrong[0])
         message = f"{len(wrong)} of {len(values)} rows have {what} (first here, "
         message += f"{spell(values[first])}): is the unit wrong?"
-        raise row_error(source, lines[first], quantity.column, message)
+        raise refused(message, line=lines[first], key=quantity.column)
     if len(wrong):
         notes.append(f"{len(wrong)} rows with {what} taken out")
     known = np.flatnonzero(possible)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 
-from missions.files.errors import file_error, printable
+from missions.files.errors import file_error, in_file, printable
 from missions.files.shipped import shipped_record, shipped_records
 from missions.mission import Mission
 from missions.weather.record import Weather
@@ -40,8 +40,8 @@ def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -
     # They read with pandas, which takes longer than a command without a record.
     from missions.weather import checks, layouts
 
-    with weather_file(path) as (place, source):
-        return checks.checked_record(layouts.read_layout(place, source, mission), source)
+    with weather_file(path) as (place, source), in_file(source):
+        return checks.checked_record(layouts.read_layout(place, mission), source)
 
 
 @contextmanager

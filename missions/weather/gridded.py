@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from missions.air import GRAVITY_M_PER_S2, ZERO_CELSIUS_K, pressure_altitude_m
-from missions.files.errors import file_error
+from missions.files.errors import refused
 from missions.mission import Mission
 from missions.weather.checks import MISSING
 from missions.weather.raw import END, START, RawTable
@@ -69,31 +69,31 @@ _SINCE_MIDNIGHT = "light summed up from 00 UTC, as of ERA5-Land, taken apart by 
 _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
-def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
+def read_netcdf(path: Path, mission: Mission | None) -> RawTable:
     """Read the grid point nearest to a mission, the only one without a mission."""
-    with opened(str(path), source) as data:
+    with opened(str(path)) as data:
         known = {key: find_variable(data, names) for key, names in _NAMES.items()}
         first = next((variable for variable in known.values() if variable is not None), None)
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
-            raise file_error(source, f"has no light (variables named {names}, ...)")
-        point = _nearest_point(data, mission, source)
+            raise refused(f"has no light (variables named {names}, ...)")
+        point = _nearest_point(data, mission)
         columns = {}
         air_m = None
         for key, variable in known.items():
             if variable is None:
                 continue
-            values, height = _values_at_point(point[variable.name], mission, source)
+            values, height = _values_at_point(point[variable.name], mission)
             air_m = height if key == "temp_air" and height is not None else air_m
-            columns[key] = _convert_units(values, str(variable.attrs.get("units", "")), key, source)
-        index = pd.DatetimeIndex(axis_of(data, "time", source).to_numpy(), tz="UTC")
+            columns[key] = _convert_units(values, str(variable.attrs.get("units", "")), key)
+        index = pd.DatetimeIndex(axis_of(data, "time").to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
         latitude, longitude = float(point["latitude"]), east_deg(float(point["longitude"]))
-    table = _make_table(columns, index, (latitude, longitude), passed, source=source)
+    table = _make_table(columns, index, (latitude, longitude), passed)
     return table._replace(air_altitude_m=air_m)
 
 
-def read_era5_csv(text: str, source: str) -> RawTable:
+def read_era5_csv(text: str) -> RawTable:
     """Read ERA5 hourly time series, CSV of the Climate Data Store."""
     data = pd.read_csv(io.StringIO(text))
     if "expver" in data:  # final and preliminary rows, each with gaps where the other one stands
@@ -101,24 +101,24 @@ def read_era5_csv(text: str, source: str) -> RawTable:
         data = data.groupby("valid_time", as_index=False).first()
     ends = [float(data[name].mean()) for name in ("latitude", "longitude") if name in data]
     if len(ends) < 2:
-        raise file_error(source, "does not name its place: latitude and longitude are needed")
+        raise refused("does not name its place: latitude and longitude are needed")
     columns = _known_columns(data)
     units = {"ghi": "J/m2", "direct": "J/m2", "temp_air": "K"}
     columns |= {
-        key: _convert_units(columns[key], units[key], key, source) for key in units & columns.keys()
+        key: _convert_units(columns[key], units[key], key) for key in units & columns.keys()
     }
     index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
     place = (ends[0], east_deg(ends[1]))
-    return _make_table(columns, index, place, END, source=source)._replace(first_line=2)
+    return _make_table(columns, index, place, END)._replace(first_line=2)
 
 
-def read_power_csv(text: str, source: str) -> RawTable:
+def read_power_csv(text: str) -> RawTable:
     """Read NASA POWER's hourly point data."""
     head = text[: text.find("-END HEADER-")] if "-END HEADER-" in text else text
     place = re.search(r"latitude\s+(-?[\d.]+)\s+longitude\s+(-?[\d.]+)", head, re.IGNORECASE)
     ground = re.search(r"elevation.*=\s*(-?[\d.]+)\s*meters", head, re.IGNORECASE)
     if place is None:
-        raise file_error(source, "does not name its place: write it with its first lines")
+        raise refused("does not name its place: write it with its first lines")
     latitude, longitude = float(place[1]), float(place[2])
 
     def unit_of(key: str) -> str:
@@ -131,7 +131,7 @@ def read_power_csv(text: str, source: str) -> RawTable:
         key: np.where(
             np.isin(values, MISSING) & (values < 0.0),
             np.nan,
-            _convert_units(values, unit_of(key), key, source),
+            _convert_units(values, unit_of(key), key),
         )
         for key, values in _known_columns(data).items()
     }
@@ -145,7 +145,7 @@ def read_power_csv(text: str, source: str) -> RawTable:
         notes = (f"local solar time taken as UTC{ahead_h:+d} h, that of its belt of 15 degrees",)
     if ground is not None and float(ground[1]) not in MISSING:
         columns["ground"] = np.array([float(ground[1])])
-    table = _make_table(columns, index, (latitude, longitude), START, source=source)
+    table = _make_table(columns, index, (latitude, longitude), START)
     return table._replace(first_line=head.count("\n") + 3, notes=(*notes, *table.notes))
 
 
@@ -164,8 +164,6 @@ def _make_table(
     index: pd.DatetimeIndex,
     place: tuple[float, float],
     passed: float,
-    *,
-    source: str,
 ) -> RawTable:
     """Make a table of a file's columns; diffuse light is global less direct horizontal light."""
     light = columns.keys() & {"ghi", "direct"}
@@ -174,7 +172,7 @@ def _make_table(
     columns |= {key: values for key, values in apart.items() if values is not None}
     if {"direct", "ghi"} <= columns.keys() and "dhi" not in columns:
         if np.nansum(columns["direct"]) > _MOST_DIRECT * np.nansum(columns["ghi"]):
-            raise file_error(source, "has more direct than global light: is the unit wrong?")
+            raise refused("has more direct than global light: is the unit wrong?")
         columns["dhi"] = np.maximum(columns["ghi"] - columns["direct"], 0.0)
     if "u" in columns and "v" in columns and "wind_speed" not in columns:
         columns["wind_speed"] = np.hypot(columns["u"], columns["v"])
@@ -183,7 +181,7 @@ def _make_table(
     elif "pressure" in columns:
         pressure_pa = float(np.nanmean(columns["pressure"]))
         if pressure_pa < _LEAST_GROUND_PA:
-            raise file_error(source, f"has a pressure at the ground of {spell(pressure_pa)} Pa")
+            raise refused(f"has a pressure at the ground of {spell(pressure_pa)} Pa")
         ground_m = float(pressure_altitude_m(pressure_pa))
     else:
         ground_m = np.nan
@@ -217,60 +215,57 @@ def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArr
     return np.where(since_s > 1.5 * np.median(steps_s), np.nan, mean)
 
 
-def _nearest_point(data: xr.Dataset, mission: Mission | None, source: str) -> xr.Dataset:
+def _nearest_point(data: xr.Dataset, mission: Mission | None) -> xr.Dataset:
     """Return the data of the grid point nearest to the mission."""
-    north = latitudes_deg(axis_of(data, "latitude", source), source)
-    east = np.atleast_1d(axis_of(data, "longitude", source).to_numpy()).astype(float)
+    north = latitudes_deg(axis_of(data, "latitude"))
+    east = np.atleast_1d(axis_of(data, "longitude").to_numpy()).astype(float)
     to_north = None if mission is None else mission.latitudes()[0]
     to_east = None if mission is None else mission.longitude_deg
     for name, values, degrees in (("latitude", north, to_north), ("longitude", east, to_east)):
         if not len(values) or not np.all(np.isfinite(values)):
-            raise file_error(source, f"has a {name} without values, or one that is no number")
+            raise refused(f"has a {name} without values, or one that is no number")
         if degrees is None and len(values) > 1:
             key = f"{name}_deg"
-            message = f"has {len(values)} values of {key}: give {key} on the mission"
-            raise file_error(source, message)
+            raise refused(f"has {len(values)} values of {key}: give {key} on the mission")
     i = 0 if to_north is None else int(np.argmin(np.abs(north - to_north)))
     spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
     if to_north is not None and abs(north[i] - to_north) > spacing:
-        raise not_of_the_mission(source, "latitudes", north, to_north)
+        raise not_of_the_mission("latitudes", north, to_north)
     j = 0
     if to_east is not None and len(east) > 1:
-        j = nearest_longitude(east, to_east, source)
+        j = nearest_longitude(east, to_east)
     place = {"latitude": i, "longitude": j}
     return data.isel({name: index for name, index in place.items() if name in data.dims})
 
 
 def _values_at_point(
-    variable: xr.DataArray, mission: Mission | None, source: str
+    variable: xr.DataArray, mission: Mission | None
 ) -> tuple[FloatArray, float | None]:
     """Return values over time at a grid point, and their altitude [m] if there are levels.
 
     Levels are interpolated at the mission's altitude.
     """
-    at = without_other_axes(variable, source)
+    at = without_other_axes(variable)
     if "level" not in at.dims:
-        return values_of(at, source), None
+        return values_of(at), None
     if "time" not in at.dims:
-        raise file_error(source, f"has {variable.name} on levels, but not over time")
-    heights = altitudes_m(at["level"], source)
+        raise refused(f"has {variable.name} on levels, but not over time")
+    heights = altitudes_m(at["level"])
     order = np.argsort(heights)
     altitude_m = heights[order[0]] if mission is None else mission.altitude_m
     if not heights[order[0]] <= altitude_m <= heights[order[-1]]:
-        raise not_of_the_mission(
-            source, f"{variable.name} at altitude_m", heights.round(), altitude_m
-        )
-    values = values_of(at.transpose("time", "level"), source)[:, order]
+        raise not_of_the_mission(f"{variable.name} at altitude_m", heights.round(), altitude_m)
+    values = values_of(at.transpose("time", "level"))[:, order]
     upper = int(np.clip(np.searchsorted(heights[order], altitude_m), 1, len(order) - 1))
     low, high = heights[order[upper - 1]], heights[order[upper]]
     share = (altitude_m - low) / (high - low)
     return (1.0 - share) * values[:, upper - 1] + share * values[:, upper], float(altitude_m)
 
 
-def _convert_units(values: FloatArray, unit: str, key: str, source: str) -> FloatArray:
+def _convert_units(values: FloatArray, unit: str, key: str) -> FloatArray:
     """Convert values to W/m2, C, m/s, m or Pa."""
     units = next((units for keys, units in _UNITS.items() if key in keys), None)
-    return values if units is None else by_unit(units, unit, key, source)(values)
+    return values if units is None else by_unit(units, unit, key)(values)
 
 
 _Change = Callable[[FloatArray], FloatArray]

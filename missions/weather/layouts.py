@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from missions.files.errors import InputError, Problem, file_error, printable, shortened
+from missions.files.errors import InputError, printable, refused, shortened
 from missions.mission import Mission
 from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.plain import read_plain
@@ -29,53 +29,50 @@ from missions.weather.record import TYPICAL_YEAR, Site
 from solar.schema import Allowed, spell
 
 
-def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawTable:
+def read_layout(path: Path, mission: Mission | None = None) -> RawTable:
     """Read a weather file: EPW, TMY2, TMY3, PVGIS, SAM, NSRDB PSM, BSRN, NASA POWER, ERA5, CSV.
 
     ``mission``: its place chooses the point of gridded data.
     """
-    text, layout = text_of(path, source), "NetCDF"
+    text, layout = text_of(path), "NetCDF"
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the errors below say what is wrong
             if text is None:
-                raw = read_netcdf(path, source, mission)
+                raw = read_netcdf(path, mission)
             else:
                 head = text[:HEAD_LENGTH]
                 layout, read = next((n, read) for n, key, read in _LAYOUTS if re.match(key, head))
-                raw = read(text, source)
+                raw = read(text)
         for name, value, allowed in (
             ("latitude", raw.site.latitude_deg, Allowed(-90.0, 90.0)),
             ("longitude", raw.site.longitude_deg, Allowed(-180.0, 360.0)),
             ("altitude", raw.site.altitude_m, Allowed(-500.0, 9000.0)),
         ):
             if trouble := allowed.trouble(f"the {name} of its site", value):
-                raise file_error(source, trouble)
+                raise refused(trouble)
         site = replace(raw.site, name=shortened(printable(raw.site.name)))
         return raw._replace(layout=layout, site=site)
     except (InputError, RecursionError, MemoryError):
         raise
     except Exception as error:  # of a reader that was given a damaged file
         reason = printable(" ".join(str(error).split())[:160])
-        raise file_error(
-            source, f"is no readable {layout} file: {type(error).__name__}: {reason}"
-        ) from error
+        raise refused(f"is no readable {layout} file: {type(error).__name__}: {reason}") from error
 
 
-def _iotools(source: str) -> Any:
+def _iotools() -> Any:
     try:
         import pvlib.iotools
     except ImportError:
-        message = "needs pvlib to be read: pip install 'solar-uav-sizing[weather]'"
-        raise file_error(source, message) from None
+        raise refused("needs pvlib to be read: pip install 'solar-uav-sizing[weather]'") from None
     return pvlib.iotools
 
 
-def _epw(text: str, source: str) -> RawTable:
-    table, meta = _iotools(source).read_epw(io.StringIO(text))
+def _epw(text: str) -> RawTable:
+    table, meta = _iotools().read_epw(io.StringIO(text))
     place = str(meta.get("city", "")).strip()
     name = "" if place.lower() in ("unknown", "-") else place.title()
-    site = _site(source, name, meta, zone="TZ")
+    site = _site(name, meta, zone="TZ")
     records = int(table.groupby(table.index).size().median())
     if records > 1:  # pvlib leaves out the minutes, which end a record but where the first is zero
         ends = 0 if (table["minute"] == 0).any() else 60 / records
@@ -95,51 +92,51 @@ def _epw(text: str, source: str) -> RawTable:
     return RawTable(site, table, START, first_line=9)
 
 
-def _tmy2(text: str, source: str) -> RawTable:
+def _tmy2(text: str) -> RawTable:
     with as_file(text) as plain:
-        table, meta = _iotools(source).read_tmy2(plain)
+        table, meta = _iotools().read_tmy2(plain)
     table = table.rename(
         columns={"GHI": "ghi", "DNI": "dni", "DHI": "dhi", "DryBulb": "temp_air", "Wspd": "wind"}
     )
     # Tenths in the file.
     table["temp_air"] = table["temp_air"] / 10.0
     table["wind_speed"] = table.pop("wind") / 10.0
-    site = _site(source, str(meta["City"]).strip().title(), meta, zone="TZ")
+    site = _site(str(meta["City"]).strip().title(), meta, zone="TZ")
     return RawTable(site, table, START, first_line=2)
 
 
-def _tmy3(text: str, source: str) -> RawTable:
-    table, meta = _iotools(source).read_tmy3(io.StringIO(text), map_variables=True)
-    site = _site(source, str(meta.get("Name", "")).strip(' "').title(), meta, zone="TZ")
+def _tmy3(text: str) -> RawTable:
+    table, meta = _iotools().read_tmy3(io.StringIO(text), map_variables=True)
+    site = _site(str(meta.get("Name", "")).strip(' "').title(), meta, zone="TZ")
     return RawTable(site, table, END, first_line=3)
 
 
 _FULL_HOURS = "light taken at the full hours: the file does not say by how much it is off them"
 
 
-def _pvgis_tmy(text: str, source: str) -> RawTable:
+def _pvgis_tmy(text: str) -> RawTable:
     kind = _pvgis_format(text)
     content = io.StringIO(text) if kind == "json" else io.BytesIO(text.encode())
-    table, meta = _iotools(source).read_pvgis_tmy(content, pvgis_format=kind)
+    table, meta = _iotools().read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
     # CSV has it among the inputs, JSON with the place.
     place = inputs.get("location", {})
     offset_h = inputs.get("irradiance time offset", place.get("irradiance_time_offset"))
     notes = () if offset_h is not None else (_FULL_HOURS,)
     if "latitude" not in inputs and "location" not in inputs:
-        raise file_error(source, "does not name its site: write it with its first lines")
-    site, offset_s = _pvgis_site(inputs, source), 3600.0 * float(offset_h or 0.0)
+        raise refused("does not name its site: write it with its first lines")
+    site, offset_s = _pvgis_site(inputs), 3600.0 * float(offset_h or 0.0)
     return RawTable(site, table, MIDDLE, offset_s=offset_s, notes=notes)
 
 
-def _pvgis_hourly(text: str, source: str) -> RawTable:
+def _pvgis_hourly(text: str) -> RawTable:
     kind = _pvgis_format(text)
-    table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
+    table, meta = _iotools().read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
     if slope:
         message = f"is the light on a surface of {spell(slope)} deg slope"
-        raise file_error(source, f"{message}: ask PVGIS for a slope of 0")
+        raise refused(f"{message}: ask PVGIS for a slope of 0")
     if "poa_direct" in table:
         beam, sky = table["poa_direct"], table["poa_sky_diffuse"]
         table["ghi"], table["dhi"] = beam + sky, sky
@@ -148,7 +145,7 @@ def _pvgis_hourly(text: str, source: str) -> RawTable:
         table["dni"] = np.where(sine > 0.0175, beam / np.maximum(sine, 0.0175), 0.0)
     else:
         table = table.rename(columns={"poa_global": "ghi"})
-    return RawTable(_pvgis_site(inputs, source), table, MIDDLE)
+    return RawTable(_pvgis_site(inputs), table, MIDDLE)
 
 
 def _pvgis_format(text: str) -> str:
@@ -156,9 +153,9 @@ def _pvgis_format(text: str) -> str:
     return "json" if text.startswith("{") else "csv"
 
 
-def _pvgis_site(inputs: dict[str, Any], source: str) -> Site:
+def _pvgis_site(inputs: dict[str, Any]) -> Site:
     """Return the site, which JSON has in a record of its own."""
-    return _site(source, "", inputs.get("location", inputs), altitude="elevation")
+    return _site("", inputs.get("location", inputs), altitude="elevation")
 
 
 def _slope_deg(inputs: dict[str, Any]) -> float | None:
@@ -193,11 +190,11 @@ _SAM_COLUMNS = {
 }
 
 
-def _sam(text: str, source: str) -> RawTable:
+def _sam(text: str) -> RawTable:
     names, values = (next(csv.reader([line])) for line in text.split("\n", 2)[:2])
     head = {name.strip().lower(): value.strip() for name, value in zip(names, values, strict=False)}
     place = _select_columns(head, _SAM_HEAD)
-    site = _site(source, head.get("city", "").strip(" -"), place, zone="Time Zone")
+    site = _site(head.get("city", "").strip(" -"), place, zone="Time Zone")
     units = head.get("units", head.get("hasunits", "")).lower() in ("yes", "1")
     skipped = [0, 1, *([3] if units else [])]
     data = pd.read_csv(io.StringIO(text), skiprows=skipped, index_col=False, low_memory=False)
@@ -205,7 +202,7 @@ def _sam(text: str, source: str) -> RawTable:
     table = pd.DataFrame(_select_columns(columns, _SAM_COLUMNS))
     lacking = [name for name in ("month", "day", "hour") if name not in table]
     if lacking:
-        raise file_error(source, f"has no column {lacking[0]}")
+        raise refused(f"has no column {lacking[0]}")
     year = table["year"] if "year" in table else pd.Series(TYPICAL_YEAR, table.index)
     date = {"year": year, "month": table["month"], "day": table["day"]}
     days = pd.to_datetime(pd.DataFrame(date).astype(int))
@@ -226,16 +223,16 @@ def _select_columns(
     return {key: columns[name] for key, name in present.items() if name is not None}
 
 
-def _bsrn(text: str, source: str) -> RawTable:
+def _bsrn(text: str) -> RawTable:
     with as_file(text) as plain:
-        table, meta = _iotools(source).read_bsrn(plain)
+        table, meta = _iotools().read_bsrn(plain)
     address = str(meta.get("address", "")).split(",")
     name = address[1].strip() if len(address) > 1 else str(meta.get("address", "")).strip()
-    return RawTable(_site(source, name, meta), table, START)
+    return RawTable(_site(name, meta), table, START)
 
 
 def _site(
-    source: str, name: str, head: Mapping[str, Any], *, altitude: str = "altitude", zone: str = ""
+    name: str, head: Mapping[str, Any], *, altitude: str = "altitude", zone: str = ""
 ) -> Site:
     """Return the site of a file's head; ``altitude``, ``zone``: names of these numbers in it."""
     limits = {"latitude": 90.0, "longitude": 180.0, altitude: 9000.0, zone: 14.0}
@@ -244,9 +241,9 @@ def _site(
         try:
             value = float(head[key]) if key else 0.0
         except (KeyError, TypeError, ValueError):
-            raise file_error(source, f"its head has no number for {key}") from None
+            raise refused(f"its head has no number for {key}") from None
         if trouble := Allowed(-limit, limit).trouble("", value):
-            raise InputError([Problem(source, 1, None, key, trouble)])
+            raise refused(trouble, line=1, key=key)
         values.append(value)
     return Site(name, *values)
 
@@ -256,7 +253,7 @@ _SAM = "(?i)" + "".join(
     rf"(?=(?:.*,)?[ \t]*(?:{'|'.join(names)})[ \t]*[,\n])" for names in _SAM_HEAD.values()
 )
 # Layouts by the first lines of a file, the first that fits.
-_Reader = Callable[[str, str], RawTable]
+_Reader = Callable[[str], RawTable]
 _LAYOUTS: tuple[tuple[str, str, _Reader], ...] = (
     ("EPW", "LOCATION,", _epw),
     ("TMY2", r" ?\d{5} .{22} [A-Z]{2} +-?\d+ [NS] ", _tmy2),

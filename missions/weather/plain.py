@@ -10,8 +10,8 @@ from typing import Any
 
 import pandas as pd
 
-from missions.files.errors import InputError, Problem, file_error, shown
-from missions.weather.raw import START, RawTable, row_error
+from missions.files.errors import InputError, Problem, refused, shown
+from missions.weather.raw import START, RawTable
 from missions.weather.record import Site
 from solar.schema import Allowed, refusal
 
@@ -44,26 +44,26 @@ CSV_HELP = (
 )
 
 
-def read_plain(text: str, source: str) -> RawTable:
+def read_plain(text: str) -> RawTable:
     """Read a plain CSV table with its site in comment lines."""
     start = _COMMENTS.match(text).end()  # type: ignore[union-attr]  # matches any text
     comments, end = text[:start].split("\n")[:-1], text.find("\n", start)
     header, begin = text[start : end if end >= 0 else None], len(comments)
-    meta, problems = _site_lines(comments, source)
+    meta, problems = _site_lines(comments)
     if not header or header.startswith("#"):
-        raise file_error(source, f"has no table: {CSV_HELP}")
+        raise refused(f"has no table: {CSV_HELP}")
     names = [name.strip() for name in next(csv.reader([header]))]
     unknown = [name for name in names if name not in _COLUMNS]
     chosen = [_COLUMNS[name] for name in names if name in _COLUMNS]
     if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
-        raise file_error(source, f"is no weather file that is known: {CSV_HELP}")
+        raise refused(f"is no weather file that is known: {CSV_HELP}")
     if unknown:
         message = f"unknown columns: {', '.join(unknown[:5])}; known: {', '.join(_COLUMNS)}"
-        problems.append(Problem(source, begin + 1, None, "", message))
+        problems.append(Problem("", begin + 1, None, "", message))
     if len(set(chosen)) < len(chosen):
-        problems.append(Problem(source, begin + 1, None, "", "names a column twice"))
+        problems.append(Problem("", begin + 1, None, "", "names a column twice"))
     problems += [
-        Problem(source, None, None, "", f"lacks the line '# {key}: ...': {CSV_HELP}")
+        Problem("", None, None, "", f"lacks the line '# {key}: ...': {CSV_HELP}")
         for key in ("latitude_deg", "longitude_deg", "altitude_m")
         if key not in meta
     ]
@@ -72,7 +72,7 @@ def read_plain(text: str, source: str) -> RawTable:
     if row and count > len(names):  # pandas would take the first of them for the names of rows
         message = f"has {count} values, but the table names {len(names)} columns"
         line = begin + 1 + text.count("\n", start, row.start())
-        problems.append(Problem(source, line, None, "", message))
+        problems.append(Problem("", line, None, "", message))
     if problems:
         raise InputError(problems)
     # As bytes: text in memory takes four of them for a character.
@@ -85,13 +85,13 @@ def read_plain(text: str, source: str) -> RawTable:
     if len(wrong):
         got = shown(str(written.iloc[wrong[0]]))
         message = refusal("must be ISO 8601 like 2023-06-21T12:00Z", got)
-        raise row_error(source, begin + 2 + int(wrong[0]), "time_utc", message, len(wrong))
+        raise refused(message, line=begin + 2 + int(wrong[0]), key="time_utc", rows=len(wrong))
     table = table.set_index(pd.DatetimeIndex(times))
     site = Site(**{"name": "", "utc_offset_h": 0.0, **meta})
     return RawTable(site, table, START, first_line=begin + 2)
 
 
-def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Problem]]:
+def _site_lines(lines: list[str]) -> tuple[dict[str, Any], list[Problem]]:
     """Return the values of comment lines ``# key: value``, and problems with them."""
     meta: dict[str, Any] = {}
     problems = []
@@ -111,5 +111,5 @@ def _site_lines(lines: list[str], source: str) -> tuple[dict[str, Any], list[Pro
             meta[key] = math.nan
         if not (allowed := Allowed(-limit, limit)).holds(meta[key]):
             message = refusal(f"must be a number {allowed}", shown(value))
-            problems.append(Problem(source, number, None, key, message))
+            problems.append(Problem("", number, None, key, message))
     return meta, problems

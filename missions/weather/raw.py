@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
-from missions.files.errors import InputError, Problem, file_error
+from missions.files.errors import refused
 from missions.files.texts import open_plain
 from missions.weather.record import Site
 
@@ -56,45 +56,39 @@ class RawTable(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def row_error(source: str, line: int, key: str, message: str, rows: int = 1) -> InputError:
-    """Return an error at the first of some rows; line 0 if rows are not lines."""
-    more = f" (and {rows - 1} more rows)" if rows > 1 else ""
-    return InputError([Problem(source, int(line) or None, None, key, message + more)])
-
-
-def text_of(path: Path, source: str) -> str | None:
+def text_of(path: Path) -> str | None:
     """Return a file's text, packed with gzip or not, with line feeds; None for NetCDF."""
     try:
         with open_plain(path) as file:
             if file.peek(4).startswith(_NETCDF):
                 return None
             if os.fstat(file.fileno()).st_size > MAXIMUM_BYTES:
-                raise file_error(source, _TOO_LARGE)
+                raise refused(_TOO_LARGE)
             content = file.read()
         if content.startswith(_GZIP):
             with gzip.open(io.BytesIO(content)) as packed:
                 content = packed.read(MAXIMUM_BYTES + 1)
     except IsADirectoryError as error:
-        raise file_error(source, "is a folder") from error
+        raise refused("is a folder") from error
     except (OSError, EOFError, zlib.error) as error:
-        raise file_error(source, f"cannot be read: {error}") from error
+        raise refused(f"cannot be read: {error}") from error
     if len(content) > MAXIMUM_BYTES:
-        raise file_error(source, f"{_TOO_LARGE} when it is unpacked")
+        raise refused(f"{_TOO_LARGE} when it is unpacked")
     start = content[:HEAD_LENGTH]
     if not start.strip():
-        raise file_error(source, "is empty")
+        raise refused("is empty")
     for begin, kind in _PACKED.items():
         if start.startswith(begin):
-            raise file_error(source, f"is packed with {kind}: unpack it; allowed: gzip, or none")
+            raise refused(f"is packed with {kind}: unpack it; allowed: gzip, or none")
     if b"\0" in start:
-        raise file_error(source, "is no text file")
+        raise refused("is no text file")
     if b"\r" in content:  # not in a text, which may be larger
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.lstrip().startswith(b"{"):  # JSON may be a single line
         for number, line in enumerate(io.BytesIO(content), 1):
             if len(line) > _LONGEST_LINE:
                 place = f"line {number} has more than {_LONGEST_LINE} characters"
-                raise file_error(source, f"{place}: no row of a weather file")
+                raise refused(f"{place}: no row of a weather file")
     content = content.removeprefix(codecs.BOM_UTF8)
     try:
         return content.decode("utf-8")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, pressure_altitude_m
-from missions.files.errors import InputError, file_error, printable
+from missions.files.errors import InputError, in_file, printable, refused
 from missions.files.texts import open_plain
 from missions.winds.table import STRONGEST_M_PER_S, WindTable
 from solar.schema import spell, spell_ends
@@ -59,45 +59,44 @@ def wind_table_from_netcdf(
 ) -> WindTable:
     """Compute percentiles of the wind speed from components over time."""
     source = printable(path)
-    with opened(path, source) as data:
-        u, v = (_component(data, *names, source=source) for names in _COMPONENTS)
+    with in_file(source), opened(path) as data:
+        u, v = (_component(data, *names) for names in _COMPONENTS)
         factors = [
-            by_unit(_SPEEDS, str(wind.attrs.get("units", "m/s")), str(wind.name), source)
-            for wind in (u, v)
+            by_unit(_SPEEDS, str(wind.attrs.get("units", "m/s")), str(wind.name)) for wind in (u, v)
         ]
         if u.shape != v.shape:
-            raise file_error(source, "has components of the wind on different axes")
+            raise refused("has components of the wind on different axes")
         longitudes = u["longitude"].to_numpy().astype(float)
         at = f"all {len(longitudes)} longitudes" if len(longitudes) > 1 else "one longitude"
         if longitude_deg is not None:
-            nearest = nearest_longitude(longitudes, longitude_deg, source)
+            nearest = nearest_longitude(longitudes, longitude_deg)
             u, v = (wind[..., nearest : nearest + 1] for wind in (u, v))
             east = spell(east_deg(longitudes[nearest]))
             at = f"longitude {east}, nearest to {spell(longitude_deg)}"
         if u["time"].dtype.kind != "M":
-            raise file_error(source, "has times that are no dates")
+            raise refused("has times that are no dates")
         months = np.asarray(u["time"].dt.month.to_numpy())
-        altitude_m = altitudes_m(u["level"], source)
+        altitude_m = altitudes_m(u["level"])
         kept = (altitude_m >= MINIMUM_ALTITUDE_M) & (altitude_m <= MAXIMUM_ALTITUDE_M)
         levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
-        latitudes = latitudes_deg(u["latitude"], source)
+        latitudes = latitudes_deg(u["latitude"])
         if not len(levels):
-            raise file_error(source, f"has no level up to {spell(MAXIMUM_ALTITUDE_M)} m")
+            raise refused(f"has no level up to {spell(MAXIMUM_ALTITUDE_M)} m")
         percentiles = np.unique([*PERCENTILES, *([] if also is None else [also])])
         known = sorted(set(months.tolist()))
         north = np.argsort(latitudes)
         winds = np.empty((len(north), len(levels), len(known), len(percentiles)))
         for row, i in zip(winds, north.tolist(), strict=True):  # one by one, for the memory
-            speed = _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors, source)
+            speed = _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors)
             for column, month in enumerate(known):
                 row[:, column] = np.percentile(speed[months == month], percentiles, axis=(0, 2)).T
-    if not np.isfinite(winds).all():
-        raise file_error(source, "has gaps in the wind")
-    fewest = min(int(np.sum(months == month)) for month in known) * u.shape[-1]
-    sampled = percentiles[percentiles <= 100.0 * (1.0 - 1.0 / fewest)]
-    if also is not None and also not in sampled:
-        message = f"has {fewest} values in a month, too few for percentile"
-        raise file_error(source, f"{message} {spell(also)}")
+        if not np.isfinite(winds).all():
+            raise refused("has gaps in the wind")
+        fewest = min(int(np.sum(months == month)) for month in known) * u.shape[-1]
+        sampled = percentiles[percentiles <= 100.0 * (1.0 - 1.0 / fewest)]
+        if also is not None and also not in sampled:
+            message = f"has {fewest} values in a month, too few for percentile"
+            raise refused(f"{message} {spell(also)}")
     table = f"{source} ({at})"
     return WindTable(
         table,
@@ -110,7 +109,7 @@ def wind_table_from_netcdf(
 
 
 @contextmanager
-def opened(path: str, source: str) -> Iterator[xr.Dataset]:
+def opened(path: str) -> Iterator[xr.Dataset]:
     """Yield the dataset of a NetCDF file while it is read."""
     import xarray as xr
 
@@ -118,14 +117,14 @@ def opened(path: str, source: str) -> Iterator[xr.Dataset]:
         with open_plain(path) as file:
             packed = file.read(len(_HDF5)) == _HDF5  # else it is no larger than its file
         if packed:
-            _check_sizes(path, source)
+            _check_sizes(path)
         with xr.open_dataset(path) as data:
             yield data.rename(_axes_renamed(data))
     except InputError:
         raise
     except Exception as error:  # the libraries raise whatever a damaged file makes them trip over
         reason = printable(" ".join(str(error).split()))[:160]
-        raise file_error(source, f"cannot be read as NetCDF: {reason}") from error
+        raise refused(f"cannot be read as NetCDF: {reason}") from error
 
 
 def _axes_renamed(data: xr.Dataset) -> dict[str, str]:
@@ -134,25 +133,25 @@ def _axes_renamed(data: xr.Dataset) -> dict[str, str]:
     return {names[0]: axis for axis, names in named.items() if names and axis not in names}
 
 
-def axis_of(data: xr.Dataset | xr.DataArray, axis: str, source: str) -> xr.DataArray:
+def axis_of(data: xr.Dataset | xr.DataArray, axis: str) -> xr.DataArray:
     """Return the values of an axis, refused if missing."""
     if axis not in data.coords:
         what = "" if data.name is None else f" for {data.name}"
-        raise file_error(source, f"has no {axis}{what} (named {', '.join(AXES[axis])})")
+        raise refused(f"has no {axis}{what} (named {', '.join(AXES[axis])})")
     return data[axis]
 
 
-def without_other_axes(variable: xr.DataArray, source: str) -> xr.DataArray:
+def without_other_axes(variable: xr.DataArray) -> xr.DataArray:
     """Return a variable without axes besides those of :data:`AXES`, which must be of length 1."""
     variable = merged_versions(variable)
     for name in set(map(str, variable.dims)) - AXES.keys():
         if variable.sizes[name] != 1:
-            raise file_error(source, f"has the axis {name} for {variable.name}, beside {_EVERY}")
+            raise refused(f"has the axis {name} for {variable.name}, beside {_EVERY}")
         variable = variable.isel({name: 0})
     return variable
 
 
-def _check_sizes(path: str, source: str) -> None:
+def _check_sizes(path: str) -> None:
     """Refuse a file that unpacks to too many values at once: whole axes, chunks of variables."""
     import h5py
 
@@ -165,17 +164,17 @@ def _check_sizes(path: str, source: str) -> None:
         ):
             if math.prod(shape) > most:
                 text = f"{printable(name)[:60]} has {math.prod(shape):,} values{what}"
-                raise file_error(source, f"is not read: {text}, at most {most:,}")
+                raise refused(f"is not read: {text}, at most {most:,}")
 
     with h5py.File(path) as file:
         file.visititems(check)
 
 
-def values_of(variable: xr.DataArray, source: str) -> FloatArray:
+def values_of(variable: xr.DataArray) -> FloatArray:
     """Return the values of a variable, refused if too many."""
     if variable.size > _MOST_AT_ONCE:
         text = f"{variable.name} has {variable.size:,} values at one place"
-        raise file_error(source, f"is not read: {text}, at most {_MOST_AT_ONCE:,}")
+        raise refused(f"is not read: {text}, at most {_MOST_AT_ONCE:,}")
     return np.asarray(variable.to_numpy(), float)
 
 
@@ -188,7 +187,7 @@ def find_variable(data: xr.Dataset, names: Iterable[str]) -> xr.DataArray | None
     return None
 
 
-def by_unit(units: Mapping[tuple[str, ...], T], unit: str, what: str, source: str) -> T:
+def by_unit(units: Mapping[tuple[str, ...], T], unit: str, what: str) -> T:
     """Return what a table has for a unit, by any of its spellings."""
     signs = str.maketrans("", "", " *^·")
     plain = unit.lower().translate(signs)
@@ -196,7 +195,7 @@ def by_unit(units: Mapping[tuple[str, ...], T], unit: str, what: str, source: st
         if plain in [name.translate(signs) for name in names]:
             return value
     allowed = ", ".join(names[0] for names in units)
-    raise file_error(source, f"has {what} in {printable(unit) or 'no unit'} (known: {allowed})")
+    raise refused(f"has {what} in {printable(unit) or 'no unit'} (known: {allowed})")
 
 
 def merged_versions(variable: xr.DataArray) -> xr.DataArray:
@@ -210,24 +209,24 @@ def merged_versions(variable: xr.DataArray) -> xr.DataArray:
     return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(variable.attrs)
 
 
-def _component(data: xr.Dataset, *names: str, source: str) -> xr.DataArray:
+def _component(data: xr.Dataset, *names: str) -> xr.DataArray:
     """Return a component of the wind over time, latitude, level and longitude, in this order."""
     component = find_variable(data, names)
     if component is None:
-        raise file_error(source, f"has no {names[0]} (variables named {', '.join(names[1:])})")
-    component = without_other_axes(component, source)
+        raise refused(f"has no {names[0]} (variables named {', '.join(names[1:])})")
+    component = without_other_axes(component)
     for axis in AXES:
-        axis_of(component, axis, source)
+        axis_of(component, axis)
         if axis not in component.dims:
             component = component.expand_dims(axis)
     return component.transpose(*AXES)
 
 
-def latitudes_deg(axis: xr.DataArray, source: str) -> FloatArray:
+def latitudes_deg(axis: xr.DataArray) -> FloatArray:
     """Return the latitudes of a grid [deg]."""
     values = np.atleast_1d(axis.to_numpy()).astype(float)
     if np.any(np.abs(values) > 90.0):
-        raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
+        raise refused("has latitudes beyond 90 degrees: its axes may be swapped")
     return values
 
 
@@ -236,22 +235,22 @@ def east_deg(longitude_deg: float) -> float:
     return (longitude_deg + 180.0) % 360.0 - 180.0
 
 
-def nearest_longitude(longitudes: FloatArray, longitude_deg: float, source: str) -> int:
+def nearest_longitude(longitudes: FloatArray, longitude_deg: float) -> int:
     """Return the index of the nearest longitude, at most a grid spacing away."""
     away = np.abs((longitudes - longitude_deg + 180.0) % 360.0 - 180.0)
     nearest = int(np.argmin(away))
     spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
     if away[nearest] > max(spacing, 1e-6):
-        raise not_of_the_mission(source, "longitudes", longitudes, longitude_deg)
+        raise not_of_the_mission("longitudes", longitudes, longitude_deg)
     return nearest
 
 
-def not_of_the_mission(source: str, name: str, known: FloatArray, needed: float) -> InputError:
+def not_of_the_mission(name: str, known: FloatArray, needed: float) -> InputError:
     """Return the error of a grid that does not reach the mission's place."""
-    return file_error(source, f"has {name} {spell_ends(known)}, not {spell(needed)} of the mission")
+    return refused(f"has {name} {spell_ends(known)}, not {spell(needed)} of the mission")
 
 
-def altitudes_m(level: Any, source: str) -> FloatArray:
+def altitudes_m(level: Any) -> FloatArray:
     """Return the altitude of levels [m]; of pressures in the standard atmosphere."""
     unit = str(level.attrs.get("units", "")).lower()
     values = level.to_numpy().astype(float)
@@ -259,18 +258,15 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
         return np.asarray(values * _METRES[unit])
     if unit not in _PASCALS:
         known = ", ".join([*_PASCALS, *_METRES])
-        raise file_error(source, f"has levels in {unit or 'no unit'} (known: {known})")
+        raise refused(f"has levels in {unit or 'no unit'} (known: {known})")
     # Pressures of zero or below are as high as the least one.
     return pressure_altitude_m(np.maximum(values * _PASCALS[unit], 1e-9))
 
 
-def _speed_m_per_s(
-    u: xr.DataArray, v: xr.DataArray, factors: list[float], source: str
-) -> FloatArray:
+def _speed_m_per_s(u: xr.DataArray, v: xr.DataArray, factors: list[float]) -> FloatArray:
     """Return the wind speed at a latitude [m/s], shape ``(time, level, longitude)``."""
-    speed = np.hypot(factors[0] * values_of(u, source), factors[1] * values_of(v, source))
+    speed = np.hypot(factors[0] * values_of(u), factors[1] * values_of(v))
     if np.any(speed > STRONGEST_M_PER_S):
         fastest = spell(np.nanmax(speed), 4)
-        reason = f"has a wind of {fastest} m/s: a code of missing values or its unit"
-        raise file_error(source, reason)
+        raise refused(f"has a wind of {fastest} m/s: a code of missing values or its unit")
     return np.asarray(speed)

@@ -61,8 +61,7 @@ class Entry(Record):
         for less, more in self.ordered_keys:
             low, high = getattr(self, less), getattr(self, more)
             if low is not None and high is not None and low > high:
-                text = f"must be at most {more}, which is {spell(high)}"
-                raise wrong_value(less, text, got=low)
+                raise wrong_value(less, f"must be at most {more}, which is {spell(high)}", got=low)
         return self
 
     def known(self, *keys: str) -> dict[str, Any]:
@@ -373,8 +372,7 @@ class PropellerEntry(Entry):
     @model_validator(mode="after")
     def _check_measurement(self) -> PropellerEntry:
         if (self.measured_efficiency is None) != (self.measured_rpm is None):
-            message = "goes with measured_efficiency: give both or none"
-            raise wrong_value("measured_rpm", message)
+            raise wrong_value("measured_rpm", "goes with measured_efficiency: give both or none")
         return self
 
     def parameters(self, data: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from ulog_files import EPOCH_S, EULER_DEG, topics, ulog_bytes
 
 from missions.files.errors import InputError
-from missions.logs.csv import read_csv, read_flight_log
-from missions.logs.px4_ulog import read_ulog
+from missions.logs.csv import read_flight_log
 
 HEADER = (
     "time_utc,latitude_deg,longitude_deg,altitude_m,roll_deg,pitch_deg,yaw_deg,solar_power_w,"
@@ -33,7 +32,7 @@ ROWS = tuple(row(0.5 * i) for i in range(10))
 def read(tmp_path, lines, header=HEADER):
     file = tmp_path / "log.csv"
     file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
-    return read_csv(file)
+    return read_flight_log(file)
 
 
 def messages(tmp_path, lines, header=HEADER):
@@ -64,7 +63,7 @@ def test_any_time_zone_is_converted_to_utc(tmp_path, text):
 def test_byte_order_mark_blank_lines_and_windows_line_ends_are_harmless(tmp_path):
     file = tmp_path / "log.csv"
     file.write_bytes(b"\xef\xbb\xbf" + "\r\n".join([HEADER, "", *ROWS, "", ""]).encode())
-    assert len(read_csv(file)) == 10
+    assert len(read_flight_log(file)) == 10
 
 
 @pytest.mark.parametrize(
@@ -198,7 +197,7 @@ def test_file_that_is_no_log(tmp_path, content, expected):
     file = tmp_path / "log.csv"
     file.write_bytes(content)
     with pytest.raises(InputError, match=expected):
-        read_csv(file)
+        read_flight_log(file)
 
 
 def test_paths_that_are_no_plain_files_and_lines_without_end_are_refused(tmp_path):
@@ -284,7 +283,7 @@ def test_ulog_without_what_is_needed(ulog, topic, field, expected):
 def test_ulog_without_the_package(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyulog", None)
     with pytest.raises(InputError, match="needs the package pyulog: pip install"):
-        read_ulog(tmp_path / "flight.ulg")
+        read_flight_log(tmp_path / "flight.ulg")
 
 
 @given(

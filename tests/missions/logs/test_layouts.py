@@ -16,7 +16,7 @@ from missions.logs.columns import (
     read_column_map,
     recipes_for,
 )
-from missions.logs.csv import read_csv
+from missions.logs.csv import read_flight_log
 from missions.logs.table import log_from_table
 from missions.logs.units import UNITS, in_radians, recognised, surely_radians
 
@@ -55,7 +55,7 @@ def layout_of(name, folder):
 
 def read(folder, text, layout=None):
     (folder / "log.csv").write_text(text, encoding="utf-8")
-    return read_csv(folder / "log.csv", layout)
+    return read_flight_log(folder / "log.csv", layout)
 
 
 def refused(folder, text, layout=None):
@@ -340,7 +340,7 @@ def test_times_that_could_be_others_are_refused(tmp_path, times, zone, message):
 def test_encodings_of_spreadsheets(tmp_path, encoding, guessed):
     text = table().rename(columns={"ambient_temperature_c": "T_amb [°C]"}).to_csv(index=False)
     (tmp_path / "log.csv").write_bytes(text.encode(encoding))
-    log = read_csv(tmp_path / "log.csv")
+    log = read_flight_log(tmp_path / "log.csv")
     same_power(log)
     assert log.ambient_temperature_c == pytest.approx(22.7)
     assert any("code page 1252" in note for note in log.notes) is guessed
@@ -361,20 +361,20 @@ def test_excel_sheet(tmp_path):
     sheet = table()
     sheet["time_utc"] = pd.to_datetime(sheet["time_utc"]).dt.tz_localize(None)
     sheet.to_excel(tmp_path / "log.xlsx", index=False)
-    log = read_csv(tmp_path / "log.xlsx", ColumnMap(timezone="UTC"))
+    log = read_flight_log(tmp_path / "log.xlsx", ColumnMap(timezone="UTC"))
     assert log.solar_power_w == pytest.approx(table()["solar_power_w"], abs=1e-6)
     # Excel keeps times to about a millisecond.
     assert log.time_s == pytest.approx(1435654800.0 + 0.5 * np.arange(COUNT), abs=2e-3)
     assert "the first sheet is read" in log.notes
     (tmp_path / "no.xlsx").write_bytes(b"no sheet")
     with pytest.raises(InputError, match="is not an Excel file"):
-        read_csv(tmp_path / "no.xlsx")
+        read_flight_log(tmp_path / "no.xlsx")
     # Two cells, between which the reader would lay out 17 thousand million.
     cells = '<row r="1"><c r="A1"/></row><row r="1048576"><c r="XFD1048576"/></row>'
     with zipfile.ZipFile(tmp_path / "far.xlsx", "w") as book:
         book.writestr("xl/worksheets/sheet1.xml", f"<worksheet>{cells}</worksheet>")
     with pytest.raises(InputError, match="up to row 1048576 and column 16384, 17,179,869,184 in"):
-        read_csv(tmp_path / "far.xlsx")
+        read_flight_log(tmp_path / "far.xlsx")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.logs.clock import parse_span
 from missions.logs.columns import ColumnMap
-from missions.logs.csv import read_csv
+from missions.logs.csv import read_flight_log
 from missions.logs.plausible import codes
 from missions.logs.table import log_from_table
 from sizing.library import load_aircraft
@@ -172,7 +172,7 @@ def test_spans_are_by_the_clock_of_their_zone():
 
 def read(folder, table, **layout):
     table.to_csv(folder / "log.csv", index=False)
-    return read_csv(folder / "log.csv", ColumnMap.model_validate(layout))
+    return read_flight_log(folder / "log.csv", ColumnMap.model_validate(layout))
 
 
 def test_times_and_columns_are_left_out_by_hand(tmp_path):
@@ -218,7 +218,7 @@ def test_columns_that_nobody_needs_make_no_log_unreadable(tmp_path):
     text = flown().head(50).assign(a="#REF!", b="").to_csv(index=False)
     text = text.replace(",a,b\n", ",a b,a b\n", 1)
     (tmp_path / "log.csv").write_text(text)
-    log = read_csv(tmp_path / "log.csv")
+    log = read_flight_log(tmp_path / "log.csv")
     assert log.notes == ("columns not used: a b, a b",)
     log = read(tmp_path, flown().rename(columns={"load_w": "laod_w"}))
     assert "columns not used: laod_w (did you mean 'load_w'?)" in log.notes
