@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from operator import attrgetter
 from typing import Any
 
 from sizing.data_rows import data_rows
 from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance
 from sizing.results.measures import MEASURES, OF_SCENARIO
-from studies.render.tables import CLOCK, UNLIMITED, Column, Table
+from studies.render.tables import ALL, CLOCK, UNLIMITED, Column, Table
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,8 @@ class Quantity(Column):
     ``path``: to its value, where it is not the key. ``importance``: level from which on it is
     shown; 0 in headlines, 1 in summaries, 2 with all, 3 in data alone. ``symbol``: in LaTeX.
     ``meaning``: long name in files on a grid, where it is not the label; ``short``: its name there,
-    where it is not the key without its unit. ``definition``: for glossaries.
+    where it is not the key without its unit. ``definition``: for glossaries. ``part``: table of
+    facts that has it.
     """
 
     path: str = field(default="", kw_only=True)
@@ -36,12 +36,16 @@ class Quantity(Column):
     meaning: str = field(default="", kw_only=True)
     short: str = field(default="", kw_only=True)
     definition: str = field(default="", kw_only=True)
+    part: str = field(default="", kw_only=True)
 
     def of(self, result: Any) -> Any:
-        """Return the value of a design, or of one in flight; of a performance in every scenario."""
+        """Return the value of a design, a result, or values by their keys; None where it has none.
+
+        Of a performance that of every scenario.
+        """
         if isinstance(result, Performance) and self.name in MEASURES:
             return MEASURES[self.name](result)
-        return attrgetter(self.path or self.name)(result)
+        return reach(result, self.name if isinstance(result, Mapping) else self.path or self.name)
 
     @property
     def variable(self) -> str:
@@ -72,12 +76,35 @@ def _from_row(row: dict[str, Any]) -> Quantity:
         known = parameter(key)
         unit = "" if known.unit == "1" else known.unit
         label, row = known.label, row | {"unit": unit, "symbol": known.symbol}
-    row["definition"] = row["definition"] or ""
+    row |= {"definition": row["definition"] or "", "part": row["part"] or ""}
     numbers = {"importance": int(row["importance"]), "digits": int(digits) if digits else None}
     return Quantity(key, label, **row | numbers)
 
 
 TABLE = {quantity.name: quantity for quantity in map(_from_row, data_rows("quantities", "studies"))}
+
+
+def reach(value: Any, path: str) -> Any:
+    """Return the value at the end of a path of attributes, keys and methods; None behind None."""
+    for name in path.split("."):
+        if value is None:
+            return None
+        value = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
+        value = value() if callable(value) else value
+    return value
+
+
+def words(key: str) -> str:
+    """Return the words of a quantity, or of what the table does not have by its key."""
+    return TABLE[key].label if key in TABLE else key.replace("_", " ")
+
+
+def facts_of(
+    quantities: Iterable[Quantity], result: Any, level: int = ALL
+) -> list[tuple[str, str]]:
+    """Return words and values of the quantities of a level that a result has."""
+    shown = ((each, each.of(result)) for each in quantities if each.importance <= level)
+    return [each.fact(value) for each, value in shown if value is not None]
 
 
 def group(keys: str) -> tuple[Quantity, ...]:

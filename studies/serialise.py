@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from solar.versions import software_record
-from studies.quantities import TABLE
+from studies.quantities import TABLE, reach
 
 RECORDS = {
     # ---- What is analysed
@@ -252,9 +252,9 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
         elif key.startswith("-"):
             del record[key[1:]]
         elif key == "*":
-            joined = software_record() if path == "software" else _reach(value, path)
+            joined = software_record() if path == "software" else reach(value, path)
             record |= _record(joined, of) if of else plain(joined)
-        elif not (_is_nothing(reached := _reach(value, path)) and optional):
+        elif not (_is_nothing(reached := reach(value, path)) and optional):
             *outer, last = key.split(".")
             inside = record
             for name in outer:
@@ -274,16 +274,6 @@ def _keys(entry: str) -> list[tuple[str, bool, str, str]]:
             key, path = "*", key[1:]
         keys.append((key.rstrip("?"), key.endswith("?"), path or key.rstrip("?"), of))
     return keys
-
-
-def _reach(value: Any, path: str) -> Any:
-    """Return the value at the end of a path; None behind None."""
-    for name in path.split("."):
-        if value is None:
-            return None
-        value = value[name] if isinstance(value, Mapping) else getattr(value, name)
-        value = value() if callable(value) else value
-    return value
 
 
 def _is_nothing(value: Any) -> bool:

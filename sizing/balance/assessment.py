@@ -70,6 +70,16 @@ class BalanceAssessment:
         return float((x_m - self.wing.at_chord(0.0)) / self.wing.aerodynamic_chord_m)
 
     @property
+    def gravity_in_chord(self) -> float:
+        """Centre of gravity over the mean aerodynamic chord [-]."""
+        return self.in_chord(self.gravity_m)
+
+    @property
+    def neutral_in_chord(self) -> float:
+        """Neutral point over the mean aerodynamic chord [-]."""
+        return self.in_chord(float(self.neutral_point.x_m))
+
+    @property
     def chord_leading_edge_m(self) -> float:
         """Position of the leading edge of the mean aerodynamic chord [m]."""
         return float(self.wing.at_chord(0.0))

@@ -132,6 +132,11 @@ wiring_efficiency, efficiency
     reason: NDArray[np.str_]
 
     @property
+    def bus_voltage_v(self) -> FloatArray:
+        """Voltage of the bus [V]."""
+        return self.bus_power_w / self.bus_current_a
+
+    @property
     def feasible(self) -> BoolArray:
         """True where the point is feasible."""
         return np.asarray(self.reason == "")

@@ -29,7 +29,7 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
-from studies.render.sentences import cells_lines
+from studies.render.sentences import cells_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -215,7 +215,7 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{aircraft.name}: solar cells",
-        notes=cells_lines(cells_record(aircraft))[:1],
+        notes=[cells_line(cells_record(aircraft)["solar_cells"])],
         size_in=(_WIDTH_IN, _AROUND_IN + _WIDTH_IN * aft_m / wing.wingspan_m),
         grid="",
     )

@@ -9,21 +9,16 @@ import numpy as np
 
 from missions.dates import date_label, day_of_year
 from missions.mission.scenarios import latitude_label
-from sizing.balance.assessment import BalanceAssessment
-from sizing.balance.drag import DragShares
 from sizing.day.replay import CalendarRun
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
 from studies.render.numbers import amount, date_and_clock, hours, percent
 from studies.render.parts import (
-    battery_lines,
-    facts_of,
     in_columns,
+    part_blocks,
     relaxation_table,
     sources,
-    structure_lines,
-    wind_source,
 )
 from studies.render.tables import ALL, MISSING, Line, Table, facts
 
@@ -50,59 +45,50 @@ def _status(analysis: Analysis) -> str:
 
 def blocks(analysis: Analysis, level: int) -> list[Any]:
     """Return the answer, facts, what would make it perpetual, and how sure it is."""
-    scenarios = len(analysis.performance.cycle.status)
-    several = scenarios > 1
+    return [block for section in sections(analysis, level).values() for block in section]
+
+
+def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
+    """Return the blocks of an analysis by what they are about, in the order of reading."""
+    everything, scenarios = level >= ALL, len(analysis.performance.cycle.status)
     title = (
         f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}"
-        f"{f', worst of {scenarios} scenarios' if several else ''}: {_status(analysis)}"
+        f"{f', worst of {scenarios} scenarios' if scenarios > 1 else ''}: {_status(analysis)}"
     )
-    shown: list[Any] = [Line(title, "strong"), say.answer(analysis)]
-    shown += in_columns(_analysis_facts(analysis, level), analysis.masses_kg, level)
-    if level >= ALL:
-        shown += _analysis_parts(analysis)
-        if several:
-            shown.append(scenario_table(analysis))
-    if analysis.relaxations and level >= ALL:
-        shown.append(relaxation_table(analysis.relaxations, "perpetual"))
-    elif analysis.relaxations:
-        shown.append(say.relaxations_line(analysis.relaxations[:2], "perpetual"))
-    if analysis.flight is not None:
-        table = flight_table(analysis.flight)
-        text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
-        shown.append(table if level >= ALL else f"{table.title}: {text}")
-    if level >= ALL:
-        shown += battery_lines(analysis)
-        shown += say.cells_lines(analysis.cells or {})
+    facts = in_columns(_analysis_facts(analysis, level), analysis, level)
     beyond = say.coverage_line(analysis)
-    if beyond is not None:
-        shown.append(Line(beyond, "warning"))
-    shown += [*extrapolation_blocks(analysis.extrapolations, level), *sources(analysis, level)]
-    if analysis.excess_time_h < 0.0:
-        shown.append(Line(q.BELOW_ZERO, "faint"))
-    error = say.uncertainty_line(analysis)
-    return [*shown, Line(error, "faint")]
+    return {
+        "answer": [Line(title, "strong"), say.answer(analysis), *facts],
+        "parts": part_blocks(analysis) if everything else [],
+        "scenarios": [scenario_table(analysis)] if everything and scenarios > 1 else [],
+        "relaxations": _relaxations(analysis, level),
+        "flight": _flight(analysis, level),
+        "warnings": [] if beyond is None else [Line(beyond, "warning")],
+        "extrapolations": extrapolation_blocks(analysis.extrapolations, level),
+        "sources": sources(analysis, level),
+        "error": [
+            *([Line(q.BELOW_ZERO, "faint")] if analysis.excess_time_h < 0.0 else []),
+            Line(say.uncertainty_line(analysis), "faint"),
+        ],
+    }
 
 
-def _analysis_parts(analysis: Analysis) -> list[Any]:
-    """Return power, propulsion, structure, drag and balance."""
-    masses, mission = analysis.part_masses, analysis.mission
-    shown: list[Any] = [say.power_line(analysis.power_budget, mission), *wind_source(mission)]
-    if masses is not None:
-        shown.append(say.part_masses_line(masses))
-    if analysis.varying_efficiency is not None:
-        shown.append(say.varying_line(analysis.varying_efficiency))
-    shown += structure_lines(analysis)
-    shares, balance = analysis.drag_coefficients, analysis.balance
-    if shares is not None:
-        coefficient = q.TABLE["drag_coefficient"].text(float(shares.parasitic))
-        text = (
-            f"Parasitic drag, all but the wing and the trim: C_D {coefficient}, "
-            f"{percent(shares.parasitic / shares.total)} of the drag."
-        )
-        shown += [drag_table(shares), text]
-    if balance is not None:
-        shown += [balance_table(balance), *say.balance_lines(balance)]
-    return shown
+def _relaxations(analysis: Analysis, level: int) -> list[Any]:
+    """Return what alone would make a flight perpetual."""
+    if not analysis.relaxations:
+        return []
+    if level >= ALL:
+        return [relaxation_table(analysis.relaxations, "perpetual")]
+    return [say.relaxations_line(analysis.relaxations[:2], "perpetual")]
+
+
+def _flight(analysis: Analysis, level: int) -> list[Any]:
+    """Return the flight on the calendar, where there is one."""
+    if analysis.flight is None:
+        return []
+    table = flight_table(analysis.flight)
+    text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
+    return [table if level >= ALL else f"{table.title}: {text}"]
 
 
 def _endurance(values: Mapping[str, Any]) -> float | str:
@@ -112,19 +98,14 @@ def _endurance(values: Mapping[str, Any]) -> float | str:
 
 def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
     values, design = analysis.scenario(), analysis.design
-    shown = {quantity: values[quantity.name] for quantity in q.IN_FLIGHT} | {
-        q.ENDURANCE: _endurance(values)
-    }
+    shown = values | {q.ENDURANCE.name: _endurance(values)}
     if np.isnan(analysis.sunrise_h) or np.isnan(analysis.best_launch_h):
-        del shown[q.BEST_LAUNCH]  # without sun every launch is as good
-    of_design = {quantity: quantity.of(design) for quantity in q.OF_AIRCRAFT}
+        del shown[q.BEST_LAUNCH.name]  # without sun every launch is as good
     return [
-        *facts_of(shown, level),
+        *q.facts_of(q.IN_FLIGHT, shown, level),
         *_climb_facts(analysis, level),
-        *facts_of(of_design, level),
-        *facts_of(
-            {quantity: values[quantity.name] for quantity in (q.LOAD, q.SOLAR_ENERGY)}, level
-        ),
+        *q.facts_of(q.OF_AIRCRAFT, design, level),
+        *q.facts_of((q.LOAD, q.SOLAR_ENERGY), values, level),
         *say.wind_rows(analysis.mission),
     ]
 
@@ -188,35 +169,3 @@ def flight_table(run: CalendarRun) -> Table:
     if run.empty_clock_h is not None:
         rows.append(("battery empty", date_and_clock(run.empty_clock_h, first_day)))
     return facts("flight on the calendar", rows)
-
-
-_DRAG_WORDS = {
-    "wing_profile": "wing, profile",
-    "wing_induced": "wing, induced",
-    "horizontal_tail": "horizontal tail",
-    "vertical_tail": "vertical tail",
-    "gaps": "gaps, leaks, protuberances",
-    "other": "constants of the file",
-}
-_MASS_WORDS = {"mppt": "MPPT", "spar_caps": "spar caps", "spar_web": "spar web"}
-
-
-def drag_table(shares: DragShares) -> Table:
-    """Return the drag of the parts in level flight, with their shares."""
-    columns = q.group("part drag_coefficient share_of_drag")
-    rows = [
-        (_DRAG_WORDS.get(name, name), float(coefficient), float(coefficient / shares.total))
-        for name, coefficient in (*shares._asdict().items(), ("sum", shares.total))
-        if coefficient != 0.0
-    ]
-    return Table("drag budget of level flight", columns, tuple(rows))
-
-
-def balance_table(balance: BalanceAssessment) -> Table:
-    """Return the masses with their places."""
-    columns = q.group("item mass_kg place_m")
-    rows = [
-        (_MASS_WORDS.get(item.name, item.name), item.mass_kg, item.x_m) for item in balance.items
-    ]
-    rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
-    return Table("balance, from the leading edge of the wing root", columns, tuple(rows))

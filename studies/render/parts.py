@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
+from sizing.balance.assessment import BalanceAssessment
+from sizing.balance.drag import DragShares
 from sizing.parameters import unit_text
 from sizing.relaxed_flight import Relaxation
 from sizing.results.conditions import wind_of
@@ -18,18 +20,19 @@ from studies.render.words import parameter_words
 
 if TYPE_CHECKING:
     from sizing.results.analysis import Analysis
+    from sizing.results.propulsion import PowerBudget
     from sizing.results.sizing_study import SizingStudy
 
 
 _SCREEN, _GAPS = 80, 2 + 5 + 2  # characters of a line, and those between two columns of facts
+_NOTHING_W = 1e-9
+PARTS = (("propulsion", "cells"), ("balance", "battery"))  # beside each other
 
 
-def in_columns(
-    rows: list[tuple[str, str]], masses_kg: Mapping[str, float] | None, level: int
-) -> list[Any]:
-    """Return facts in two columns, long ones below; at level 2 with the mass budget beside."""
+def in_columns(rows: list[tuple[str, str]], analysis: Analysis, level: int) -> list[Any]:
+    """Return facts in two columns, long ones below; at level 2 with the budgets beside."""
     if level >= ALL:
-        return [facts("", rows) if masses_kg is None else (facts("", rows), mass_table(masses_kg))]
+        return [(facts("", rows), facts("", _budgets(analysis)))]
     lines: list[Any] = []
     while True:
         half = (len(rows) + 1) // 2
@@ -42,12 +45,46 @@ def in_columns(
         lines.append(": ".join(longest))
 
 
-def facts_of(values: Mapping[q.Quantity, Any], level: int) -> list[tuple[str, str]]:
-    """Return the quantities of a level that have a value."""
-    shown = (
-        (quantity, value) for quantity, value in values.items() if quantity.importance <= level
-    )
-    return [quantity.fact(value) for quantity, value in shown if value is not None]
+def _budgets(analysis: Analysis) -> list[tuple[str, str]]:
+    """Return the budgets of mass, where it is known, and of power; each with its sum."""
+    masses_kg, budget = analysis.masses_kg, analysis.power_budget
+    rows = [(q.words(item), amount(mass, "kg")) for item, mass in (masses_kg or {}).items()]
+    title = "power at its own airspeed" if analysis.mission.holds_station else "power budget"
+    return [
+        *([("mass budget", "")] if rows else []),
+        *rows,
+        (title, amount(budget.bus_w, "W")),
+        *((label, amount(watts, "W")) for label, watts in power_rows(budget)),
+    ]
+
+
+def power_rows(budget: PowerBudget) -> tuple[tuple[str, float], ...]:
+    """Return the rows of a power budget in words [W], without those of nothing."""
+    return tuple((q.words(key), w) for key, w in budget.watts.items() if w > _NOTHING_W)
+
+
+def part_tables(result: Any, *parts: str) -> tuple[Table, ...]:
+    """Return what is known of the parts of an analysis, a list of facts for each of them."""
+    every = ((part, [row for row in q.TABLE.values() if row.part == part]) for part in parts)
+    tables = ((part, q.facts_of(quantities, result)) for part, quantities in every)
+    return tuple(facts(part, rows) for part, rows in tables if rows)
+
+
+def part_blocks(analysis: Analysis) -> list[Any]:
+    """Return wind, structure, drag and balance, the facts of all parts, and what is wrong."""
+    shares, balance, cells = analysis.drag_coefficients, analysis.balance, analysis.cells or {}
+    varying, placed = analysis.varying_efficiency, cells.get("solar_cells")
+    every = (part_tables(analysis, *parts) for parts in PARTS)
+    return [
+        *wind_source(analysis.mission),
+        *structure_lines(analysis),
+        *([] if shares is None else [drag_table(shares)]),
+        *([] if balance is None else [balance_table(balance)]),
+        *(tables for tables in every if tables),
+        *([] if placed is None else [say.cells_line(placed)]),
+        *([] if balance is None else say.balance_notes(balance)),
+        *([] if varying is None else say.beyond_parts(varying)),
+    ]
 
 
 def wind_source(mission: Mission) -> Iterable[str]:
@@ -67,12 +104,6 @@ def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
     return [Line(text, "faint") for text in lines]
 
 
-def battery_lines(result: Analysis | SizingStudy) -> list[Any]:
-    """Return the battery in the mission's air in a line; none where nothing changes it."""
-    condition = result.battery_condition
-    return [] if condition is None else [say.battery_line(result.aircraft, condition)]
-
-
 def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
     """Return what sizes the structure, and what its criteria do not cover."""
     structure = result.structure
@@ -81,11 +112,25 @@ def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
     return [structure.headline(), *(Line(text, "faint") for text in structure.remarks)]
 
 
-def mass_table(masses_kg: Mapping[str, float]) -> Table:
-    """Return the mass budget as a list of facts."""
-    words = {"mppt": "MPPT"}
-    masses = [(words.get(item, item), amount(mass, "kg")) for item, mass in masses_kg.items()]
-    return facts("", [("mass budget", ""), *masses])
+def drag_table(shares: DragShares) -> Table:
+    """Return the drag of the parts in level flight, with their shares."""
+    columns = q.group("part drag_coefficient share_of_drag")
+    parts = {q.words(name): coefficient for name, coefficient in shares._asdict().items()}
+    parts |= {"sum": shares.total, "all but wing and trim": shares.parasitic}
+    rows = [
+        (name, float(coefficient), float(coefficient / shares.total))
+        for name, coefficient in parts.items()
+        if coefficient != 0.0
+    ]
+    return Table("drag budget of level flight", columns, tuple(rows))
+
+
+def balance_table(balance: BalanceAssessment) -> Table:
+    """Return the masses with their places."""
+    columns = q.group("item mass_kg place_m")
+    rows = [(q.words(item.name), item.mass_kg, item.x_m) for item in balance.items]
+    rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
+    return Table("balance, from the leading edge of the wing root", columns, tuple(rows))
 
 
 def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:

@@ -16,11 +16,9 @@ from sizing.balance.assessment import BalanceAssessment
 from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import unit_text
-from sizing.propulsion.chain import LINKS
-from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.relaxed_flight import Relaxation
-from sizing.results.conditions import BatteryCondition, Spread, wind_of
-from sizing.results.propulsion import Instant, PartMasses, PowerBudget, VaryingEfficiency
+from sizing.results.conditions import wind_of
+from sizing.results.propulsion import VaryingEfficiency
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
@@ -28,7 +26,6 @@ from studies.render.numbers import (
     amount,
     change_text,
     clock_of_day,
-    counted,
     hours,
     percent,
     with_unit,
@@ -357,35 +354,6 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
     return [(words, f"{' to '.join(ends)} m/s")]
 
 
-def battery_line(aircraft: Aircraft, condition: BatteryCondition) -> str:
-    """Return the battery's state in a line, such as ``battery at 12 °C: 90 % of its capacity``."""
-    words = "battery"
-    if condition.pack_temperature_c is not None:
-        words += f" at {_spread(condition.pack_temperature_c)} °C"
-    if condition.cycles is not None:
-        words += f", after {condition.cycles:.0f} cycles and {condition.months:.0f} months"
-    words += f": {_spread(condition.capacity_fraction, 100.0)} % of its capacity"
-    heater_w = condition.heater_power_w
-    if not isinstance(heater_w, Spread):
-        words += f", heated with {heater_w:.1f} W" if heater_w > 0.0 else ""
-    elif heater_w.highest > 0.0:
-        words += (
-            f", heated with {heater_w.mean:.1f} W on average and up to {heater_w.highest:.1f} W"
-        )
-    if aircraft.battery.resistance is not None:
-        charge, discharge = condition.charge_efficiency, condition.discharge_efficiency
-        words += f", efficiencies {charge:.3f} (charge) and {discharge:.3f} (discharge)"
-    return words
-
-
-def _spread(value: float | Spread, factor: float = 1.0) -> str:
-    """Return a number, or the ends of what changes with the days."""
-    if not isinstance(value, Spread):
-        return f"{factor * value:.0f}"
-    low, high = (f"{factor * end:.0f}" for end in (value.lowest, value.highest))
-    return low if low == high else f"{low} to {high}"
-
-
 def catalogue_line(aircraft: Aircraft) -> str | None:
     """Return the values that catalogues gave, by product; None where they gave none."""
     taken = aircraft.from_catalogues()
@@ -399,173 +367,36 @@ def catalogue_line(aircraft: Aircraft) -> str | None:
 # ---- Parts
 
 
-_POWER_WORDS = {
-    "aerodynamic_w": "drag of level flight",
-    **{f"{link}_loss_w": f"lost in the {link}" for link in reversed(LINKS)},
-    "propulsion_w": "propulsion in level flight (measured)",
-    "turbulence_w": "turbulence",
-    "avionics_w": "avionics",
-    "payload_w": "payload",
-    "supply_loss_w": "lost in the power supply",
-    "heater_w": "heater of the battery",
-}
-_SHOWN = 1e-5  # of the chain: the fourth digit of what is printed
-
-
-def power_rows(budget: PowerBudget) -> tuple[tuple[str, float], ...]:
-    """Return the rows of a power budget in words [W], without those of nothing."""
-    return tuple((_POWER_WORDS[key], w) for key, w in budget.watts.items() if w > 1e-9)
-
-
-def power_note(budget: PowerBudget) -> str:
-    """Return what the efficiencies of a power budget are."""
-    if not budget.efficiencies:
-        return "Only the whole power of a measured aircraft is known, not the share of drag."
-    chain = f"From battery to thrust: {percent(budget.efficiencies['chain'])}"
-    if budget.point is None:
-        return f"{chain} by constants of the file (assumed)."
-    point, off = budget.point, (budget.assumed or 0.0) - budget.efficiencies["chain"]
-    rest = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > _SHOWN else ""
-    return (
-        f"{chain} at the operating point: propeller {float(point.rotation_rpm):.0f} rpm, "
-        f"motor {float(point.motor_current_a):.2f} A, duty {float(point.duty):.2f} of "
-        f"{amount(float(point.bus_power_w / point.bus_current_a), 'V')}{rest}."
-    )
-
-
-# Words that are long in a sentence.
-_LEFT_OUT = ("lost in the ", " of level flight", " in level flight (measured)")
-
-
-def power_line(budget: PowerBudget, mission: Mission) -> str:
-    """Return the power budget in a sentence; faster flight against the wind is not part of it."""
-    parts = []
-    for name, watts in power_rows(budget):
-        for words in _LEFT_OUT:
-            name = name.replace(words, "")
-        parts.append(f"{name} {amount(watts, 'W')}")
-    slow = " at its own airspeed" if mission.holds_station else ""
-    rows = f"{amount(budget.bus_w, 'W')}: {', '.join(parts)}"
-    return f"power in level flight{slow}, {rows}. {power_note(budget)}"
-
-
-def part_masses_line(masses: PartMasses) -> str:
-    """Return the estimated masses in a sentence."""
-    parts = []
-    for name, size, mass_kg, fit in (
-        ("motor", "torque", masses.motor_kg, motor_mass_fit()),
-        ("propeller", "diameter", masses.propeller_kg, propeller_mass_fit()),
-    ):
-        if mass_kg is not None:
-            low, high = mass_kg / fit.scatter, mass_kg * fit.scatter
-            parts.append(
-                f"{name} {amount(mass_kg, 'kg')} by the {size} of {fit.number} {name}s of the "
-                f"catalogue, which scatter by a factor of {fit.scatter:.2f} "
-                f"({low:.3f} to {amount(high, 'kg')})"
-            )
-    if masses.gearbox_kg is not None:
-        gearbox = amount(masses.gearbox_kg, "kg")
-        parts.append(f"gearbox {gearbox} by its torque (NASA/TM-2009-215680)")
-    return f"estimated masses of a propulsor: {', '.join(parts)}."
-
-
-# Of the power: an error that would show in the efficiency as it is printed.
-_REPORTED_ERROR = 1e-3
-
-
-def varying_line(varying: VaryingEfficiency) -> str:
-    """Return what the varying efficiency changes, in a sentence or two."""
-    excess_h, level_h = varying.excess_time_h, varying.level_excess_time_h
-    text = f"excess time {hours(excess_h)}" if np.isfinite(excess_h) else "unlimited excess time"
-    night, most = varying.night, varying.most
-    parts = [
-        f"propulsion at the load of the moment: {text}, {hours(level_h)} by level "
-        f"flight's efficiency; {_efficiency(night)} at {amount(night.bus_voltage_v, 'V')} at the "
-        f"end of the night, {percent(night.state_of_charge, '.0f')} charge"
-    ]
-    if most is not None:
-        parts.append(
-            f", {_efficiency(most)} at {amount(most.bus_voltage_v, 'V')} in thermals, "
-            f"{most.load:.2f} times the power of level flight"
-        )
-    if varying.interpolation_error > _REPORTED_ERROR:
-        parts.append(f"; the table of the march is {varying.interpolation_error:.1e} off")
-    reasons = [
-        instant.reason for instant in (night, most) if instant is not None and instant.reason
-    ]
-    return "".join([*parts, ".", *(f" Beyond the parts: {reason}." for reason in reasons[:1])])
-
-
-def _efficiency(instant: Instant) -> str:
-    known = np.isfinite(instant.efficiency)
-    return percent(instant.efficiency) if known else "beyond what the parts can do"
-
-
 _CLOSE = 0.01  # what a weighed list and the mass budget may differ by without a note
 
 
-def balance_lines(balance: BalanceAssessment) -> list[str]:
-    """Return static margin, tail, trim and controls in sentences."""
-    tail, level, out = balance.planes, balance.level, balance.motor_out
-    stable = "stable" if balance.static_margin > 0.0 else "unstable"
-    lines = [
-        f"Static margin {percent(balance.static_margin)} of the mean aerodynamic chord "
-        f"({stable}): centre of gravity at {percent(balance.in_chord(balance.gravity_m))}, "
-        f"neutral point at {percent(balance.in_chord(balance.neutral_point.x_m))} of "
-        f"{amount(balance.wing.aerodynamic_chord_m, 'm')}.",
-        f"Tail planes of {tail.horizontal_m2:.3f} and {tail.vertical_m2:.3f} m², "
-        f"{tail.arm_m:.2f} m behind the wing; trimmed C_L {level.wing_lift:.3f} of the wing and "
-        f"{level.tail_lift:.3f} of the tail, trim drag {level.drag:+.5f} "
-        f"({percent(level.drag / balance.drag_coefficient, '+.1f')} of the drag).",
-        f"Elevator, trailing edge up positive, of {balance.elevator_limit_deg:g}°: "
-        f"{-balance.elevator_deg:+.1f}° trims 1.2 times the stall speed, "
-        f"{-balance.elevator_at_stall_deg:+.1f}° the stall. Rudder at 1.2 times the stall speed: "
-        f"{balance.sideslip_deg:.0f}° of sideslip, {amount(balance.crosswind_m_per_s, 'm/s')} of "
-        "crosswind"
-        + ("." if out is None else f"; one motor out needs {percent(out, '.0f')} of it."),
-    ]
-    if (margin := balance.required_margin) is not None:
-        volume = balance.volume_for_margin
-        would = "no horizontal tail" if volume is None else f"a horizontal volume of {volume:.3f}"
-        lines[0] += f" The {percent(margin, 'g')} asked for would take {would}."
+def balance_notes(balance: BalanceAssessment) -> list[str]:
+    """Return that a balance is unstable, and how far weighed masses are off the mass budget."""
+    notes = [] if balance.static_margin > 0.0 else ["unstable: the static margin is negative"]
+    if balance.required_margin is not None and balance.volume_for_margin is None:
+        notes.append("no horizontal tail has the required static margin")
     off = balance.mass_kg / balance.design_mass_kg - 1.0
     if abs(off) > _CLOSE:
-        lines.append(
+        notes.append(
             f"The weighed masses add up to {amount(balance.mass_kg, 'kg')}, "
             f"{percent(off, '+.1f')} off the mass budget of {amount(balance.design_mass_kg, 'kg')}."
         )
-    return lines
+    return notes
 
 
-def cells_lines(record: Mapping[str, Any]) -> list[str]:
-    """Return whole cells in words, from their record: a line for modules, one for the battery."""
-    lines = []
-    solar, strings = record.get("solar_cells"), record.get("strings")
-    pack = record.get("battery_pack")
-    if solar is not None:
-        rows = ", then ".join(rows_text(bay) for bay in solar["rows_of_each_half"])
-        text = f"solar cells: {solar['count']}, each half of the wing {rows}"
-        if solar["tail_rows"]:
-            text += f", the tail {rows_text(solar['tail_rows'])}"
-        if strings is not None:
-            series = strings["cells_in_series"]
-            series = ", ".join(map(str, series)) if isinstance(series, list) else series
-            text += (
-                f"; {counted(strings['count'], 'string')} of {series} on "
-                f"{counted(strings['mppts'], 'MPPT')}, {strings['hottest_mpp_voltage_v']:.1f} to "
-                f"{amount(strings['coldest_mpp_voltage_v'], 'V')}, "
-                f"{amount(strings['coldest_open_voltage_v'], 'V')} unloaded"
-            )
-        lines.append(text)
-    if pack is not None:
-        series, parallel = pack["cells_in_series"], pack["cells_in_parallel"]
-        text = f"battery cells: {series * parallel}, {series} in series and {parallel} in parallel"
-        if pack["empty_voltage_v"] is not None:
-            text += f", {pack['empty_voltage_v']:.1f} to {amount(pack['full_voltage_v'], 'V')}"
-        if pack["charge_current_a"] is not None:
-            text += f", charged with at most {amount(pack['charge_current_a'], 'A')}"
-        lines.append(text)
-    return lines
+def cells_line(solar_cells: Mapping[str, Any]) -> str:
+    """Return where whole solar cells lie, from their record."""
+    rows = ", then ".join(rows_text(bay) for bay in solar_cells["rows_of_each_half"])
+    tail = solar_cells["tail_rows"]
+    on_tail = f", the tail {rows_text(tail)}" if tail else ""
+    return f"solar cells: {solar_cells['count']}, each half of the wing {rows}{on_tail}"
+
+
+def beyond_parts(varying: VaryingEfficiency) -> list[str]:
+    """Return why the propulsion's parts cannot do what the day asks of them."""
+    every = (varying.night, varying.most)
+    reasons = [instant.reason for instant in every if instant is not None and instant.reason]
+    return [f"beyond the parts: {reason}" for reason in reasons[:1]]
 
 
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:

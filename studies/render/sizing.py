@@ -14,13 +14,11 @@ from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
 from studies.render.numbers import change_text, hours, percent, with_unit
 from studies.render.parts import (
-    battery_lines,
-    facts_of,
     in_columns,
+    part_blocks,
     relaxation_table,
     sources,
     structure_lines,
-    wind_source,
 )
 from studies.render.sizing_tables import (
     build_table,
@@ -68,11 +66,12 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
         shown.append(Line(f"at the end of the design space: {words}", "warning"))
-    shown += in_columns(_sizing_facts(study, level), study.masses_kg, level)
+    assert study.optimum is not None
+    shown += in_columns(_sizing_facts(study, level), study.optimum, level)
     shown += _limits(study, level, at_bounds)
     shown += _requested(study, level)
     if level >= ALL:
-        shown += [*_sizing_parts(study), requirement_table(study.margins)]
+        shown += [*part_blocks(study.optimum), requirement_table(study.margins)]
     return [*shown, *_builds(study, level), *_confidence(study, level)]
 
 
@@ -83,9 +82,9 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     excess, charge = (quantity.fact(optimum.value_in_worst(quantity.name)) for quantity in q.ENOUGH)
     where = f"{clear}{q.EXCESS_TIME.label}, {optimum.worst_scenario.label}"
     flight, objective = study.mission.flight, study.objective
-    values = {q.TABLE[key]: value for key, value in study.design_values().items()}
-    rows = facts_of(values, level)
-    if objective.variable not in (*(quantity.name for quantity in values), "worst_excess_time_h"):
+    values = study.design_values()
+    rows = q.facts_of(map(q.TABLE.__getitem__, values), values, level)
+    if objective.variable not in (*values, "worst_excess_time_h"):
         value = with_unit(study.result.objective_value, ".4g", objective)
         rows.insert(0, (objective.label, value))
     if flight is not None:
@@ -122,24 +121,16 @@ def _requested(study: SizingStudy, level: int) -> list[Any]:
     return shown
 
 
-def _sizing_parts(study: SizingStudy) -> list[Any]:
-    """Return power, propulsion, structure and balance."""
-    optimum = study.optimum
-    assert optimum is not None
-    shown = [say.power_line(optimum.power_budget, study.mission), *wind_source(study.mission)]
-    if optimum.part_masses is not None:
-        shown.append(say.part_masses_line(optimum.part_masses))
-    shown += structure_lines(study)
-    return shown if optimum.balance is None else [*shown, *say.balance_lines(optimum.balance)]
-
-
 def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
     """Return whole cells, what they cost, and the designs that were tried."""
     cells = study.cells
     if study.whole_cells is None or cells is None:
         return []
-    lines = [say.loss_line(cells, study.objective), *say.cells_lines(cells)]
-    return [*lines, neighbour_table(cells, study.objective)] if level >= ALL else lines
+    lines: list[Any] = [say.loss_line(cells, study.objective)]
+    if level >= ALL:
+        return [*lines, neighbour_table(cells, study.objective)]
+    placed = cells.get("solar_cells")
+    return lines if placed is None else [*lines, say.cells_line(placed)]
 
 
 def _survival(study: SizingStudy, level: int) -> list[Any]:
@@ -192,8 +183,7 @@ def _builds(study: SizingStudy, level: int) -> list[Any]:
 def _confidence(study: SizingStudy, level: int) -> list[Any]:
     """Return how sure the answer is: ranges of the models, their error, margins."""
     optimum = study.optimum
-    shown: list[Any] = battery_lines(study) if level >= ALL else []
-    shown += [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
+    shown: list[Any] = [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
     if optimum is not None:
         error = say.uncertainty_line(optimum)
         shown.append(Line(error, "faint"))

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from sizing.parameters import unit_text
+from sizing.results.conditions import Spread
 from sizing.results.result import data_frame
 from studies.render.layout import Grid, paragraph, side_by_side
 
@@ -77,6 +78,8 @@ class Column:
             return self.missing
         if isinstance(value, str):
             return value
+        if isinstance(value, Spread):
+            return " to ".join(dict.fromkeys(map(self.text, (value.lowest, value.highest))))
         if isinstance(value, bool):
             return "yes" if value else "no"
         if math.isinf(value):
@@ -240,6 +243,7 @@ class Summary:
                 lines += [("", "plain")] if block.title and lines else []
                 lines += block.styled_lines(width)
             else:
+                lines += [("", "plain")] if any(table.title for table in block) and lines else []
                 lines += _beside(block, width)
         return lines
 

@@ -9,6 +9,7 @@ from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
 from studies.render.numbers import hours, percent
+from studies.render.parts import part_tables
 from studies.render.tables import ALL, Line, Table, clock_label, facts
 
 if TYPE_CHECKING:
@@ -28,8 +29,8 @@ def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
     shown: list[Any] = [Line(headline(analysis), "strong"), facts("", _rows(analysis))]
     if level >= ALL:
         shown += _weather_tables(analysis)
-    if (condition := analysis.battery_condition) is not None:
-        shown.append(say.battery_line(analysis.aircraft, condition))
+    if analysis.battery_condition is not None:
+        shown.append(part_tables(analysis, "battery"))
     shown += extrapolation_blocks(analysis.extrapolations, level)
     if level >= ALL:
         shown += [Line(f"record: {text}", "faint") for text in analysis.weather.repairs]

@@ -6,15 +6,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from studies.render.tables import Emphasis, Line, Table
+from studies.render.tables import Line, Table
 
 if TYPE_CHECKING:
     from studies.render.tables import Block as SummaryBlock
 
 
-def sentence(clause: str, looks: Emphasis = "plain") -> Line:
-    """Return a clause of a summary as a paragraph."""
-    return Line(f"{clause[:1].upper()}{clause[1:]}.", looks)
+def sentence(line: Line) -> Line:
+    """Return a line of a summary as a paragraph; strong ones begin with a name."""
+    if line.emphasis == "strong":
+        return line
+    end = "" if line.text.endswith((".", ":")) else "."
+    return replace(line, text=f"{line.text[:1].upper()}{line.text[1:]}{end}")
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ class Section:
     untitled: str = ""
 
     def shown(self) -> list[tuple[str, Any]]:
-        """Return kind and content of what is shown: lines that begin with a dash are one list."""
+        """Return kind and content of what is shown: items and indented lines are one list."""
         shown: list[tuple[str, Any]] = []
         for block in self.blocks:
             if isinstance(block, Table | tuple):
@@ -121,10 +124,10 @@ class Section:
                 shown.append((type(block).__name__.lower(), block))
             else:
                 line = Line(block) if isinstance(block, str) else block
-                if not line.text.startswith("- "):
-                    shown.append(("text", line))
+                if not line.text.startswith(("- ", "  ")):
+                    shown.append(("text", sentence(line)))
                     continue
                 if not shown or shown[-1][0] != "items":
                     shown.append(("items", []))
-                shown[-1][1].append(line.text.removeprefix("- "))
+                shown[-1][1].append(line.text[2:])
         return shown

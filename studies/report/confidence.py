@@ -28,9 +28,8 @@ from solar.names import MODELS
 from solar.types import FloatArray
 from studies.quantities import TABLE
 from studies.render.numbers import percent
-from studies.render.sentences import battery_line, uncertainty_line
 from studies.render.tables import Column, Line, Table, facts
-from studies.report.blocks import Block, Listing, Section, sentence
+from studies.report.blocks import Block, Listing, Section
 from studies.report.subject import Subject
 
 
@@ -54,17 +53,12 @@ def belief_section(subject: Subject) -> Section:
     """Return what is extrapolated, the solar models' errors, and what is left out."""
     blocks: list[Block] = []
     if subject.verification is None:
-        analysis = subject.analysis
-        outside = analysis.extrapolations
-        if outside:
-            blocks.append(Line("Outside the range of a model:", "warning"))
-            blocks += [f"- {extrapolation.text}" for extrapolation in outside]
-        else:
-            blocks.append(Line("Nothing lies outside the range of a model.", "good"))
-        blocks.append(uncertainty_line(analysis))
-        condition = analysis.battery_condition
-        if condition is not None:
-            blocks.append(sentence(battery_line(subject.aircraft, condition)))
+        within = Line("Nothing lies outside the range of a model.", "good")
+        blocks = [
+            *subject.sections["warnings"],
+            *(subject.sections["extrapolations"] or [within]),
+            *subject.sections["error"],
+        ]
     left_out = [f"- {text}" for text in _left_out(subject)]
     return Section("belief", "Confidence", [*blocks, _published_errors(), *left_out])
 

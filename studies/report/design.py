@@ -12,16 +12,13 @@ from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.margins import requirement_margins
-from studies.render.analysis import balance_table, drag_table
+from studies.quantities import words
 from studies.render.design_sheet import design_sheet
 from studies.render.numbers import percent, with_unit
+from studies.render.parts import power_rows
 from studies.render.sentences import (
-    balance_lines,
-    cells_lines,
     cross_check_line,
     loss_line,
-    power_note,
-    power_rows,
     wind_rows,
 )
 from studies.render.sizing import margin_table
@@ -34,7 +31,7 @@ from studies.render.sizing_tables import (
 )
 from studies.render.tables import Line, Table, facts
 from studies.render.words import constraint_words
-from studies.report.blocks import Bars, Block, Section, sentence
+from studies.report.blocks import Bars, Block, Section
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import Drawing
 from studies.report.losses import SUMS, loss_chain
@@ -57,7 +54,7 @@ def aircraft_section(subject: Subject) -> Section:
         description=description(drawing),
         key="views",
     )
-    blocks: list[Block] = [aircraft.description] if aircraft.description else []
+    blocks: list[Block] = [Line(aircraft.description, "strong")] if aircraft.description else []
     blocks.append(views)
     if subject.verification is None:
         required_h = max(subject.mission.required_excess_time_h, 0.0)
@@ -85,29 +82,23 @@ def _design_tables(subject: Subject) -> tuple[Table, ...]:
 def budget_section(subject: Subject) -> Section:
     """Return where mass, power and the energy of the day go."""
     analysis = subject.analysis
-    load, balance, shares = analysis.power_budget, analysis.balance, analysis.drag_coefficients
-    assert load is not None  # an analysis has a design
     where = analysis.performance.day.scenarios.label(analysis.worst)
     blocks: list[Block] = [
         Bars("mass budget", "kg", ".3f", _mass_rows(subject), "total mass"),
-        Bars("load in level flight", "W", ".2f", power_rows(load), "load", note=power_note(load)),
+        Bars("load in level flight", "W", ".2f", power_rows(analysis.power_budget), "load"),
         Bars(f"from the sun to the load: energy of the day, {where}", "Wh", ".0f",
              loss_chain(analysis), sums=SUMS),
     ]  # fmt: skip
-    parts = [] if shares is None else [drag_table(shares)]
-    parts += [] if balance is None else [balance_table(balance)]
-    blocks += [tuple(parts)] if parts else []
-    blocks += [] if balance is None else balance_lines(balance)
-    return Section("budgets", "Mass, power and energy", blocks)
+    return Section("budgets", "Mass, power and energy", [*blocks, *subject.sections["parts"]])
 
 
 def _mass_rows(subject: Subject) -> tuple[tuple[str, float], ...]:
     """Return the masses of the parts [kg]; a measured airframe is a single one."""
-    names = {"mppt": "MPPT"}
-    if not isinstance(subject.aircraft.airframe, ParametricAirframe):
-        names["other"] = "airframe, propulsion and avionics (measured)"
+    measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)
+    names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
     masses = subject.analysis.performance.design.masses._asdict().items()
-    return tuple((names.get(name, name), float(kg)) for name, kg in masses if float(kg) > 0.0)
+    each = ((names.get(name, words(name)), float(kg)) for name, kg in masses)
+    return tuple((name, kg) for name, kg in each if kg > 0.0)
 
 
 # ---- Sizing
@@ -120,11 +111,9 @@ def sizing_section(subject: Subject) -> Section | None:
         return None
     objective = Objective(sizing["objective"]["name"])
     blocks: list[Block] = [*_objective_lines(sizing, objective)]
-    cells, structure = sizing.get("whole_cells"), sizing.get("structure")
+    cells = sizing.get("whole_cells")
     if cells is not None:
-        blocks += [sentence(line) for line in (loss_line(cells, objective), *cells_lines(cells))]
-    if structure is not None:
-        blocks += [sentence(text) for text in (structure["text"], *structure["remarks"])]
+        blocks.append(loss_line(cells, objective))
     blocks += _sizing_tables(sizing, objective)
     if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Line("The sensitivities were not computed.", "faint"))
@@ -133,7 +122,7 @@ def sizing_section(subject: Subject) -> Section | None:
         values: dict[str, Any] = {k: math.nan if v is None else v for k, v in record.items()}
         check = CrossCheck(**values)
         line = cross_check_line(check, objective)
-        blocks.append(sentence(line, "good" if check.cross_checked else "warning"))
+        blocks.append(Line(line, "good" if check.cross_checked else "warning"))
     elif not objective.of_range:
         blocks.append(Line("The optimum was not cross-checked.", "faint"))
     if sizing.get("builds"):

@@ -17,7 +17,7 @@ from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
 from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, group
-from studies.render.analysis import flight_table, scenario_table
+from studies.render.analysis import scenario_table
 from studies.render.tables import ALL, Table
 from studies.report.blocks import Block, Section
 from studies.report.figures import page_figure, page_options
@@ -61,7 +61,7 @@ def day_section(subject: Subject) -> Section:
         plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
         caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
         blocks.append(page_figure(plot, caption, title="Flight on the calendar", key="calendar"))
-        blocks.append(flight_table(analysis.flight))
+        blocks += subject.sections["flight"]
     return Section("day", "The day", blocks)
 
 

@@ -20,6 +20,7 @@ from sizing.results.weather import analyse_weather
 from studies.models.comparison import compare
 from studies.models.solar_models import attitude_is_known
 from studies.output.run_folder import RunInputs, run_record
+from studies.render.analysis import sections
 
 if TYPE_CHECKING:
     from missions.weather.record import Weather
@@ -66,6 +67,11 @@ class Subject:
         """Aircraft on its mission."""
         others = vars(self.solar) | {"known_mass_kg": self.known_mass_kg}
         return analyse(self.aircraft, self.mission, **others)
+
+    @cached_property
+    def sections(self) -> dict[str, list[Any]]:
+        """Blocks of the analysis, by what they are about."""
+        return sections(self.analysis)
 
     @cached_property
     def record(self) -> dict[str, Any]:

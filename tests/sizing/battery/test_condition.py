@@ -23,7 +23,7 @@ from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
 from sizing.results.conditions import battery_condition
-from studies.render.sentences import battery_line
+from studies.render.parts import part_tables
 
 PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
 temperatures = st.floats(-60.0, 60.0)
@@ -198,15 +198,16 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same():
     assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
 
 
-def test_the_line_says_temperature_age_and_what_is_left():
+def test_facts_have_temperature_age_and_what_is_left():
     loaded = aircraft("atlantiksolar-as2", *IN_FLIGHT)
     air = COLD.air_state().temperature_c, COLD.altitude_m
-    line = battery_line(loaded, battery_condition(loaded, *air))
-    assert line.startswith(
-        "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
-    )
-    text = analyse(loaded, COLD).at_level(2).to_text()
-    assert "after 180 cycles" in text
+    analysis = analyse(loaded, COLD)
+    (table,) = part_tables(analysis, "battery")
+    facts = dict(table.rows)
+    assert facts["temperature"] == "10 °C"
+    assert (facts["cycles"], facts["age in months"]) == ("180", "12")
+    assert (facts["capacity left"], facts["heater"]) == ("80 %", "3.0 W")
+    assert "capacity left" in analysis.at_level(2).to_text()
     record = battery_condition(loaded, *air)._asdict()
     assert record["capacity_fraction"] == loaded.battery.capacity_fraction(-5.0)
     plain = aircraft("atlantiksolar-as2")

@@ -256,7 +256,7 @@ def test_weather_is_a_section():
 
 def test_load_and_energy_add_up():
     subject = subject_of(DESIGN, mission(payload={"mass_kg": 0.5, "power_w": 4.0}))
-    _, power, energy = budget_section(subject).blocks
+    _, power, energy, *_ = budget_section(subject).blocks
     assert isinstance(power, Bars)
     assert isinstance(energy, Bars)
     assert power.sum == pytest.approx(subject.record["power_out_w"])
