@@ -122,6 +122,7 @@ def violations(
         "of its capacity",
         "energy_balance": f"the day does not recharge the battery at {where}: short by {{missed}} "
         "of its capacity",
+        "sun": f"polar night: the sun never rises at {where}",
         POWER_AGAINST_WIND: f"flight as fast as the wind at {where} takes {{missed}} more than the "
         "rated power",
         "excess_time": flown,
@@ -137,6 +138,8 @@ def missed_by(
     task: SizingTask, solution: Solution | None, nearest: Performance
 ) -> dict[str, float]:
     """Return what the nearest design misses, relative; of energy, to the battery's capacity."""
+    if task.has_polar_night:
+        return {"sun": 1.0}
     if not np.isfinite(float(np.ravel(nearest.design.total_mass_kg)[0])):
         least = 0.0 if solution is None else solution.missed.get(MASS_BUDGET, 0.0)
         if least:

@@ -283,7 +283,7 @@ class Search:
     def _ends(self, judged: JudgedDesign) -> bool:
         """Return whether nothing better is to be expected."""
         solution, task = judged.solution, self.task
-        if not judged.flies:
+        if task.has_polar_night or not judged.flies:
             self.status = SizingStatus.infeasible
             return True
         if judged.accepted and judged.merit >= self.stop_at_merit:

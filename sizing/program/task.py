@@ -151,6 +151,11 @@ class SizingTask:
         never_dark = self.window_h is None and self.day.specific_power_w_per_m2.min() > 0.0
         return bool(never_dark and (self.required_h > 0.0 or self.maximises_excess))
 
+    @cached_property
+    def has_polar_night(self) -> bool:
+        """Whether a repeated day has no sun at all, so that no design flies through it."""
+        return self.window_h is None and bool(self.day.scenarios.in_polar_night().any())
+
     @property
     def goal_h(self) -> float:
         """Excess time that the program requires [h]; continuous solar power needs none."""

@@ -60,11 +60,7 @@ def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
     assert goal is not None
     sizings = cell_sizing.size_cells(aircraft, mission, scenarios, goal, solar)
     outside = _extrapolations_of_cells(aircraft, mission, scenarios, solar, sizings)
-    columns = _columns_of(sizings) | {"extrapolations": np.array(outside)}
-    night = scenarios.in_polar_night()
-    sunny = {name: values[~night] for name, values in columns.items()}
-    dark = {name: np.full(night.sum(), value) for name, value in _NIGHT.items()}
-    return merged(~night, sunny, dark)
+    return _columns_of(sizings) | {"extrapolations": np.array(outside)}
 
 
 def sized_flight(configuration: MapConfiguration, cell: FloatArray) -> Performance | None:
@@ -116,11 +112,3 @@ def _extrapolations_of_cells(
         checks += charge_rate_check(aircraft, mission, design, peak_w)
     texts = cell_texts(checks, len(scenarios))
     return [text if there else "" for text, there in zip(texts, sized, strict=True)]
-
-
-# Result in polar night: nothing to solve without any sun.
-_NIGHT: dict[str, Any] = {
-    "status": np.int8(SizingStatus.infeasible),
-    "violated_requirement": "sun",
-    "message": "polar night: the sun never rises",
-}

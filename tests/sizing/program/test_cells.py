@@ -111,6 +111,8 @@ def test_same_cells_give_the_same_bits():
 def test_polar_night_and_midnight_sun_are_ordinary_cells():
     found = size_cells(AIRCRAFT, MISSION, Scenarios(np.array([80.0, 80.0]), np.array([355, 172])))
     assert found.status[0] == SizingStatus.infeasible
+    assert found.requirement[0] == "sun"
+    assert found.message[0] == "polar night: the sun never rises at 80° N, 21 Dec"
     assert found.status[1] in (SizingStatus.cross_checked, SizingStatus.optimal)
 
 
