@@ -14,7 +14,7 @@ from studies.sweeps.axes import axis_label, parse_axis, points, shown_value, uni
 from studies.sweeps.plots import plot_sweep
 from studies.sweeps.study import sweep
 
-AS2, DESIGN = load_aircraft("atlantiksolar-as2"), load_aircraft("atlantiksolar-design")
+AS2 = load_aircraft("atlantiksolar-as2")
 JULY = load_mission("rafz-july")
 CELLS = ["sunpower-c60", "sunpower-e60", "sky-sailor-silicon"]
 PACKS = ["samsung-35e", "amprius-450"]
@@ -41,9 +41,6 @@ def test_an_axis_takes_names():
 def test_bad_names_are_refused(text, words):
     with pytest.raises(ValueError, match=words):
         parse_axis(text)
-
-
-def test_nothing_is_drawn_between_names():
     with pytest.raises(ValueError, match="none can be drawn"):
         points([parse_axis("modules.cell=sunpower-c60,sunpower-e60")], "lhs", samples=4)
 
