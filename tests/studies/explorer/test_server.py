@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import pytest
 
@@ -24,8 +24,7 @@ from studies.explorer.session import Session
 from studies.explorer.worker import SizingTask, Worker, WorkerEndedError, sizing_record
 
 
-@dataclass
-class Answer:
+class Answer(NamedTuple):
     status: int
     headers: dict[str, str]
     body: bytes
@@ -44,15 +43,14 @@ class Answer:
         return dict(found)
 
 
-@dataclass
-class Server:
+class Server(NamedTuple):
     port: int
     token: str
     explorer: Explorer
-    host: str = field(init=False)
 
-    def __post_init__(self):
-        self.host = f"{ADDRESS}:{self.port}"
+    @property
+    def host(self):
+        return f"{ADDRESS}:{self.port}"
 
     def ask(self, method, path, body=None, *, token="", host=None, **headers):
         connection = http.client.HTTPConnection(ADDRESS, self.port, timeout=300)
@@ -71,14 +69,9 @@ class Server:
         # A server that refuses what is too long need not read it to its end.
         with contextlib.suppress(ConnectionResetError, BrokenPipeError):
             connection.endheaders(body)
-        response = connection.getresponse()
-        answer = Answer(
-            response.status,
-            {name.lower(): value for name, value in response.getheaders()},
-            response.read(),
-        )
-        connection.close()
-        return answer
+        with contextlib.closing(connection), connection.getresponse() as response:
+            told = {name.lower(): value for name, value in response.getheaders()}
+            return Answer(response.status, told, response.read())
 
     def head(self, path, length):
         """Head of a POST, for a body that is sent by hand."""
@@ -165,25 +158,11 @@ def test_without_the_token_there_is_nothing(server, path, token):
     assert answer.status == 403
     assert "token" in answer.error()["message"]
     assert "set-cookie" not in answer.headers
-
-
-def test_a_query_of_many_fields_is_no_token(server):
-    """A page that knows no token must not make the server fail either."""
-    assert server.get(f"/?{'a=1&' * 20}token={server.token}", token=None).status == 403
+    # Somebody who opens the address alone reads why.
+    page = server.get("/", token=None, accept="text/html,*/*")
+    assert page.headers["content-type"] == "text/html; charset=utf-8"
+    assert "open the address that solar-uav explore printed" in page.body.decode()
     assert server.get("/?" + "a=1&" * 20).status == 200
-
-
-def test_somebody_who_opens_the_address_alone_reads_why(server):
-    answer = server.get("/", token=None, accept="text/html,*/*")
-    assert answer.status == 403
-    assert answer.headers["content-type"] == "text/html; charset=utf-8"
-    assert "open the address that solar-uav explore printed" in answer.body.decode()
-
-
-@pytest.mark.parametrize("path", POSTS)
-def test_without_the_token_nothing_is_computed(server, path):
-    assert server.post(path, {}, token=None).status == 403
-    assert server.post(f"{path}?token={server.token}", {}, token=None).status == 403
 
 
 def test_first_page_turns_the_token_into_a_cookie(server):
@@ -223,17 +202,43 @@ def test_localhost_is_the_same_machine(server):
     assert server.post("/api/view", {}, host=host, origin=f"http://{host}").status == 200
 
 
+OUT = {"token": None}
+
+
 @pytest.mark.parametrize(
-    "origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1:1"]
+    ("call", "more", "status"),
+    [
+        *[(f"POST {path}", OUT, 403) for path in POSTS],
+        *[(f"POST {path}?token={{token}}", OUT, 403) for path in POSTS],
+        # A page that knows no token must not make the server fail either.
+        (f"GET /?{'a=1&' * 20}token={{token}}", OUT, 403),
+        *[
+            (f"{call}", {"origin": origin}, 403)
+            for call in ("GET /api/session", "POST /api/view")
+            for origin in ("http://evil.example", "null", "https://{host}", f"http://{ADDRESS}:1")
+        ],
+        ("POST /api/view", {"origin": ""}, 403),
+        ("POST /api/view", {"content_type": "text/plain"}, 415),
+        *[("POST /api/view", {"data": {"season": season}}, 422) for season in ("fine", 3)],
+        *[("POST /api/view", {"data": {"client": client}}, 422) for client in (4, "x" * 65)],
+        ("POST /api/size", {"data": {"objective": "cheapest"}}, 422),
+        ("POST /api/size", {"data": {"objective": "longest_season"}}, 422),
+        ("POST /api/size", {"data": {"scenarios": "all"}}, 422),
+        ("PUT /api/view", {}, 405),
+        ("POST /api/session", {}, 405),
+        *[(f"GET /{path}", {}, 404) for path in ("api/view", "vendor", "api/other", "etc/passwd")],
+        *[(f"GET /{up}/session.py", {}, 404) for up in ("..", "static/../..", "%2e%2e")],
+    ],
 )
-def test_other_origins_are_refused(server, origin):
-    named = origin.format(port=server.port)
-    assert server.get("/api/session", origin=named).status == 403
-    assert server.post("/api/view", {}, origin=named).error()["kind"] == "origin"
-
-
-def test_post_needs_an_origin(server):
-    assert server.post("/api/view", {}, origin="").error()["kind"] == "origin"
+def test_other_requests_are_refused(server, call, more, status):
+    method, path = call.format(token=server.token).split(" ")
+    more = {k: v.format(host=server.host) if k == "origin" else v for k, v in more.items()}
+    if method == "POST":
+        answer = server.post(path, more.pop("data", {}), **more)
+    else:
+        answer = server.ask(method, path, **more)
+    assert answer.status == status
+    assert "origin" not in more or answer.error()["kind"] == "origin"
 
 
 @pytest.mark.parametrize(
@@ -279,19 +284,6 @@ def test_bad_field_names_value_and_range(server):
     }
 
 
-@pytest.mark.parametrize(
-    ("path", "body"),
-    [
-        *[("view", {"season": season}) for season in ("fine", 3)],
-        *[("view", {"client": client}) for client in (4, "x" * 65)],
-        *[("size", {"objective": name}) for name in ("cheapest", "longest_season")],
-        ("size", {"scenarios": "all"}),
-    ],
-)
-def test_bad_choice_is_refused(server, path, body):
-    assert server.post(f"/api/{path}", body).status == 422
-
-
 def test_too_much_is_refused(server):
     # Lengths are told and nothing is sent: a server that closes with bytes unread resets the
     # connection, and then it is chance whether its answer is read before that.
@@ -317,12 +309,19 @@ def test_a_length_of_thousands_of_digits_is_refused(server):
     assert sent[0]["status"] == 413
 
 
-def test_body_longer_than_allowed_is_cut_though_its_header_is_silent(server):
+@pytest.mark.parametrize(
+    ("header", "body", "status"),
+    [
+        ("Content-Length: 100", b"{", b"408"),  # the rest does not come
+        # Longer than allowed, of which the header says nothing.
+        ("Transfer-Encoding: chunked", 5 * (b"1000\r\n" + b" " * 4096 + b"\r\n"), b"413"),
+    ],
+)
+def test_bodies_by_hand_are_cut_or_not_waited_for(server, header, body, status, monkeypatch):
+    monkeypatch.setattr("studies.explorer.security.BODY_S", 0.02)
     with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
-        chunk = b"1000\r\n" + b" " * 4096 + b"\r\n"
-        head = server.head("/api/view", "Transfer-Encoding: chunked")
-        raw.sendall(head + chunk * 5 + b"0\r\n\r\n")
-        assert raw.recv(4096).split()[1] == b"413"
+        raw.sendall(server.head("/api/view", header) + body)
+        assert raw.recv(4096).split()[1] == status
 
 
 def test_half_sent_requests_keep_nobody_out(server):
@@ -346,30 +345,6 @@ def test_a_request_that_does_not_come_is_waited_for_no_longer(server, monkeypatc
         raw.sendall(whole[:20])  # and half a second one
         while raw.recv(4096):
             pass
-
-
-def test_a_body_that_does_not_come_is_told(server, monkeypatch):
-    monkeypatch.setattr("studies.explorer.security.BODY_S", 0.02)
-    with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
-        raw.sendall(server.head("/api/view", "Content-Length: 100") + b"{")
-        assert raw.recv(4096).split()[1] == b"408"
-
-
-def test_other_content_is_refused(server):
-    assert server.post("/api/view", b"{}", content_type="text/plain").status == 415
-
-
-@pytest.mark.parametrize(
-    ("method", "path", "status"),
-    [
-        ("PUT", "/api/view", 405),
-        ("POST", "/api/session", 405),
-        *[("GET", f"/{path}", 404) for path in ("api/view", "vendor", "api/other", "etc/passwd")],
-        *[("GET", f"/{up}/session.py", 404) for up in ("..", "static/../..", "%2e%2e")],
-    ],
-)
-def test_other_addresses_lead_nowhere(server, method, path, status):
-    assert server.ask(method, path).status == status
 
 
 def test_view_is_the_session_s(server):

@@ -112,6 +112,10 @@ def test_limited_flight_is_shown_from_its_launch_until_it_is_empty():
     assert len(flown) * step_h == pytest.approx(flight["endurance_h"], abs=2 * step_h)
     assert max(c for c in charge if c is not None) == pytest.approx(1.0, abs=0.01)
     assert set(DESIGN.day(DESIGN.settings())["curve"]["flight_charge"]) == {None}
+    for one in (DESIGN, session("atlantiksolar-as2")):
+        view = one.day(one.settings({"mission.payload.mass_kg": 0.3}))
+        total = sum(view["masses_kg"].values())
+        assert total == pytest.approx(view["numbers"]["total_mass_kg"], rel=1e-6)
 
 
 def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam():
@@ -148,13 +152,6 @@ def test_a_held_place_is_mapped_where_the_wind_is_known():
     ]
     assert all(b <= a for a, b in pairs)
     assert 0 < sum(a == b for a, b in pairs) < len(pairs)
-
-
-def test_masses_add_up_to_the_total():
-    for one in (DESIGN, session("atlantiksolar-as2")):
-        view = one.day(one.settings({"mission.payload.mass_kg": 0.3}))
-        total = sum(view["masses_kg"].values())
-        assert total == pytest.approx(view["numbers"]["total_mass_kg"], rel=1e-6)
 
 
 def test_season_is_the_map_of_the_command_line():
@@ -256,7 +253,7 @@ def test_bad_field_is_refused_in_words(key, value, words):
     assert refused.allowed
 
 
-def test_everything_that_is_wrong_is_told_together():
+def test_everything_that_is_wrong_is_told_together(tmp_path):
     wrong = {"battery.mass_kg": "x", "model": 1, "unknown": 2}
     assert set(refusals(wrong)) == set(wrong)
     assert "object" in refusals([1, 2])["settings"].message
@@ -264,6 +261,13 @@ def test_everything_that_is_wrong_is_told_together():
     plain = session("sky-sailor")
     for key, value in (("model", "FM"), ("correction", "loiter")):
         assert "module surfaces" in refusals({key: value}, plain)[key].message
+    text = shipped_text("atlantiksolar-design").replace("calibration: 1.188", "calibration: 5")
+    (tmp_path / "heavy.yaml").write_text(text, encoding="utf-8")
+    heavy = session(str(tmp_path / "heavy.yaml"))
+    wide = {"airframe.wingspan_m": 40.0, "mission.payload.mass_kg": 50.0}
+    with pytest.raises(RefusedError) as caught:
+        heavy.day(heavy.settings(wide | {"airframe.aspect_ratio": 40.0}))
+    assert caught.value.kind == "impossible"
 
 
 def test_measured_airframe_keeps_its_wing():
@@ -281,16 +285,6 @@ def test_fields_are_those_of_the_catalogue():
             assert key in catalogue()
             assert field.minimum <= field.slider[0] <= field.value <= field.slider[1]
             assert field.slider[1] <= field.maximum
-
-
-def test_impossible_design_is_refused_in_words(tmp_path):
-    text = shipped_text("atlantiksolar-design").replace("calibration: 1.188", "calibration: 5")
-    (tmp_path / "heavy.yaml").write_text(text, encoding="utf-8")
-    heavy = session(str(tmp_path / "heavy.yaml"))
-    wide = {"airframe.wingspan_m": 40.0, "mission.payload.mass_kg": 50.0}
-    with pytest.raises(RefusedError) as caught:
-        heavy.day(heavy.settings(wide | {"airframe.aspect_ratio": 40.0}))
-    assert caught.value.kind == "impossible"
 
 
 def climbing(**changes):

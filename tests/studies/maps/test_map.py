@@ -110,21 +110,24 @@ def test_file_carries_units_flags_and_configuration(data):
     np.testing.assert_array_equal(again["excess_time"], data["excess_time"])
 
 
-def test_figure_has_months_units_and_the_models_name(data):
+def test_figures_of_maps_of_any_size(data):
     figure = plot_map(data)
     axes, bar = figure.axes
     assert axes.get_ylabel() == "latitude"
     assert [t.get_text() for t in axes.get_xticklabels()][:2] == ["Jan", "Feb"]
     assert "CAM, uncorrected" in heading(figure)
     assert "[h]" in bar.get_ylabel()
-
-
-def test_maps_of_a_few_days_have_dates_and_round_numbers():
+    # A few days have dates and round numbers.
     polar_day = study.feasibility_map(AS2, JULY, latitudes=[89.0, 90.0], days=[170, 172, 174])
     axes, bar = plot_map(polar_day).axes
     assert [label.get_text() for label in axes.get_xticklabels()][::4] == ["19 Jun", "23 Jun"]
     assert axes.get_ylim()[1] == 90.0  # there is no latitude beyond the pole
     assert bar.get_yticks().tolist() == list(LEVELS_H)
+    axes = plot_map(study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[196])).axes[0]
+    (mesh,) = axes.collections
+    assert np.ptp(mesh.get_coordinates(), axis=(0, 1)).min() > 0.0
+    west, east = axes.get_xlim()
+    assert west < 196 < east
 
 
 def test_edge_of_perpetual_flight_is_drawn_between_cells(data):
@@ -164,17 +167,6 @@ def test_a_map_as_a_table_has_a_row_for_each_cell(run, tmp_path):
             cell = data.sel(latitude=latitude, day=day)
             assert row["excess_time"] == pytest.approx(float(cell["excess_time"]), nan_ok=True)
         assert set(table["status"]) <= set(data["status"].attrs["flag_meanings"].split())
-
-
-def test_picture_shows_a_map_of_one_cell():
-    one = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[196])
-    axes = plot_map(one).axes[0]
-    (mesh,) = axes.collections
-    corners = mesh.get_coordinates()
-    assert np.ptp(corners[..., 0]) > 0.0
-    assert np.ptp(corners[..., 1]) > 0.0
-    west, east = axes.get_xlim()
-    assert west < 196 < east
 
 
 def test_resized_map_tells_an_excess_time_without_end(run, tmp_path):

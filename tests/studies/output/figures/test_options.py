@@ -56,12 +56,6 @@ def test_an_image_too_large_for_the_memory_is_refused(run):
     assert not Path("large.png").exists()
 
 
-def test_a_style_is_not_read_from_a_pipe(tmp_path):
-    os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(ValueError, match="is neither a style nor a file of one"):
-        read_style(str(tmp_path / "pipe"))
-
-
 @pytest.mark.parametrize("style", [*SHIPPED_STYLES, "grayscale"])
 def test_styles_draw_with_embedded_truetype(style):
     settings = FigureOptions(style=read_style(style)).settings()
@@ -88,11 +82,16 @@ def test_mistakes_of_a_style_file_are_told_by_line(tmp_path, monkeypatch, text, 
     Path("bad.mplstyle").write_text(text)
     with pytest.raises(ValueError, match=re.escape(message)):
         read_style("bad.mplstyle")
+    os.mkfifo("pipe")
+    with pytest.raises(ValueError, match="is neither a style nor a file of one"):
+        read_style("pipe")
 
 
 def test_a_figure_has_the_size_and_the_fonts_that_were_asked_for(analysis):
     asked = FigureOptions(size_in=read_size("170x100mm"), style="paper", title=False)
+    before = dict(mpl.rcParams)
     figure = studies.plot_cycle(analysis, figure=asked)
+    assert dict(mpl.rcParams) == before
     assert figure.get_suptitle() == ""
     assert not figure.texts
     pdf = to_bytes(figure, "pdf")
@@ -100,12 +99,6 @@ def test_a_figure_has_the_size_and_the_fonts_that_were_asked_for(analysis):
     assert (width, height) == pytest.approx((72 * 170 / 25.4, 72 * 100 / 25.4))
     assert b"/FontFile2" in pdf  # TrueType, Type 42
     assert b"/Type3" not in pdf
-
-
-def test_a_style_leaves_no_trace(analysis):
-    before = dict(mpl.rcParams)
-    studies.plot_cycle(analysis, figure=FigureOptions(style="slides"))
-    assert dict(mpl.rcParams) == before
 
 
 @pytest.mark.long
@@ -159,14 +152,10 @@ def test_a_figure_too_small_for_its_axes_is_told_and_written(run, tmp_path, call
 
 
 @pytest.mark.long
-def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown():
+def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown(analysis):
     """Drawn by a canvas, as a notebook does; on the user's own figure they hold throughout."""
-    aircraft, mission = (
-        sizing.load_aircraft("atlantiksolar-as2"),
-        missions.load_mission("rafz-july"),
-    )
-    analysis = sizing.analyse(aircraft, mission)
-    data = studies.feasibility_map(aircraft, mission, latitudes=[40, 50, 60], days=[80, 172, 264])
+    where = {"latitudes": [40, 50, 60], "days": [80, 172, 264]}
+    data = studies.feasibility_map(analysis.aircraft, analysis.mission, **where)
 
     def drawn():
         shown = []
