@@ -112,13 +112,6 @@ def test_a_reliable_design_may_have_an_uncertain_chain():
     assert study.design.total_mass_kg == pytest.approx(float(design.total_mass_kg), rel=1e-4)
 
 
-def test_other_parts_do_not_scatter():
-    inputs = {"airframe.propulsion.gear.efficiency": {"sigma": 0.01}}
-    subject = aircraft({"uncertainty.inputs": inputs})
-    with pytest.raises(ValueError, match="efficiency_factor scatter"):
-        sizing.analyse_uncertainty(subject, MISSION, samples=64)
-
-
 def test_a_propeller_by_tables_is_not_chosen(tmp_path):
     ends = {"minimum": 0.4, "maximum": 1.0}
     with pytest.raises(InputError, match=r"goes with .*operating_point"):
@@ -160,9 +153,12 @@ def test_a_propeller_efficiency_that_scatters_is_the_factor():
     drawn = sizing.analyse_uncertainty(aircraft(), MISSION, samples=64)
     assert FACTOR in drawn.values
     assert drawn.values[FACTOR].std() == pytest.approx(0.03, rel=0.15)
-    other = {"airframe.propulsion.motor_efficiency": {"relative_sigma": 0.03}}
-    with pytest.raises(InputError, match=r"of an operating point .*efficiency_factor scatters"):
-        sizing.analyse_uncertainty(aircraft({"uncertainty.inputs": other}), MISSION, samples=64)
+    for part in ("motor_efficiency", "gear.efficiency"):
+        inputs = {f"airframe.propulsion.{part}": {"sigma": 0.01}}
+        with pytest.raises(ValueError, match="efficiency_factor scatter"):
+            sizing.analyse_uncertainty(
+                aircraft({"uncertainty.inputs": inputs}), MISSION, samples=64
+            )
 
 
 def test_a_sized_propeller_is_no_product():

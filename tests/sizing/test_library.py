@@ -46,10 +46,20 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "hangar"
 
 
-@pytest.mark.parametrize("name", ["../hangar/bird.yaml", "{folder}/bird.yaml"])
-def test_polar_is_looked_for_beside_the_file_that_names_it(folder, name):
-    aircraft = load_aircraft(name.format(folder=folder))
-    assert airfoil_of(aircraft) == str(folder / "polars" / "own.csv")
+def test_polar_is_looked_for_beside_the_file_that_names_it(folder):
+    found = str(folder / "polars" / "own.csv")
+    for name in ("../hangar/bird.yaml", f"{folder}/bird.yaml"):
+        assert airfoil_of(load_aircraft(name)) == found
+    # What a command writes from the data of a file, as a sized aircraft, goes to other folders.
+    document = find_document("aircraft", str(folder / "bird.yaml"))
+    copied = validate(parse_yaml(to_yaml(document.data), "copy"), Aircraft)
+    assert airfoil_of(copied) == found
+    (folder / "e214").write_text("no polar", encoding="utf-8")
+    for airfoil in ("e214", "none.csv"):
+        write_bird(folder / f"{airfoil}.yaml", airfoil)
+    assert airfoil_of(load_aircraft(folder / "e214.yaml")) == "e214"  # of the shipped ones
+    with pytest.raises(InputError, match=rf"cannot read '{folder}/none\.csv'"):
+        load_aircraft(folder / "none.csv.yaml")
 
 
 def test_polar_of_an_override_is_looked_for_in_the_working_folder(folder):
@@ -60,25 +70,6 @@ def test_polar_of_an_override_is_looked_for_in_the_working_folder(folder):
     )
     with pytest.raises(InputError, match=r"hangar.none\.csv"):
         load_aircraft(folder / "bird.yaml", ["airframe.aerodynamics.airfoil=../hangar/none.csv"])
-
-
-def test_shipped_airfoils_keep_their_names(folder):
-    (folder / "e214").write_text("no polar", encoding="utf-8")
-    write_bird(folder / "plain.yaml", "e214")
-    assert airfoil_of(load_aircraft(folder / "plain.yaml")) == "e214"
-
-
-def test_missing_polar_is_named_with_its_folder(folder):
-    write_bird(folder / "bird.yaml", "none.csv")
-    with pytest.raises(InputError, match=rf"cannot read '{folder}/none\.csv'"):
-        load_aircraft(folder / "bird.yaml")
-
-
-def test_copy_of_a_file_elsewhere_finds_the_polar(folder):
-    """What a command writes from the data of a file, as a sized aircraft, goes to other folders."""
-    document = find_document("aircraft", str(folder / "bird.yaml"))
-    copied = validate(parse_yaml(to_yaml(document.data), "copy"), Aircraft)
-    assert airfoil_of(copied) == str(folder / "polars" / "own.csv")
 
 
 def test_text_that_only_looks_like_a_file_stays(folder):
@@ -110,9 +101,10 @@ def test_every_package_says_its_version():
     assert versions == {solar.__version__}
 
 
-@pytest.mark.parametrize("name", ["wingspan_m", "battery_mass_kg", "module_area_m2"])
-def test_equal_bounds_hold_a_variable(name):
-    value = {"wingspan_m": 4.0, "battery_mass_kg": 2.5, "module_area_m2": 1.3}[name]
+@pytest.mark.parametrize(
+    ("name", "value"), [("wingspan_m", 4.0), ("battery_mass_kg", 2.5), ("module_area_m2", 1.3)]
+)
+def test_equal_bounds_hold_a_variable(name, value):
     held = {f"design_space.{name}": {"minimum": value, "maximum": value}}
     result = size_aircraft(load_aircraft("atlantiksolar-design", held), load_mission("rafz-july"))
     assert getattr(result.design.variables, name) == pytest.approx(value, rel=1e-9)

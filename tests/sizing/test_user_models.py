@@ -12,13 +12,13 @@ from missions import InputError
 
 MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": 3.0})
 NAME = "atlantiksolar-design"
-PARABOLIC = {
-    "lift_coefficient": 1.0,
-    "maximum_lift_coefficient": 1.4,
+LIFT = {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+PARABOLIC = LIFT | {
     "profile_drag_coefficient": 0.012,
     "reference_reynolds": 2e5,
     "parasitic_drag_coefficient": 0.008,
 }
+CHAIN = "airframe.propulsion"
 
 
 def _structure(inputs):
@@ -55,26 +55,16 @@ SHIPPED_AND_OWN = {
     ),
     "drag": (
         {"airframe.aerodynamics": PARABOLIC},
-        {
-            "airframe.aerodynamics": {
-                "model": "own",
-                "name": "own polar",
-                "lift_coefficient": 1.0,
-                "maximum_lift_coefficient": 1.4,
-            }
-        },
+        {"airframe.aerodynamics": {"model": "own", "name": "own polar"} | LIFT},
     ),
     "propulsion": (
-        {"airframe.propulsion.mass_kg_per_w": 0.0011},
-        {"airframe.propulsion.mass_model": "own motor", "airframe.propulsion.mass_kg_per_w": 0.5},
+        {f"{CHAIN}.mass_kg_per_w": 0.0011},
+        {f"{CHAIN}.mass_model": "own motor", f"{CHAIN}.mass_kg_per_w": 0.5},
     ),
     "efficiency": (
-        {f"airframe.propulsion.{link}_efficiency": 1.0 for link in ("controller", "gearbox")}
-        | {
-            "airframe.propulsion.motor_efficiency": 0.75,
-            "airframe.propulsion.propeller_efficiency": 0.8,
-        },
-        {"airframe.propulsion.efficiency_model": "own chain"},
+        {f"{CHAIN}.{link}_efficiency": 1.0 for link in ("controller", "gearbox")}
+        | {f"{CHAIN}.motor_efficiency": 0.75, f"{CHAIN}.propeller_efficiency": 0.8},
+        {f"{CHAIN}.efficiency_model": "own chain"},
     ),
 }
 
@@ -141,9 +131,6 @@ def test_an_own_structure_sees_what_it_carries():
 def test_a_name_that_nobody_registered_is_refused(key, value):
     with pytest.raises(InputError, match=r"'unheard of' is not registered by sizing\.register_"):
         sizing.load_aircraft(NAME, {f"airframe.{key}": value})
-
-
-def test_a_name_is_taken_once():
     with pytest.raises(ValueError, match="there is a drag model own polar already"):
         sizing.register_drag("own polar", _drag)
 
@@ -168,7 +155,7 @@ def test_functions_that_give_what_cannot_be_are_named(kind):
     register(name, function)
     value = {"model": "own", "name": name}
     if key == "aerodynamics":
-        value |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+        value |= LIFT
     key = f"propulsion.{key}" if key.endswith("model") else key
     value = name if key.startswith("propulsion") else value
     aircraft = sizing.load_aircraft(NAME, {f"airframe.{key}": value})

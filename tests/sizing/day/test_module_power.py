@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
 
+from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.battery.condition import BatteryTemperature, Insulation
 from sizing.day.light import SolarModel, solar_day
@@ -22,12 +23,8 @@ LOW_SUN = {"latitude_deg": 50.0, "dates": mission(dates={"on": "12-21"}).dates}
 STRATOSPHERE = load_aircraft("stratosphere-design")
 
 
-def cold_modules(where):
-    """Same mission with modules as cold as the air."""
-    celsius = float(where.air_state().temperature_c)
-    return where.model_copy(
-        update={"air": where.air.model_copy(update={"module_temperature_c": celsius})}
-    )
+def with_modules_at(where, celsius):
+    return with_values(where, {"air.module_temperature_c": float(celsius)})
 
 
 def test_no_height_is_special():
@@ -47,8 +44,7 @@ def test_near_the_ground_modules_of_a_flight_are_warm_at_noon_as_measured(model)
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 9.5}
     where = mission(flight_path=path, dates={"on": "06-21"}, air={"ambient_temperature_c": 27.0})
     solar = SolarModel(model)  # type: ignore[arg-type]
-    given = where.air.model_copy(update={"module_temperature_c": 27.0})
-    as_cold = where.model_copy(update={"air": given})
+    as_cold = with_modules_at(where, 27.0)
     warm, cold = (solar_day(AS2, one, solar).specific_power_w_per_m2[0] for one in (where, as_cold))
     noon = len(warm) // 2
     if model == "FM":  # with a given temperature FM has the report's rise of 12 K
@@ -60,7 +56,8 @@ def test_near_the_ground_modules_of_a_flight_are_warm_at_noon_as_measured(model)
 
 
 def test_modules_high_up_are_warmer_than_the_air_and_colder_than_near_the_ground():
-    warm, cold = (solar_day(STRATOSPHERE, one) for one in (HIGH, cold_modules(HIGH)))
+    as_cold = with_modules_at(HIGH, HIGH.air_state().temperature_c)
+    warm, cold = (solar_day(STRATOSPHERE, one) for one in (HIGH, as_cold))
     noon = len(warm.time_h) // 2
     ratio = warm.specific_power_w_per_m2[0, noon] / cold.specific_power_w_per_m2[0, noon]
     loss_per_k = STRATOSPHERE.modules.temperature_coefficient_per_k
@@ -91,18 +88,11 @@ def test_a_design_of_another_flow_has_its_own_temperature(model, span_m, where):
     assert found == pytest.approx(exact, rel=2e-4 if model in ("VM", "FM") else 5e-5)
 
 
-SUMMER = {
-    "altitude_m": 18000.0,
-    "latitude_deg": 30.0,
-    "dates": {"on": "06-21"},
-    "payload": {"mass_kg": 5.0, "power_w": 50.0},
-    "required_excess_time_h": 1.0,
-}
-
-
 def test_a_sized_design_is_analysed_as_it_was_sized_with_the_heater_of_its_battery():
-    study = size(STRATOSPHERE, mission(**SUMMER), "min_mass")
-    again = analyse(study.sized_aircraft(), mission(**SUMMER))
+    laden = {"payload": {"mass_kg": 5.0, "power_w": 50.0}, "required_excess_time_h": 1.0}
+    summer = with_values(HIGH, laden)
+    study = size(STRATOSPHERE, summer, "min_mass")
+    again = analyse(study.sized_aircraft(), summer)
     sized_h = float(np.min(study.result.simulated.cycle.excess_time_h))
     # 0.003 % of the sun's energy is a second of a night.
     assert again.excess_time_h == pytest.approx(sized_h, abs=1e-3)

@@ -57,8 +57,12 @@ def test_trouble_names_key_and_what_is_allowed():
         (strings(31), "cells_in_series", "must divide the 60 cells into whole strings (got 31)"),
         (strings(60), "cells_in_series", f"must be from 17 to 51: {window} (got 60)"),
         (two, "strings_per_mppt", f"must be at most 1: {current} (got 2)"),
+        (strings(mpp_current_a=7.1), "mppt", "takes 7 A, less than the 7.1 A of a string"),
     ):
         assert found.problem(60, LOSS_PER_K, None) == (key, message)
+    for key in C60:
+        with pytest.raises(ValueError, match="required key is missing"):
+            strings(**{key: None})
 
 
 def test_a_coefficient_of_the_voltage_takes_precedence():
@@ -71,17 +75,6 @@ def test_a_coefficient_of_the_voltage_takes_precedence():
 def test_fewest_strings_divide_the_cells(cells, series):
     series_strings = strings().for_cells(cells, LOSS_PER_K, None)
     assert (None if series_strings is None else series_strings.cells_in_series) == series
-
-
-def test_mppts_by_strings():
-    assert strings(22).mppts(88) == 4
-    assert strings(22, strings_per_mppt=3).mppts(88) == 2
-
-
-@pytest.mark.parametrize("key", list(C60))
-def test_a_cell_without_its_numbers_is_refused(key):
-    with pytest.raises(ValueError, match="required key is missing"):
-        strings(**{key: None})
 
 
 @pytest.mark.parametrize("key", ["coldest_c", "hottest_c"])
@@ -101,15 +94,12 @@ def test_cells_without_a_voltage_fit_no_mppt(conversion):
     assert words.startswith("no number of cells will do: the MPPT takes ")
 
 
-def test_a_string_beyond_the_current_of_the_mppt_is_told_at_the_mppt():
-    trouble = strings(30, mpp_current_a=7.1).problem(90, LOSS_PER_K, None)
-    assert trouble == ("mppt", "takes 7 A, less than the 7.1 A of a string")
-
-
 def test_strings_may_be_of_unequal_length():
     lengths = (30, 30, 24)
     assert strings(lengths).problem(84, LOSS_PER_K, None) is None
     assert strings(lengths).mppts(84) == 3
+    assert strings(22).mppts(88) == 4
+    assert strings(22, strings_per_mppt=3).mppts(88) == 2
     for wrong, changes, message in (
         ((30, 30), {}, "must be the 84 cells in all"),
         ((30, 44, 10), {}, "(got 10)"),

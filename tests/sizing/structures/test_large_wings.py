@@ -196,8 +196,8 @@ def test_symbols_give_the_same_mass_with_finite_derivatives(keys):
         assert np.all(np.isfinite(np.array(second)))
 
 
-def of_airframe(**changes):
-    data = DESIGN.model_dump()
+def of_airframe(base=DESIGN, **changes):
+    data = base.model_dump(exclude_unset=True)
     data["airframe"] |= changes
     return Aircraft.model_validate(data)
 
@@ -246,6 +246,11 @@ def structure_of(aircraft, design):
     )
 
 
+USER_MODEL = {"model": "own", "name": "constant of large wings"}
+USER_MODEL |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+register_drag("constant of large wings", lambda inputs: 0.03)
+
+
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
@@ -271,15 +276,8 @@ def structure_of(aircraft, design):
 def test_keys_that_cannot_be_are_refused(key, value, said):
     with pytest.raises(ValidationError, match=said):
         of_airframe(structure=large(**{key: value}))
-
-
-def test_a_tail_without_a_boom_and_wires_on_a_polar_of_ones_own_are_refused():
-    twin = shipped_aircraft("twin-boom-design").model_dump(exclude_unset=True)
-    twin["airframe"]["structure"]["booms"] = 0
+    twin = shipped_aircraft("twin-boom-design")
     with pytest.raises(ValidationError, match=r"must be 1 or 2 with airframe.tail \(got 0\)"):
-        Aircraft.model_validate(twin)
-    register_drag("constant of large wings", lambda inputs: 0.03)
-    user_model = {"model": "own", "name": "constant of large wings"}
-    user_model |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+        of_airframe(twin, structure=large(booms=0))
     with pytest.raises(ValidationError, match="parabolic or wing_polar"):
-        of_airframe(structure=large(bracing=WIRE), aerodynamics=user_model)
+        of_airframe(structure=large(bracing=WIRE), aerodynamics=USER_MODEL)
