@@ -124,8 +124,8 @@ def latex_table(sheet: DesignSheet) -> str:
         r"    \toprule",
         r"    Quantity & Symbol & Value & Unit \\",
     ]
-    for _, entries in groupby(sheet.quantities, key=lambda quantity: quantity.group):
-        lines += [r"    \midrule", *(f"    {_latex_row(quantity)}" for quantity in entries)]
+    for _, entries in groupby(sheet.quantities, key=lambda entry: entry.group):
+        lines += [r"    \midrule", *(f"    {_latex_row(entry)}" for entry in entries)]
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}"]
     return "\n".join(lines) + "\n"
 
@@ -135,12 +135,13 @@ def escaped(text: str) -> str:
     return "".join(_ESCAPES.get(character, character) for character in text)
 
 
-def _latex_row(quantity: Entry) -> str:
-    symbol = f"${quantity.symbol}$" if quantity.symbol else ""
-    value, unit = quantity.shown()
-    if value != UNLIMITED and not isinstance(quantity.value, str):  # a number, with its exponent
+def _latex_row(entry: Entry) -> str:
+    of = entry.quantity
+    symbol = f"${of.symbol}$" if of.symbol else ""
+    value, unit = entry.shown()
+    if value != UNLIMITED:  # a number, with its exponent
         ten = re.sub(r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", value)
         value = f"${ten}$"
     raised = unit.replace("²", "^2").replace("³", "^3").replace("%", r"\%")
     upright = rf"$\mathrm{{{raised}}}$" if unit else ""
-    return f"{escaped(quantity.label)} & {symbol} & {value} & {upright} \\\\"
+    return f"{escaped(of.label)} & {symbol} & {value} & {upright} \\\\"

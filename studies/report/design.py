@@ -68,7 +68,7 @@ def _design_tables(subject: Subject) -> tuple[Table, ...]:
     groups: dict[str, list[tuple[str, str]]] = {}
     for entry in design_sheet(subject.analysis).quantities:
         if entry.group not in ("masses", "balance"):
-            row = entry.label, " ".join(entry.shown()).strip()
+            row = entry.quantity.label, " ".join(entry.shown()).strip()
             groups.setdefault(entry.group, []).append(row)
     groups.setdefault("flight", []).extend(wind_rows(subject.mission))
     if subject.mission.holds_station:
