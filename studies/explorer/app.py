@@ -7,14 +7,14 @@ import json
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
-from importlib import resources
 from typing import Any, TypeVar
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
-from starlette.routing import Route
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from missions.files.writing import to_json
@@ -24,12 +24,6 @@ from studies.explorer.session import Session
 from studies.explorer.settings import AnsweredError, Refusal, RefusedError, shown
 from studies.explorer.worker import SizingTask, Worker, report_page, sizing_record
 
-_TYPES = {
-    ".html": "text/html; charset=utf-8",
-    ".css": "text/css; charset=utf-8",
-    ".js": "text/javascript; charset=utf-8",
-    ".svg": "image/svg+xml",
-}
 _SEASONS = ("none", "coarse", "exact")
 _LOOK_S = 0.2  # between two looks whether the page still waits for a sizing
 
@@ -46,7 +40,6 @@ class Explorer:
         self._thread = ThreadPoolExecutor(1, "explorer")
         self._waiting = ThreadPoolExecutor(4, "waiting")
         self._latest = Latest(self._thread)
-        self._assets = _assets()
 
     def application(self, *, port: int, token: str) -> ASGIApp:
         """Return the ASGI application for a port, guarded by a token."""
@@ -62,7 +55,7 @@ class Explorer:
                     ("report", self._report_page),
                 )
             ),
-            Route("/{path:path}", self._asset),
+            Mount("/", StaticFiles(packages=[("studies.explorer", "static")], html=True)),
         ]
         handlers: dict[Any, Any] = {HTTPException: _no_such, Exception: _broken}
         return Guard(Starlette(routes=routes, exception_handlers=handlers), port=port, token=token)
@@ -72,13 +65,6 @@ class Explorer:
         self.worker.end()
         self._thread.shutdown(wait=False, cancel_futures=True)
         self._waiting.shutdown(wait=False, cancel_futures=True)
-
-    async def _asset(self, request: Request) -> Response:
-        name = request.path_params["path"] or "index.html"
-        if name not in self._assets:
-            raise HTTPException(404)
-        kind = _TYPES.get(name[name.rfind(".") :], "text/plain; charset=utf-8")
-        return Response(self._assets[name], media_type=kind)
 
     async def _alive(self, request: Request) -> Response:
         return _json({"alive": True})
@@ -159,17 +145,6 @@ class _OtherContentError(AnsweredError):
     """A body that is no JSON by its type."""
 
     status = 415
-
-
-def _assets() -> dict[str, bytes]:
-    """Return the files of the page by their path; there is no other way to a file."""
-    root = resources.files("studies.explorer") / "static"
-    assets = {}
-    for folder, prefix in ((root, ""), (root / "vendor", "vendor/")):
-        for file in folder.iterdir():
-            if file.is_file():
-                assets[prefix + file.name] = file.read_bytes()
-    return assets
 
 
 async def _body(request: Request) -> dict[str, Any]:
