@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
@@ -58,19 +59,60 @@ def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Ai
     missing = missing_library()
     if missing is not None:
         raise ImportError(missing)
-    asb = _library()
+    airplane: asb.Airplane = _airplane(_library(), aircraft, gravity_m)
+    return airplane
+
+
+def _airplane(asb: Any, aircraft: Aircraft, gravity_m: float | None) -> Any:
+    """Make the airplane; ``asb``: AeroSandbox, or what writes its calls."""
     surfaces = lifting_surfaces(aircraft, gravity_m)
     return asb.Airplane(
         name=_script_name(aircraft.name),
         xyz_ref=[surfaces.reference_x_m, 0.0, 0.0],
-        wings=[_wing(surface) for surface in surfaces.surfaces],
+        wings=[_wing(asb, surface) for surface in surfaces.surfaces],
         s_ref=surfaces.wing_area_m2,
         c_ref=surfaces.chord_m,
         b_ref=surfaces.wingspan_m,
-        analysis_specific_options={
-            asb.AVL: {"profile_drag_coefficient": surfaces.other_drag_coefficient}
-        },
+        **_for_avl(asb, profile_drag_coefficient=surfaces.other_drag_coefficient),
     )
+
+
+def _wing(asb: Any, surface: LiftingSurface) -> Any:
+    shape, (lift, drag) = surface.shape, surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    polar = {f"CL{i}": value for i, value in enumerate(lift, 1)}
+    polar |= {f"CD{i}": value for i, value in enumerate(drag, 1)}
+    if shape.airfoil is not None:
+        airfoil = asb.Airfoil(shape.airfoil)
+    else:
+        coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
+        thickness = shape.thickness_ratio
+        points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=thickness)
+        name = f"symmetric {spell(100.0 * thickness)} %"
+        airfoil = asb.Airfoil(name, coordinates=points)
+    of_section = _for_avl(asb, cl_alpha_factor=_NEUTRAL_SLOPE, drag_polar=polar)
+    sections = [
+        asb.WingXSec(
+            xyz_le=[section.x_m, section.y_m, section.z_m],
+            chord=section.chord_m,
+            twist=section.twist_deg,
+            airfoil=airfoil,
+            **of_section,
+        )
+        for section in surface.sections
+    ]
+    lattice = {"spanwise_resolution": _SPANWISE, "chordwise_resolution": _CHORDWISE}
+    return asb.Wing(
+        name=surface.name,
+        symmetric=surface.symmetric,
+        xsecs=sections,
+        **_for_avl(asb, **lattice, drag_polar=polar),
+    )
+
+
+def _for_avl(asb: Any, **options: Any) -> dict[str, Any]:
+    """Return what AVL alone is told, which a script leaves out."""
+    told = not isinstance(asb, _Script)
+    return {"analysis_specific_options": {asb.AVL: options}} if told else {}
 
 
 def _library() -> Any:
@@ -105,32 +147,41 @@ def _vspscript(aircraft: Aircraft, gravity_m: float | None) -> str:
     return _commented(text, "//", lifting_surfaces(aircraft, gravity_m).notes)
 
 
+class _Text(str):
+    """A call as it stands in a script."""
+
+
+class _Script:
+    """AeroSandbox as its calls are written in a script, instead of made."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    def __getattr__(self, name: str) -> _Script:
+        return _Script(f"{self._path}.{name}")
+
+    def __call__(self, *values: Any, **options: Any) -> _Text:
+        every = [*map(_written, values), *(f"{k}={_written(v)}" for k, v in options.items())]
+        lines = ",\n".join(every)
+        return _Text(f"{self._path}(\n{indent(lines, '    ')},\n)")
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_written, value))}]"
+    if isinstance(value, _Text):
+        return value
+    return spell(value) if isinstance(value, float) else repr(value)
+
+
 def _script(aircraft: Aircraft, gravity_m: float | None) -> str:
     """Return a Python script that makes the airplane."""
-    surfaces = lifting_surfaces(aircraft, gravity_m)
-    lines = [
-        f"# {note}"
-        for note in (f"{_script_name(aircraft.name)}: wing and tail planes.", *surfaces.notes)
-    ]
-    lines += ["import aerosandbox as asb"]
-    if any(surface.shape.airfoil is None for surface in surfaces.surfaces):
-        families = "aerosandbox.geometry.airfoil.airfoil_families"
-        lines += [f"from {families} import get_NACA_coordinates"]
-    lines += ["", "wings = ["]
-    for surface in surfaces.surfaces:
-        lines += _wing_lines(surface)
-    lines += [
-        "]",
-        "airplane = asb.Airplane(",
-        f"    name={_script_name(aircraft.name)!r},",
-        f"    xyz_ref=[{spell(surfaces.reference_x_m)}, 0.0, 0.0],",
-        "    wings=wings,",
-        f"    s_ref={spell(surfaces.wing_area_m2)},",
-        f"    c_ref={spell(surfaces.chord_m)},",
-        f"    b_ref={spell(surfaces.wingspan_m)},",
-        ")",
-    ]
-    return "\n".join(lines) + "\n"
+    notes = (
+        f"{_script_name(aircraft.name)}: wing and tail planes.",
+        *lifting_surfaces(aircraft, gravity_m).notes,
+    )
+    made = _airplane(_Script("asb"), aircraft, gravity_m)
+    return _commented(f"import aerosandbox as asb\n\nairplane = {made}\n", "#", notes)
 
 
 _WRITERS: dict[str, Callable[[Aircraft, float | None], str]] = {
@@ -138,62 +189,6 @@ _WRITERS: dict[str, Callable[[Aircraft, float | None], str]] = {
     "vspscript": _vspscript,
     "py": _script,
 }
-
-
-def _wing_lines(surface: LiftingSurface) -> list[str]:
-    shape = surface.shape
-    airfoil = f"asb.Airfoil({shape.airfoil!r})"
-    if shape.airfoil is None:
-        numbers = f"max_camber=0.0, camber_loc=0.4, thickness={spell(shape.thickness_ratio)}"
-        points = f"get_NACA_coordinates({numbers})"
-        airfoil = f'asb.Airfoil("symmetric", coordinates={points})'
-    lines = [
-        "    asb.Wing(",
-        f"        name={surface.name!r},",
-        f"        symmetric={surface.symmetric},",
-        "        xsecs=[",
-    ]
-    for x_m, y_m, z_m, chord_m, twist_deg in surface.sections:
-        lines += [
-            "            asb.WingXSec(",
-            f"                xyz_le=[{spell(x_m)}, {spell(y_m)}, {spell(z_m)}],",
-            f"                chord={spell(chord_m)},",
-            f"                twist={spell(twist_deg)},",
-            f"                airfoil={airfoil},",
-            "            ),",
-        ]
-    return [*lines, "        ],", "    ),"]
-
-
-def _wing(surface: LiftingSurface) -> asb.Wing:
-    asb = _library()
-    shape, (lift, drag) = surface.shape, surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
-    name, points = shape.airfoil, None
-    if name is None:
-        name = f"symmetric {spell(100.0 * shape.thickness_ratio)} %"
-        coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
-        points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
-    airfoil = asb.Airfoil(name, coordinates=points)
-    polar = {f"CL{i}": value for i, value in enumerate(lift, 1)}
-    options = {"drag_polar": polar | {f"CD{i}": value for i, value in enumerate(drag, 1)}}
-    slope = {asb.AVL: {"cl_alpha_factor": _NEUTRAL_SLOPE, **options}}
-    sections = [
-        asb.WingXSec(
-            xyz_le=[section.x_m, section.y_m, section.z_m],
-            chord=section.chord_m,
-            twist=section.twist_deg,
-            airfoil=airfoil,
-            analysis_specific_options=slope,
-        )
-        for section in surface.sections
-    ]
-    lattice = {"spanwise_resolution": _SPANWISE, "chordwise_resolution": _CHORDWISE, **options}
-    return asb.Wing(
-        name=surface.name,
-        symmetric=surface.symmetric,
-        xsecs=sections,
-        analysis_specific_options={asb.AVL: lattice},
-    )
 
 
 def _commented(text: str, mark: str, lines: Sequence[str]) -> str:

@@ -42,7 +42,7 @@ def test_surfaces_have_the_areas_and_places_of_the_file():
 def test_files_carry_the_centre_of_gravity():
     gravity_m = ANALYSIS.balance.gravity_m
     script = design_bytes(ANALYSIS, "a.py").decode()
-    assert f"xyz_ref=[{gravity_m:.6g}, 0.0, 0.0]" in script
+    assert f"xyz_ref=[{gravity_m:.6g}, 0, 0]" in script
     sheet = {entry.quantity.name: entry.value for entry in design_sheet(ANALYSIS).quantities}
     assert sheet["centre_of_gravity_m"] == pytest.approx(gravity_m)
     # The place of the battery in the file is to the millimetre, a 1/300 of the chord.
