@@ -36,9 +36,15 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
 _FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "Wh": ".1f", "V": ".1f", "A": ".1f", "m/s": ".1f"}
 
 
-def amount(value: float, unit: str) -> str:
-    """Return a number with its unit, with the digits that people read of it."""
-    return f"{format(float(value), _FORMS[unit])} {unit}"
+def amount(value: float, unit: str = "", form: str = "") -> str:
+    """Return a number with its unit, with the digits that people read of it, or in another form."""
+    digits = form or _FORMS.get(unit, "g")
+    return f"{format(float(value), digits)} {unit_text(unit)}".rstrip()
+
+
+def given(value: float, unit: str = "") -> str:
+    """Return a number with its unit, with the digits that a file gave."""
+    return amount(value, unit, "g")
 
 
 def percent(share: float, form: str = ".1f") -> str:

@@ -70,11 +70,18 @@ def part_tables(result: Any, *parts: str) -> tuple[Table, ...]:
     return tuple(facts(part, rows) for part, rows in tables if rows)
 
 
-def part_blocks(analysis: Analysis) -> list[Any]:
-    """Return wind, structure, drag and balance, the facts of all parts, and what is wrong."""
-    shares, balance, cells = analysis.drag_coefficients, analysis.balance, analysis.cells or {}
-    varying, placed = analysis.varying_efficiency, cells.get("solar_cells")
-    every = (part_tables(analysis, *parts) for parts in PARTS)
+def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
+    """Return wind, structure, drag and balance, the facts of all parts, and what is wrong.
+
+    ``cells``: whether those of the file are the design's.
+    """
+    shares, balance = analysis.drag_coefficients, analysis.balance
+    varying, placed = analysis.varying_efficiency, (analysis.cells or {}).get("solar_cells")
+    placed = placed if cells else None
+    every = (
+        part_tables(analysis, *(part for part in parts if cells or part != "cells"))
+        for parts in PARTS
+    )
     return [
         *wind_source(analysis.mission),
         *structure_lines(analysis),

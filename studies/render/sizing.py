@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sizing.day.light import SolarModel
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
 from studies.render import sentences as say
@@ -32,7 +33,6 @@ from studies.render.words import constraint_words
 from studies.serialise import serialise
 
 if TYPE_CHECKING:
-    from sizing.day.light import SolarModel
     from sizing.program.objectives import Objective
     from sizing.results.sizing_study import SizingStudy
 
@@ -71,8 +71,12 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     shown += _limits(study, level, at_bounds)
     shown += _requested(study, level)
     if level >= ALL:
-        shown += [*part_blocks(study.optimum), requirement_table(study.margins)]
-    return [*shown, *_builds(study, level), *_confidence(study, level)]
+        shown += record_blocks(study.to_dict(), study.objective)
+        shown += [
+            *part_blocks(study.optimum, cells=study.cells is not None),
+            requirement_table(study.margins),
+        ]
+    return [*shown, *_confidence(study, level), *_builds(study, level)]
 
 
 def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
@@ -110,10 +114,6 @@ def _requested(study: SizingStudy, level: int) -> list[Any]:
     shown += _survival(study, level)
     if study.sensitivities is not None and level < ALL:
         shown.append(say.sensitivities_line(study))
-    elif study.sensitivities is not None:
-        shown.append(sensitivity_table(study.sensitivities, study.objective))
-        if study.multipliers:
-            shown.append(multiplier_table(study.multipliers, study.objective))
     if study.cross_check is not None:
         line = say.cross_check_line(study.cross_check, study.objective)
         passed = study.cross_check.cross_checked and level < ALL
@@ -126,11 +126,11 @@ def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
     cells = study.cells
     if study.whole_cells is None or cells is None:
         return []
-    lines: list[Any] = [say.loss_line(cells, study.objective)]
-    if level >= ALL:
-        return [*lines, neighbour_table(cells, study.objective)]
     placed = cells.get("solar_cells")
-    return lines if placed is None else [*lines, say.cells_line(placed)]
+    return [
+        say.loss_line(cells, study.objective),
+        *([] if placed is None or level >= ALL else [say.cells_line(placed)]),
+    ]
 
 
 def _survival(study: SizingStudy, level: int) -> list[Any]:
@@ -162,8 +162,9 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     if study.reliability is not None:
         return [*shown, say.reliability_text(study)]
     shown += _survival(study, level)
-    if study.whole_cells is not None:
-        return [*shown, *_whole_cells(study, level)]
+    if study.cells is not None:
+        every = [neighbour_table(study.cells, study.objective)] if level >= ALL else []
+        return [*shown, *_whole_cells(study, level), *every]
     if study.status.name != "infeasible" or study.coverage is not None:
         return shown
     if not study.relaxations:
@@ -172,9 +173,27 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     return [*shown, relaxation_table(few)]
 
 
+def record_blocks(sizing: Mapping[str, Any], objective: Objective) -> list[Any]:
+    """Return the tables of what was requested of an optimum besides, from a sizing's record."""
+    cells, guarded = sizing.get("whole_cells"), sizing.get("with_margin")
+    sensitivities, multipliers = sizing.get("sensitivities"), sizing.get("constraint_multipliers")
+    builds = sizing.get("builds")
+    return [
+        *([] if cells is None else [neighbour_table(cells, objective)]),
+        *([] if sensitivities is None else [sensitivity_table(sensitivities, objective)]),
+        *([multiplier_table(multipliers, objective)] if multipliers else []),
+        *(
+            [margin_table(objective, sizing, guarded)]
+            if guarded is not None and guarded["status"] == "optimal"
+            else []
+        ),
+        *([build_table(builds, objective)] if builds else []),
+    ]
+
+
 def _builds(study: SizingStudy, level: int) -> list[Any]:
-    """Return the designs of each build quality; nothing where they were not requested."""
-    if not study.builds:
+    """Return the designs of each build quality, where no record has shown them."""
+    if not study.builds or (level >= ALL and study.design is not None):
         return []
     table = build_table(serialise(study.builds), study.objective)
     return [table if level >= ALL else replace(table, title="")]
@@ -212,10 +231,9 @@ def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list
     """Return the optimum beside the one with a margin, and what the margin costs."""
     if study.optimum is None or guarded.as_assumed is None:
         return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
-    was, now = study.to_dict(), serialise(guarded, "Guarded")
-    table = margin_table(study.objective, study.solar, was, now)
     if level >= ALL:
-        return [table, Line(_TO_GUARD, "faint")]
+        return [Line(_TO_GUARD, "faint")]
+    table = margin_table(study.objective, study.to_dict(), serialise(guarded, "Guarded"))
     shown = [row for row in table.rows if row[0] in (q.WINGSPAN.label, q.TOTAL_MASS.label)]
     designs = ", ".join(f"{label} {value} ({change})" for label, _, value, change in shown)
     return [Line(f"{table.title}: {designs}; {_TO_GUARD.split(': ')[1]}", "faint")]
@@ -226,7 +244,7 @@ def _with_error(solar: SolarModel) -> str:
 
 
 def margin_table(
-    objective: Objective, solar: SolarModel, sizing: Mapping[str, Any], guarded: Mapping[str, Any]
+    objective: Objective, sizing: Mapping[str, Any], guarded: Mapping[str, Any]
 ) -> Table:
     """Return an optimum beside the one with a margin of one RMS error, by their records."""
     was = dict(sizing) | {
@@ -257,4 +275,5 @@ def margin_table(
         Column("guarded", "with margin", to_right=True),
         Column("change", to_right=True),
     )
+    solar = SolarModel(sizing["model"], sizing["correction"])
     return Table(_with_error(solar), columns, tuple(rows))

@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sizing.limits import ROW_TOLERANCE
-from sizing.parameters import unit_text
 from sizing.results.margins import RequirementMargin
 from studies import quantities as q
-from studies.render.numbers import percent, with_unit
+from studies.render.numbers import amount, percent, with_unit
 from studies.render.tables import UNLIMITED, Column, Table
 from studies.render.words import constraint_words, parameter_words
 
 if TYPE_CHECKING:
     from sizing.program.objectives import Objective
-    from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 
 
 _SENSITIVITIES = 15  # of the whole; JSON and CSV have them all
@@ -31,7 +29,7 @@ def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
         (
             f"{row.label}{' (recommended)' if row.recommended else ''}",
             _margin_value_text(row),
-            f"{row.limit:.5g} {row.unit}".strip(),
+            amount(row.limit, row.unit, ".5g"),
             _margin_text(row)
             if row.recommended or row.margin >= -ROW_TOLERANCE
             else f"{_margin_text(row)}, violated",
@@ -45,7 +43,7 @@ def _margin_value_text(row: RequirementMargin) -> str:
     """Return the value of a requirement with its unit."""
     if not np.isfinite(row.value):
         return UNLIMITED if row.value > 0.0 else "none"
-    return f"{round(row.value, 3):.4g} {row.unit}".strip()
+    return amount(round(row.value, 3), row.unit, ".4g")
 
 
 def _margin_text(row: RequirementMargin) -> str:
@@ -54,7 +52,7 @@ def _margin_text(row: RequirementMargin) -> str:
         return UNLIMITED if row.margin > 0.0 else "none"
     if row.relative:
         return percent(row.margin, "+.1f")
-    return f"{row.margin:+.2f} {row.unit}".strip()
+    return amount(row.margin, row.unit, "+.2f")
 
 
 def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
@@ -78,21 +76,19 @@ def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> T
     return Table(title, tuple(columns), tuple(rows))
 
 
-def sensitivity_table(
-    sensitivities: Sequence[Sensitivity], objective: Objective, most: int = _SENSITIVITIES
-) -> Table:
-    """Return what each technology parameter changes, most important first."""
+def sensitivity_table(sensitivities: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
+    """Return what each technology parameter changes, most important first, of their records."""
     parameter, value, elasticity = q.group("parameter value elasticity")
     per_percent = Column("per_percent", f"{objective.unit} per +1 %", form="+.4f")
     columns = (parameter, replace(value, to_right=True), per_percent, elasticity)
     rows = [
         (
-            parameter_words(row.parameter),
-            f"{row.value:.4g} {unit_text(row.unit)}".rstrip(),
-            row.per_percent,
-            row.elasticity,
+            parameter_words(row["parameter"]),
+            amount(row["value"], row["unit"], ".4g"),
+            row["per_percent"],
+            row["elasticity"],
         )
-        for row in sensitivities[:most]
+        for row in sensitivities[:_SENSITIVITIES]
     ]
     if rows:
         left = len(sensitivities) - len(rows)
@@ -108,15 +104,16 @@ def sensitivity_table(
 _LEAST_GAIN = 1e-3
 
 
-def multiplier_table(multipliers: Sequence[ConstraintMultiplier], objective: Objective) -> Table:
+def multiplier_table(multipliers: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
     """Return what relaxing each constraint gains, without those that gain next to nothing."""
     constraint, gain, step = q.group("constraint gain step")
     columns = (constraint, replace(gain, label=f"gain in {objective.unit}"), step)
-    least = _LEAST_GAIN * max((abs(row.gain) for row in multipliers), default=0.0)
+    multipliers = [row for row in multipliers if row["gain"] is not None]
+    least = _LEAST_GAIN * max((abs(row["gain"]) for row in multipliers), default=0.0)
     rows = [
-        (constraint_words(row.constraint).without_key, row.gain, row.step)
+        (constraint_words(row["constraint"]).without_key, row["gain"], row["step"])
         for row in multipliers
-        if abs(row.gain) >= least
+        if abs(row["gain"]) >= least
     ]
     return Table("what relaxing a constraint gains", columns, tuple(rows))
 

@@ -7,10 +7,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import ParametricAirframe
-from sizing.day.light import SolarModel
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
-from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.margins import requirement_margins
 from studies.quantities import words
 from studies.render.design_sheet import design_sheet
@@ -21,14 +19,8 @@ from studies.render.sentences import (
     loss_line,
     wind_rows,
 )
-from studies.render.sizing import margin_table
-from studies.render.sizing_tables import (
-    build_table,
-    multiplier_table,
-    neighbour_table,
-    requirement_table,
-    sensitivity_table,
-)
+from studies.render.sizing import record_blocks
+from studies.render.sizing_tables import requirement_table
 from studies.render.tables import Line, Table, facts
 from studies.render.words import constraint_words
 from studies.report.blocks import Bars, Block, Section
@@ -112,9 +104,8 @@ def sizing_section(subject: Subject) -> Section | None:
     objective = Objective(sizing["objective"]["name"])
     blocks: list[Block] = [*_objective_lines(sizing, objective)]
     cells = sizing.get("whole_cells")
-    if cells is not None:
-        blocks.append(loss_line(cells, objective))
-    blocks += _sizing_tables(sizing, objective)
+    blocks += [] if cells is None else [loss_line(cells, objective)]
+    blocks += record_blocks(sizing, objective)
     if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Line("The sensitivities were not computed.", "faint"))
     record = sizing.get("cross_check")
@@ -125,8 +116,6 @@ def sizing_section(subject: Subject) -> Section | None:
         blocks.append(Line(line, "good" if check.cross_checked else "warning"))
     elif not objective.of_range:
         blocks.append(Line("The optimum was not cross-checked.", "faint"))
-    if sizing.get("builds"):
-        blocks.append(build_table(sizing["builds"], objective))
     return Section("sizing", "Sizing", blocks)
 
 
@@ -144,19 +133,3 @@ def _objective_lines(sizing: Mapping[str, Any], objective: Objective) -> Iterato
     if (reliability := sizing.get("reliability")) is not None:
         achieved, required = percent(reliability["achieved"]), percent(reliability["required"], "g")
         yield f"Reliability: {achieved} of {reliability['samples']} draws; required {required}."
-
-
-def _sizing_tables(sizing: Mapping[str, Any], objective: Objective) -> Iterator[Table]:
-    """Yield neighbours by whole cells, the optimum with a margin, multipliers, sensitivities."""
-    if sizing.get("whole_cells") is not None:
-        yield neighbour_table(sizing["whole_cells"], objective)
-    guarded = sizing.get("with_margin")
-    if guarded is not None and guarded["status"] == "optimal":
-        solar = SolarModel(sizing["model"], sizing["correction"])
-        yield margin_table(objective, solar, sizing, guarded)
-    if multipliers := sizing.get("constraint_multipliers"):
-        yield multiplier_table([ConstraintMultiplier(**row) for row in multipliers], objective)
-    if sensitivities := sizing.get("sensitivities"):
-        keys = Sensitivity.__dataclass_fields__
-        rows = [Sensitivity(**{key: row[key] for key in keys}) for row in sensitivities]
-        yield sensitivity_table(rows, objective)
