@@ -9,6 +9,7 @@ import re
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib.resources import files
 from pathlib import Path
 
 from benchmarks.validation import altitude_tables, clear_sky_comparison, found_designs
@@ -30,6 +31,7 @@ from sizing.battery.condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.results.sizing import size
 from sizing.results.sizing_study import SizingStudy
+from sizing.results.weather import analyse_weather
 from sizing.results.weather_sizing import size_in_weather
 from studies.models.comparison import compare
 from studies.models.report_reproduction import reference, reproduce
@@ -122,6 +124,42 @@ def _season_shares() -> str:
     return _markdown(Table("", columns, tuple(rows)))
 
 
+def _sites() -> str:
+    """Days of typical years and of a year in which AtlantikSolar AS-2 flies on."""
+    columns = (
+        *(Column(name) for name in ("site", "record", "days", "close", "corrected", "clear sky")),
+        *(Column(name) for name in ("longest run", "endurance P10, P50, P90 [h]", "light")),
+    )
+    folder, rows = files("pvlib") / "data", []
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-july")
+    for name, kind in (
+        ("703165TY.csv", "TMY3"),
+        ("723170TYA.CSV", "TMY3"),
+        ("12839.tm2", "TMY2"),
+        ("colorado-2023", "NSRDB 2023"),
+    ):
+        weather = load_weather(str(folder / name) if "." in name else name)
+        plain, corrected = (
+            analyse_weather(aircraft, mission, weather, correction=by, mission_chosen=False)
+            for by in ("none", "report")
+        )
+        flown = plain.performance
+        rows.append(
+            (
+                f"{weather.site.name}, {weather.site.latitude_deg:.1f}° N",
+                kind,
+                str(plain.days),
+                str(plain.days_that_close),
+                str(corrected.days_that_close),
+                str(int(flown.clear.closes.sum())),
+                str(flown.recorded.longest_run_days),
+                ", ".join(f"{plain.endurance_h[p]:.0f}" for p in ("p10", "p50", "p90")),
+                f"{100.0 * plain.share_of_clear_light():.0f} %",
+            )
+        )
+    return _markdown(Table("", columns, tuple(rows)))
+
+
 def _size_of(found: SizingStudy) -> tuple[str, str]:
     """Wingspan [m] and total mass [kg] of a sized aircraft."""
     assert found.variables is not None
@@ -155,6 +193,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "battery-life": ("battery.md", _battery_life),
     "reliabilities": ("uncertainty.md", _reliabilities),
     "season-shares": ("season.md", _season_shares),
+    "sites": ("weather.md", _sites),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "module-heat": ("altitude.md", lambda: _markdown(altitude_tables.module_heat())),
     "zephyr": ("stratosphere.md", lambda: _markdown(zephyr_table())),
