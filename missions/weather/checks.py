@@ -16,14 +16,7 @@ import pandas as pd
 
 from missions.files.errors import refused, shown
 from missions.weather.raw import END, RawTable
-from missions.weather.record import (
-    SECONDS_PER_HOUR,
-    TYPICAL_YEAR,
-    Site,
-    Weather,
-    runs_of,
-    sun_over,
-)
+from missions.weather.record import SECONDS_PER_HOUR, TYPICAL_YEAR, Site, Weather, runs_of, sun_over
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.schema import Allowed, refusal, spell
 from solar.sun import SECONDS_PER_DAY
@@ -397,11 +390,7 @@ WIND = Quantity("wind_speed", "wind speed", Allowed(0.0, 120.0), "m/s", "not use
 
 
 def checked_air(
-    quantity: Quantity,
-    columns: Mapping[str, FloatArray],
-    lines: IntArray,
-    *,
-    stride: int = 1,
+    quantity: Quantity, columns: Mapping[str, FloatArray], lines: IntArray, *, stride: int = 1
 ) -> tuple[FloatArray | None, list[str]]:
     """Return temperature or wind without gaps, None if mostly missing, and notes on repairs.
 

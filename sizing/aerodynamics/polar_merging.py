@@ -8,12 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
-from sizing.aerodynamics.polar_files import (
-    FilePolar,
-    is_foreign,
-    read_polars,
-    reading_notes,
-)
+from sizing.aerodynamics.polar_files import FilePolar, is_foreign, read_polars, reading_notes
 from sizing.aerodynamics.polar_table import (
     COLUMNS,
     OF_A_SECTION,

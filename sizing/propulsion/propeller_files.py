@@ -10,14 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from missions.files.errors import (
-    InputError,
-    Problem,
-    file_error,
-    left_out_note,
-    printable,
-    shown,
-)
+from missions.files.errors import InputError, Problem, file_error, left_out_note, printable, shown
 from missions.files.tables import number_of, number_rows, text_table
 from missions.files.texts import read_text
 from sizing.propulsion.propeller import PropellerTable, SpeedCurve

@@ -21,12 +21,7 @@ from sizing.day.replay import CalendarRun
 from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance
-from sizing.validity.checks import (
-    charge_rate_check,
-    correction_check,
-    design_checks,
-    flight_checks,
-)
+from sizing.validity.checks import charge_rate_check, correction_check, design_checks, flight_checks
 from sizing.validity.ranges import (
     EXPERIENCE,
     Check,
