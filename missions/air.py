@@ -9,12 +9,13 @@ Source: ISO 2533:1975 / U.S. Standard Atmosphere 1976, layers 0 to 2; viscosity 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict
 
 from solar.schema import Allowed, Record, UnitInterval
 from solar.types import FloatArray
@@ -127,16 +128,12 @@ class AirConditions(Record):
     modules that face down (VM, FM).
     """
 
+    _in_place_of: ClassVar[Mapping[str, str]] = {"ambient_temperature_c": "temperature_offset_k"}
+
     temperature_offset_k: TemperatureOffset | None = None
     ambient_temperature_c: Temperature | None = None
     module_temperature_c: Temperature | None = None
     albedo: UnitInterval | None = None
-
-    @model_validator(mode="after")
-    def _check_temperatures(self) -> AirConditions:
-        if self.temperature_offset_k is not None and self.ambient_temperature_c is not None:
-            raise ValueError("give temperature_offset_k or ambient_temperature_c, not both")
-        return self
 
     def state(self, altitude_m: float) -> Air:
         """Return the air at the altitude that the temperatures hold for."""

@@ -12,7 +12,8 @@ A file names a key of its own and how the value scatters around what the file sa
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
@@ -23,7 +24,6 @@ from solar.schema import (
     Real,
     Record,
     Text,
-    check_below,
     kind_by_default,
     wrong_value,
 )
@@ -73,14 +73,11 @@ class LogNormal(Record):
 class Uniform(Record):
     """Uniform distribution between two ends."""
 
+    _above: ClassVar[Mapping[str, str]] = {"high": "low"}
+
     distribution: Literal["uniform"]
     low: Real
     high: Real
-
-    @model_validator(mode="after")
-    def _check_bounds(self) -> Uniform:
-        check_below(self, "low", "high")
-        return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
         """Return the quantiles at ``share``."""
@@ -90,6 +87,8 @@ class Uniform(Record):
 class Triangular(Record):
     """Triangular distribution, its peak at ``mode``, by default the file's value."""
 
+    _above: ClassVar[Mapping[str, str]] = {"high": "low"}
+
     distribution: Literal["triangular"]
     low: Real
     high: Real
@@ -97,7 +96,6 @@ class Triangular(Record):
 
     @model_validator(mode="after")
     def _check_corners(self) -> Triangular:
-        check_below(self, "low", "high")
         if self.mode is not None:
             Allowed(self.low, self.high).check("mode", self.mode)
         return self

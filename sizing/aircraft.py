@@ -47,7 +47,6 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
-    check_order,
     is_positive,
     kind_by_default,
     spell,
@@ -90,18 +89,14 @@ class LevelFlight(Record):
     climbs only.
     """
 
+    _not_below: ClassVar[Mapping[str, str]] = {"maximum_electric_power_w": "electric_power_w"}
+
     electric_power_w: PositiveReal
     mass_kg: PositiveReal
     density_kg_per_m3: PositiveReal
     airspeed_m_per_s: PositiveReal | None = None
     maximum_electric_power_w: PositiveReal | None = None
     propulsion_efficiency: Fraction | None = None
-
-    @model_validator(mode="after")
-    def _check_maximum(self) -> LevelFlight:
-        if self.maximum_electric_power_w is not None:
-            check_order(self, "electric_power_w", "maximum_electric_power_w", equal=True)
-        return self
 
 
 class MeasuredAirframe(Record):

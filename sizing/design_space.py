@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import PositiveReal, Record, check_order, spell, wrong_value
+from solar.schema import PositiveReal, Record, spell, wrong_value
 
 
 class Limit(Record):
     """Least and largest value of a quantity of the design; either is optional."""
 
+    _not_below: ClassVar[Mapping[str, str]] = {"maximum": "minimum"}
+
     minimum: PositiveReal | None = None
     maximum: PositiveReal | None = None
 
     @model_validator(mode="after")
-    def _ends_in_order(self) -> Self:
-        least, most = self.minimum, self.maximum
-        if least is None and most is None:
+    def _check_ends(self) -> Self:
+        if self.minimum is None and self.maximum is None:
             raise ValueError("give a minimum, a maximum or both")
-        if least is not None and most is not None:
-            check_order(self, "minimum", "maximum", equal=True)
         return self
 
 

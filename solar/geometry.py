@@ -6,7 +6,8 @@ Oettershagen's report, eq. 2 and 3 and table 1.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -69,16 +70,12 @@ class ModuleOutline(Record):
     reaches from minus to plus), ``front_m`` and ``rear_m`` aft along the chord.
     """
 
+    _above: ClassVar[Mapping[str, str]] = {"outboard_m": "inboard_m", "rear_m": "front_m"}
+
     inboard_m: Real
     outboard_m: Real
     front_m: Real
     rear_m: Real
-
-    @model_validator(mode="after")
-    def _check_edges(self) -> ModuleOutline:
-        if self.inboard_m >= self.outboard_m or self.front_m >= self.rear_m:
-            raise ValueError("inboard_m must be below outboard_m, and front_m below rear_m")
-        return self
 
 
 class ModuleSurface(Record):

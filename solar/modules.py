@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib import resources
-from typing import Annotated, Self
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict
 
 from solar.schema import (
     Fraction,
@@ -18,7 +19,6 @@ from solar.schema import (
     Real,
     Record,
     UnitInterval,
-    check_columns,
 )
 from solar.types import FloatArray, IntArray
 
@@ -36,14 +36,11 @@ _RelativeEfficiency = Annotated[float, Strict(), Field(ge=0.0, le=1.1, allow_inf
 class _Table(Record):
     """Curve of a file, as two lists of equal length."""
 
-    @model_validator(mode="after")
-    def _check_columns(self) -> Self:
-        check_columns(self, *type(self).model_fields)
-        return self
-
 
 class IncidenceTable(_Table):
     """Relative efficiency against the angle of incidence of direct light."""
+
+    _column_over: ClassVar[Mapping[str, str]] = {"relative_efficiency": "aoi_deg"}
 
     aoi_deg: tuple[_AngleDeg, ...] = Field(min_length=2)
     relative_efficiency: tuple[_RelativeEfficiency, ...] = Field(min_length=2)
@@ -52,12 +49,16 @@ class IncidenceTable(_Table):
 class LowLightTable(_Table):
     """Relative efficiency at 25 C against the irradiance on the module."""
 
+    _column_over: ClassVar[Mapping[str, str]] = {"relative_efficiency": "irradiance_w_per_m2"}
+
     irradiance_w_per_m2: tuple[NonNegativeReal, ...] = Field(min_length=2)
     relative_efficiency: tuple[_RelativeEfficiency, ...] = Field(min_length=2)
 
 
 class MpptTable(_Table):
     """MPPT efficiency against its load relative to the rated power."""
+
+    _column_over: ClassVar[Mapping[str, str]] = {"mppt_efficiency": "relative_load"}
 
     relative_load: tuple[NonNegativeReal, ...] = Field(min_length=2)
     mppt_efficiency: tuple[Fraction, ...] = Field(min_length=2)
@@ -70,6 +71,8 @@ class Curve(_Table):
     (1980): it passes through every point and never over- or undershoots between two of them. It is
     SciPy's ``PchipInterpolator`` to the last bit, without the half second that its import takes.
     """
+
+    _column_over: ClassVar[Mapping[str, str]] = {"y": "x"}
 
     x: tuple[Real, ...] = Field(min_length=2)
     y: tuple[Real, ...] = Field(min_length=2)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 from itertools import pairwise
 from keyword import iskeyword
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, TypeGuard
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self, TypeGuard
 
 from pydantic import (
     AfterValidator,
@@ -134,6 +134,37 @@ class Record(BaseModel, metaclass=_Described):
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True
     )
+    # Relations of keys, checked where both are given: a number is above that of another key, or not
+    # below it; a key stands in place of another; a column goes with one that increases strictly.
+    _above: ClassVar[Mapping[str, str]] = {}
+    _not_below: ClassVar[Mapping[str, str]] = {}
+    _in_place_of: ClassVar[Mapping[str, str]] = {}
+    _column_over: ClassVar[Mapping[str, str]] = {}
+
+    @model_validator(mode="after")
+    def _check_relations(self) -> Self:
+        for key, value, other, least in self._pairs(self._above):
+            if not value > least:
+                raise wrong_value(key, f"must be above {other} {spell(least)}", got=value)
+        for key, value, other, least in self._pairs(self._not_below):
+            if not value >= least:
+                raise wrong_value(key, f"must be at least {other} {spell(least)}", got=value)
+        for key, value, other, _ in self._pairs(self._in_place_of):
+            got = value if isinstance(value, float) else None
+            raise wrong_value(key, f"give this or {other}, not both", got=got)
+        for key, column, other, across in self._pairs(self._column_over):
+            if len(across) != len(column):
+                raise ValueError(f"{other} and {key} must have the same length")
+            if any(after <= before for before, after in pairwise(across)):
+                raise ValueError(f"{other} must increase strictly")
+        return self
+
+    def _pairs(self, relation: Mapping[str, str]) -> Iterator[tuple[str, Any, str, Any]]:
+        """Yield key and value, and other key and value, of a relation where both are given."""
+        for key, other in relation.items():
+            value, second = getattr(self, key), getattr(self, other)
+            if value is not None and second is not None:
+                yield key, value, other, second
 
     def __eq__(self, other: object) -> bool:
         """Return true for the same class, declared fields and file contents."""
@@ -225,38 +256,6 @@ def wrong_value(
     """
     why = message if got is None else refusal(message, got)
     return PydanticCustomError("wrong_value", "{why}", {"key": key, "why": why, **context})
-
-
-def check_order(record: Record, first: str, second: str, *, equal: bool = False) -> None:
-    """Refuse a record whose second key is not above its first one."""
-    low, high = getattr(record, first), getattr(record, second)
-    if low > high or (low == high and not equal):
-        words = "at least" if equal else "above"
-        raise wrong_value(second, f"must be {words} {first} {spell(low)}", got=high)
-
-
-def check_below(record: Record, first: str, second: str) -> None:
-    """Refuse a record, as a whole, whose first key is not below its second one."""
-    low, high = getattr(record, first), getattr(record, second)
-    if low >= high:
-        got = f"{spell(low)} and {spell(high)}"
-        raise ValueError(refusal(f"{first} must be below {second}", got))
-
-
-def check_one(record: Record, first: str, second: str) -> None:
-    """Refuse a record that gives both of two keys for the same thing."""
-    value = getattr(record, second)
-    if getattr(record, first) is not None and value is not None:
-        raise wrong_value(second, f"give this or {first}, not both", got=value)
-
-
-def check_columns(record: Record, x: str, y: str) -> None:
-    """Refuse a table whose columns differ in length, or whose first one does not increase."""
-    across, along = getattr(record, x), getattr(record, y)
-    if len(across) != len(along):
-        raise ValueError(f"{x} and {y} must have the same length")
-    if any(after <= before for before, after in pairwise(across)):
-        raise ValueError(f"{x} must increase strictly")
 
 
 def kind_by_default(key: str, kind: str) -> BeforeValidator:

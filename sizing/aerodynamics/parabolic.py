@@ -5,10 +5,11 @@ The formulas use arithmetic alone, for floats, arrays and symbolic expressions.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
-from typing import Annotated, Literal, Protocol, Self
+from typing import Annotated, ClassVar, Literal, Protocol
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
@@ -20,7 +21,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
-    check_below,
 )
 
 
@@ -48,14 +48,11 @@ class Polar(Protocol):
 class AtLiftCoefficient(Record):
     """Polar of an aircraft with a constant lift coefficient in level flight."""
 
+    _above: ClassVar[Mapping[str, str]] = {"maximum_lift_coefficient": "lift_coefficient"}
+
     model: str
     lift_coefficient: LiftCoefficient
     maximum_lift_coefficient: LiftCoefficient
-
-    @model_validator(mode="after")
-    def _check_stall(self) -> Self:
-        check_below(self, "lift_coefficient", "maximum_lift_coefficient")
-        return self
 
     @property
     def flight_lift_coefficient(self) -> Value:

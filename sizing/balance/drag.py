@@ -6,10 +6,11 @@ A Conceptual Approach, eq. 12.24). Arithmetic alone, for floats, arrays and symb
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import asin, pi
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pydantic import model_validator
 
@@ -25,7 +26,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
-    check_order,
     spell,
     wrong_value,
 )
@@ -62,6 +62,8 @@ class Pod(Record):
     12.5.5).
     """
 
+    _above: ClassVar[Mapping[str, str]] = {"length_m": "diameter_m"}
+
     length_m: PositiveReal
     diameter_m: PositiveReal | None = None
     wetted_area_m2: PositiveReal | None = None
@@ -73,9 +75,7 @@ class Pod(Record):
     def _check_slender(self) -> Pod:
         if (self.diameter_m is None) == (self.wetted_area_m2 is None):
             raise wrong_value("diameter_m", "give this or wetted_area_m2, one of them")
-        if self.diameter_m is not None:
-            check_order(self, "diameter_m", "length_m")
-        elif self.wetted_area_m2 is not None and self.wetted_area_m2 >= pi * self.length_m**2:
+        if self.wetted_area_m2 is not None and self.wetted_area_m2 >= pi * self.length_m**2:
             most = spell(pi * self.length_m**2, 3)
             text = f"must be below {most} m², that of a ball of this length"
             raise wrong_value("wetted_area_m2", text, got=self.wetted_area_m2)

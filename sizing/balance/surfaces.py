@@ -6,8 +6,9 @@ floats, arrays and symbols.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
@@ -19,7 +20,6 @@ from solar.schema import (
     PositiveReal,
     Real,
     Record,
-    check_one,
     wrong_value,
 )
 
@@ -115,12 +115,25 @@ class TailPlanes(NamedTuple):
     fin_chord_m: Value
 
 
+# Keys of the tail in place of others, of which one is needed.
+_NEEDED = {
+    "arm_chords": "arm_m",
+    "horizontal_area_m2": "horizontal_volume",
+    "vertical_area_m2": "vertical_volume",
+}
+
+
 class Tail(Record):
     """Tail planes by volume coefficients or areas; the fins may have another arm.
 
     ``V_h = S_h l/(S c)`` with the mean aerodynamic chord, ``V_v = S_v l/(S b)`` (Raymer, eq. 6.26
     and 6.27). With an arm in chords and volume coefficients the tail scales with the wing.
     """
+
+    _in_place_of: ClassVar[Mapping[str, str]] = {
+        **_NEEDED,
+        "vertical_arm_chords": "vertical_arm_m",
+    }
 
     arm_m: PositiveReal | None = None
     arm_chords: PositiveReal | None = None
@@ -143,15 +156,9 @@ class Tail(Record):
 
     @model_validator(mode="after")
     def _check_sizes(self) -> Tail:
-        for first, second in (
-            ("arm_m", "arm_chords"),
-            ("horizontal_volume", "horizontal_area_m2"),
-            ("vertical_volume", "vertical_area_m2"),
-        ):
+        for second, first in _NEEDED.items():
             if getattr(self, first) is None and getattr(self, second) is None:
                 raise wrong_value(first, f"required key is missing (or {second}, above 0)")
-            check_one(self, first, second)
-        check_one(self, "vertical_arm_m", "vertical_arm_chords")
         return self
 
     def with_volume(self, horizontal_volume: Value) -> Tail:

@@ -22,7 +22,6 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
-    check_columns,
     wrong_value,
 )
 from solar.types import FloatArray
@@ -54,6 +53,8 @@ class RuleChargeLimit(Record):
 class TableChargeLimit(Record):
     """Charge current measured over the state of charge; constant outside the table."""
 
+    _column_over: ClassVar[Mapping[str, str]] = {"current_a": "state_of_charge"}
+
     kind: Literal["table"] = "table"
     state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
     current_a: tuple[PositiveReal, ...] = Field(min_length=2)
@@ -62,7 +63,6 @@ class TableChargeLimit(Record):
 
     @model_validator(mode="after")
     def _check_limits(self) -> TableChargeLimit:
-        check_columns(self, "state_of_charge", "current_a")
         if np.any(np.diff(self.current_a) > 0.0):
             raise ValueError("current_a must not rise with the state of charge")
         return self
@@ -108,13 +108,14 @@ class BatteryVoltage(Record):
         Voltage of a cell [V], at the currents of the flight, over states of charge from 0 to 1.
     """
 
+    _column_over: ClassVar[Mapping[str, str]] = {"cell_voltage_v": "state_of_charge"}
+
     cells_in_series: CellCount
     state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
     cell_voltage_v: tuple[PositiveReal, ...] = Field(min_length=2)
 
     @model_validator(mode="after")
     def _check_table(self) -> BatteryVoltage:
-        check_columns(self, "state_of_charge", "cell_voltage_v")
         if np.any(np.diff(self.cell_voltage_v) < 0.0):
             raise ValueError("cell_voltage_v must not fall with the state of charge")
         return self

@@ -14,7 +14,8 @@ Capacity over temperature: Samsung SDI, specification of the cell INR18650-15L, 
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
@@ -28,7 +29,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
-    check_columns,
     spell,
 )
 from solar.types import FloatArray
@@ -79,6 +79,9 @@ class BatteryTemperature(Record):
     ``insulation``.
     """
 
+    _column_over: ClassVar[Mapping[str, str]] = {"table_capacity_fraction": "table_c"}
+    _in_place_of: ClassVar[Mapping[str, str]] = {"insulation": "heat_loss_w_per_k"}
+
     ambient_offset_k: _Offset = 0.0
     held_c: _Held | None = None
     heat_loss_w_per_k: PositiveReal | None = None
@@ -92,9 +95,6 @@ class BatteryTemperature(Record):
 
     @model_validator(mode="after")
     def _check_temperature(self) -> BatteryTemperature:
-        check_columns(self, "table_c", "table_capacity_fraction")
-        if self.heat_loss_w_per_k is not None and self.insulation is not None:
-            raise ValueError("give heat_loss_w_per_k or insulation, not both")
         lost = self.heat_loss_w_per_k is not None or self.insulation is not None
         if (self.held_c is None) == lost:
             raise ValueError("a heater needs held_c and either heat_loss_w_per_k or insulation")

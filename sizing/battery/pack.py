@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import ValidationError, model_validator
 
@@ -14,7 +14,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
-    check_order,
     is_positive,
     significant,
     spell,
@@ -34,6 +33,8 @@ class BatteryPack(Record):
     ``maximum_state_of_charge`` is usable.
     """
 
+    _above: ClassVar[Mapping[str, str]] = {"maximum_state_of_charge": "minimum_state_of_charge"}
+
     cells_in_series: CellCount
     cells_in_parallel: CellCount
     cell_mass_kg: PositiveReal
@@ -48,7 +49,6 @@ class BatteryPack(Record):
             text = f"{MOST_CELLS} cells in all, {self.cells_in_series} in series"
             text = f"must be at most {most}: {text}"
             raise wrong_value("cells_in_parallel", text, got=self.cells_in_parallel)
-        check_order(self, "minimum_state_of_charge", "maximum_state_of_charge")
         return self
 
     @property

@@ -44,9 +44,6 @@ class Entry(Record):
     ``source`` is the source of all numbers but those in ``sources``, which have others.
     """
 
-    # Pairs of keys of which the first is at most the second.
-    ordered_keys: ClassVar[tuple[tuple[str, str], ...]] = ()
-
     label: Name
     source: Text
     sources: dict[str, Text] = Field(default_factory=dict)
@@ -58,10 +55,6 @@ class Entry(Record):
         if odd:
             numbers = ", ".join(self.numbers())
             raise wrong_value(f"sources.{odd[0]}", f"is no number of this entry (it has {numbers})")
-        for less, more in self.ordered_keys:
-            low, high = getattr(self, less), getattr(self, more)
-            if low is not None and high is not None and low > high:
-                raise wrong_value(less, f"must be at most {more}, which is {spell(high)}", got=low)
         return self
 
     def known(self, *keys: str) -> dict[str, Any]:
@@ -102,6 +95,11 @@ class CellEntry(Entry):
     measured outside the atmosphere: ``efficiency_am0`` at ``am0_irradiance_w_per_m2``, 28 C.
     """
 
+    _above: ClassVar[Mapping[str, str]] = {
+        "open_circuit_voltage_v": "mpp_voltage_v",
+        "short_circuit_current_a": "mpp_current_a",
+    }
+
     efficiency_stc: _Efficiency | None = None
     efficiency_am0: _Efficiency | None = None
     am0_irradiance_w_per_m2: PositiveReal | None = None
@@ -121,13 +119,6 @@ class CellEntry(Entry):
 
     @model_validator(mode="after")
     def _check_physics(self) -> CellEntry:
-        for less, more in (
-            ("mpp_voltage_v", "open_circuit_voltage_v"),
-            ("mpp_current_a", "short_circuit_current_a"),
-        ):
-            low, high = getattr(self, less), getattr(self, more)
-            if low is not None and high is not None and low >= high:
-                raise wrong_value(less, f"must be below {more}")
         for key, irradiance in (
             ("efficiency_stc", STC_IRRADIANCE_W_PER_M2),
             ("efficiency_am0", self.am0_irradiance_w_per_m2),
@@ -162,11 +153,11 @@ class BatteryEntry(Entry):
     default of a usual lithium-ion cell; a pack has none.
     """
 
-    ordered_keys: ClassVar[tuple[tuple[str, str], ...]] = (
-        ("capacity_ah", "typical_capacity_ah"),
-        ("energy_wh", "typical_energy_wh"),
-        ("typical_mass_kg", "mass_kg"),
-    )
+    _not_below: ClassVar[Mapping[str, str]] = {
+        "typical_capacity_ah": "capacity_ah",
+        "typical_energy_wh": "energy_wh",
+        "mass_kg": "typical_mass_kg",
+    }
 
     kind: Literal["cell", "pack"] = "cell"
     nominal_voltage_v: PositiveReal | None = None
@@ -323,10 +314,10 @@ class MpptEntry(Entry):
     source, ``peak_efficiency`` the greatest.
     """
 
-    ordered_keys: ClassVar[tuple[tuple[str, str], ...]] = (
-        ("minimum_voltage_v", "maximum_voltage_v"),
-        ("efficiency", "peak_efficiency"),
-    )
+    _not_below: ClassVar[Mapping[str, str]] = {
+        "maximum_voltage_v": "minimum_voltage_v",
+        "peak_efficiency": "efficiency",
+    }
 
     mass_kg: PositiveReal
     rated_power_w: PositiveReal

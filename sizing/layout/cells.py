@@ -7,9 +7,9 @@ chord, so that a layout fits wings of any size. Both halves of the wing are equa
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, pairwise
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -23,8 +23,6 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
-    check_columns,
-    check_order,
     refusal,
     significant,
     spell,
@@ -70,6 +68,9 @@ class PlacedCell(NamedTuple):
 class KeepOut(Record):
     """Part of each half of the wing without cells: a control surface, a joint."""
 
+    _above: ClassVar[Mapping[str, str]] = {"rear": "front"}
+    _not_below: ClassVar[Mapping[str, str]] = {"outboard": "inboard"}
+
     name: Text
     inboard: UnitInterval
     outboard: UnitInterval
@@ -78,9 +79,10 @@ class KeepOut(Record):
     margin_m: NonNegativeReal = 0.0
 
     @model_validator(mode="after")
-    def _check_order(self) -> KeepOut:
-        check_order(self, "inboard", "outboard", equal=self.margin_m > 0.0)
-        check_order(self, "front", "rear")
+    def _check_span(self) -> KeepOut:
+        if self.inboard == self.outboard and not self.margin_m:
+            text = f"must be above inboard {spell(self.inboard)}, or have a margin_m"
+            raise wrong_value("outboard", text, got=self.outboard)
         return self
 
 
@@ -91,28 +93,25 @@ class Bay(Record):
     the usable part of the chord.
     """
 
+    _above: ClassVar[Mapping[str, str]] = {"outboard": "inboard", "rear": "front"}
+
     inboard: UnitInterval = 0.0
     outboard: UnitInterval = 1.0
     front: UnitInterval = 0.0
     rear: UnitInterval = 1.0
     cells: tuple[_Row, ...]
 
-    @model_validator(mode="after")
-    def _check_order(self) -> Bay:
-        check_order(self, "inboard", "outboard")
-        check_order(self, "front", "rear")
-        return self
-
 
 class Planform(Record):
     """Chord over the mean chord along the half-span, linear in between."""
+
+    _column_over: ClassVar[Mapping[str, str]] = {"relative_chord": "half_span"}
 
     half_span: tuple[UnitInterval, ...] = Field(min_length=2)
     relative_chord: tuple[PositiveReal, ...] = Field(min_length=2)
 
     @model_validator(mode="after")
     def _check_table(self) -> Planform:
-        check_columns(self, "half_span", "relative_chord")
         if self.half_span[0] != 0.0 or self.half_span[-1] != 1.0:
             raise ValueError("half_span must increase strictly from 0 to 1")
         mean = float(np.trapezoid(self.relative_chord, self.half_span))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
@@ -13,7 +14,6 @@ from solar.schema import (
     NonNegativeReal,
     PositiveReal,
     Record,
-    check_order,
     refusal,
     spell,
     spell_ends,
@@ -30,16 +30,13 @@ class Mppt(Record):
     Its input must stay below the battery's voltage if it steps up, and above if it steps down.
     """
 
+    _above: ClassVar[Mapping[str, str]] = {"maximum_voltage_v": "minimum_voltage_v"}
+
     conversion: Literal["any", "step_up", "step_down"] = "any"
     minimum_voltage_v: PositiveReal
     maximum_voltage_v: PositiveReal
     maximum_current_a: PositiveReal
     mass_kg: NonNegativeReal | None = None
-
-    @model_validator(mode="after")
-    def _check_window(self) -> Mppt:
-        check_order(self, "minimum_voltage_v", "maximum_voltage_v")
-        return self
 
 
 class SeriesWindow(NamedTuple):
@@ -65,6 +62,8 @@ class Strings(Record):
     the loss of power, of which that of the current, a gain, is a part.
     """
 
+    _above: ClassVar[Mapping[str, str]] = {"hottest_c": "coldest_c"}
+
     cells_in_series: CellCount | tuple[CellCount, ...]
     strings_per_mppt: CellCount = 1
     coldest_c: ModuleTemperature
@@ -81,7 +80,6 @@ class Strings(Record):
             if getattr(self, key) is None:
                 text = "required key is missing: modules.cell names no entry that has it"
                 raise wrong_value(key, text)
-        check_order(self, "coldest_c", "hottest_c")
         if self.cells_in_series == ():
             raise wrong_value("cells_in_series", "must have a number for each string", got="none")
         return self

@@ -51,7 +51,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
-    spell,
     wrong_value,
 )
 
@@ -77,20 +76,12 @@ _EfficiencyModel = Annotated[
     Text, AfterValidator(lambda name: user_function("propulsion_efficiency", name) and name)
 ]
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
+_RATINGS = {"climb_rate_m_per_s": "climb_power_ratio"}
 
 
 def _one_link(efficiency: Value) -> dict[str, Any]:
     """Return the efficiencies of a chain with its propeller as the only link."""
     return {f"{name}_efficiency": 1.0 for name in LINKS} | {"propeller_efficiency": efficiency}
-
-
-def _with_one_rating(chain: Any) -> Any:
-    """Check that climb rate and climb power ratio are not both given."""
-    if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
-        text = "is an alternative to climb_power_ratio: give one of them, null for the other"
-        got = f"{spell(chain.climb_rate_m_per_s)} and a ratio of {spell(chain.climb_power_ratio)}"
-        raise wrong_value("climb_rate_m_per_s", text, got=got)
-    return chain
 
 
 class Propulsion(CatalogueRecord):
@@ -109,6 +100,7 @@ class Propulsion(CatalogueRecord):
     """
 
     _entries: ClassVar[Mapping[str, Kind]] = {"motor": "motors"}
+    _in_place_of: ClassVar[Mapping[str, str]] = _RATINGS
     # Constants have no operating points, limits or sizes.
     is_exact: ClassVar[bool] = False
     is_limited: ClassVar[bool] = False
@@ -129,7 +121,6 @@ class Propulsion(CatalogueRecord):
     climb_rate_m_per_s: PositiveReal | None = None
     mass_model: _MassModel | None = None
     efficiency_model: _EfficiencyModel | None = None
-    _check_rating = model_validator(mode="after")(_with_one_rating)
 
     def sized(self, *_: Value | None) -> Self:
         """Return the chain, whose efficiencies are the same at any size."""
@@ -211,6 +202,8 @@ class OperatingPointPropulsion(Record):
     # Whether the limits of the parts make operating points infeasible.
     is_limited: ClassVar[bool] = True
 
+    _in_place_of: ClassVar[Mapping[str, str]] = _RATINGS
+
     kind: Literal["operating_point"]
     propulsors: PositiveInteger = 1
     propeller: PropellerChoice
@@ -226,7 +219,6 @@ class OperatingPointPropulsion(Record):
     climb_power_ratio: _ClimbRatio | None = None
     climb_rate_m_per_s: PositiveReal | None = None
     mass_model: _MassModel | None = None
-    _check_rating = model_validator(mode="after")(_with_one_rating)
 
     @model_validator(mode="after")
     def _check_motor(self) -> OperatingPointPropulsion:

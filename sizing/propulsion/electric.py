@@ -16,7 +16,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
-    check_one,
     wrong_value,
 )
 from solar.types import FloatArray
@@ -34,7 +33,7 @@ def _check_efficiency(
             raise wrong_value(key, "required key is missing (or efficiency, one for all loads)")
     for key in (*needed, *others) if part.efficiency is not None else ():
         if key in keys:
-            check_one(part, "efficiency", key)
+            raise wrong_value(key, "give this or efficiency, not both", got=getattr(part, key))
 
 
 class MotorState(NamedTuple):

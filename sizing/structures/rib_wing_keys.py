@@ -5,6 +5,7 @@ docs/structure.md names source or assumption key by key.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import cos, pi, radians, sin, tan
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
@@ -20,7 +21,6 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
-    check_one,
     wrong_value,
 )
 
@@ -175,6 +175,7 @@ class RibWingKeys(BuiltStructure):
     """Keys of a rib wing in an aircraft's file."""
 
     atlantiksolar_calibration: ClassVar[float | None] = RIB_WING_CALIBRATION
+    _in_place_of: ClassVar[Mapping[str, str]] = {"boom_thickness_m": "boom_kg_per_m"}
 
     model: Literal["rib_wing"]
     calibration: PositiveReal = 1.0
@@ -254,5 +255,4 @@ class RibWingKeys(BuiltStructure):
         key = "spar_battery_density_kg_per_m3"
         if self.narrow_caps and getattr(self, key) is not None:
             raise wrong_value(key, "leave it out: a spar with narrow_caps has no room for cells")
-        check_one(self, "boom_kg_per_m", "boom_thickness_m")
         return self

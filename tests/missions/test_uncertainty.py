@@ -51,7 +51,7 @@ TWICE = [WIND | {"between": BOTH}, WIND | {"between": BOTH[::-1]}]
         ({"inputs": {"clearness": {"sigma": 0.1, "relative_sigma": 0.1}}}, "give sigma, in the u"),
         ({"inputs": {"clearness": {}}}, "give sigma, in the unit"),
         ({"inputs": {"clearness": {"distribution": "cauchy"}}}, "must be one of 'normal', 'logn"),
-        ({"inputs": {"clearness": UNIFORM | {"low": 2, "high": 1}}}, "low must be below high"),
+        ({"inputs": {"clearness": UNIFORM | {"low": 2, "high": 1}}}, "high: must be above low 2"),
         ({"inputs": {"clearness": {"distribution": "data", "data": [1]}}}, "at least 3 items"),
         ({"inputs": {"clearness": {"relative_sigma": -1}}}, "must be greater than 0"),
         ({"correlations": [WIND | {"between": ["clearness"] * 2}]}, "needs two different inputs"),

@@ -119,7 +119,7 @@ HUGE = {"diameter_m": 1e6, "pitch_m": 1.0}
         ({"propulsors": 0}, "propulsors", "must be greater than 0|must be at least 1"),
         ({"kind": None}, "kind", "required key is missing; controller goes with operating_point"),
         ({"kind": "computed"}, "kind", "must be one of 'constant', 'operating_point'"),
-        ({"climb_power_ratio": 4.0, "climb_rate_m_per_s": 1.0}, "climb_rate", "alternative"),
+        ({"climb_power_ratio": 4.0, "climb_rate_m_per_s": 1.0}, "climb_rate", "not both"),
         ({"voltage": None}, "battery.voltage", "required key is missing"),
     ],
 )

@@ -53,7 +53,7 @@ def test_constant_polar_scales_as_measured_power_does():
 
 
 def test_lift_coefficient_at_stall_is_refused():
-    with pytest.raises(ValidationError, match="must be below maximum_lift_coefficient"):
+    with pytest.raises(ValidationError, match="must be above lift_coefficient"):
         DragPolar(
             lift_coefficient=1.4,
             maximum_lift_coefficient=1.4,

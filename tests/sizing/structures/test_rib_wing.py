@@ -445,7 +445,7 @@ def test_rated_power_by_ratio_and_by_climb_rate():
     # Level flight plus the rate of potential energy through the same chain.
     rated_w = 40.0 + 2.0 * 68.0 / efficiency
     assert climbing.rated_power_w(40.0, weight_n=68.0) == pytest.approx(rated_w, rel=1e-12)
-    with pytest.raises(ValidationError, match="alternative to climb_power_ratio"):
+    with pytest.raises(ValidationError, match="give this or climb_power_ratio, not both"):
         Propulsion(climb_power_ratio=5.0, climb_rate_m_per_s=2.0)
     with pytest.raises(ValidationError):
         Propulsion(climb_rate_m_per_s=0.0)

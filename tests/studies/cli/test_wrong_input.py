@@ -56,7 +56,7 @@ def test_wrong_aircraft(run, tmp_path, old, new, message):
         ("thermal: 0.0", "thermal: 6", ":11:12: turbulence.thermal: must be at most 5 (got 6)"),
         ("altitude_m: 500", "altitude_m: 1e6", ":6:13: altitude_m: must be at most 32000"),
         ("clearness: 1.0", "clearness: 1.0\nwind_m_per_s: -1", "wind_m_per_s: must be at least 0"),
-        ("  ambient_temperature_c: 20.0", "  ambient_temperature_c: 20.0\n  temperature_offset_k: 1", ":7:1: air: give temperature_offset_k or ambient_temperature_c, not both"),  # noqa: E501
+        ("  ambient_temperature_c: 20.0", "  ambient_temperature_c: 20.0\n  temperature_offset_k: 1", "air.ambient_temperature_c: give this or temperature_offset_k, not both"),  # noqa: E501
         ("time_local: 09:30", "time_local: 25:00", ":14:15: launch.time_local: must be a time HH:MM"),  # noqa: E501
         ("duration_h: 30", "duration_h: 9000", "launch.duration_h: must be at most 8784 (got 9000)"),  # noqa: E501
     ],

@@ -190,7 +190,9 @@ def test_a_value_that_is_right_with_another_key_alone_is_varied():
     assert int(status.sel(maximum_lift_coefficient=1.4)) == Status.invalid
     assert int(status.sel(maximum_lift_coefficient=1.6)) == Status.perpetual
     for alone in ({"sample": "one-at-a-time"}, {}):
-        with pytest.raises(InputError, match=r"lift_coefficient: .* must be below"):
+        with pytest.raises(
+            InputError, match=r"lift_coefficient: .* must be above lift_coefficient 1.5"
+        ):
             study(DESIGN, JULY, *(texts if alone else texts[:1]), **alone)
 
 
