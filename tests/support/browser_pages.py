@@ -7,25 +7,19 @@ Without Chromium or Playwright the tests are skipped, unless ``SOLAR_UAV_TEST_BR
 that both must be there.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os
 import re
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 from urllib.parse import urlsplit
 
 import pytest
 from source_tree import make_benchmarks_importable
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Page
 
 make_benchmarks_importable()
 from benchmarks.pages import headless  # noqa: E402 - only now it can be found
@@ -110,9 +104,6 @@ class Watch:
             self._note(f"request outside of the page: {request.url}")
 
 
-OpenPage = Callable[..., "Page"]
-
-
 @pytest.fixture(scope="module")
 def chromium():
     """One browser for a file of tests; no longer, as its event loop is in the way of others."""
@@ -163,14 +154,12 @@ def open_page(chromium):
 
 def too_wide(page):
     """Elements for which the whole page scrolls sideways."""
-    found = page.evaluate(_TOO_WIDE)
-    return found
+    return page.evaluate(_TOO_WIDE)
 
 
 def spilled(page, boxes):
     """Parts that hang out of their box, for boxes that a CSS selector names and nothing scrolls."""
-    found = page.evaluate(_SPILLED, boxes)
-    return found
+    return page.evaluate(_SPILLED, boxes)
 
 
 @cache
@@ -197,8 +186,7 @@ def accessibility_problems(page, *ignored):
     ]
 
 
-@dataclass(frozen=True)
-class Sheet:
+class Sheet(NamedTuple):
     """A page of a PDF: its text, and the share of it that bears ink."""
 
     text: str

@@ -1,7 +1,6 @@
 """What tests of the command line share: its outcome, and files to give it."""
 
 import json
-from collections.abc import Callable
 from typing import NamedTuple
 
 BIRD = """\
@@ -63,9 +62,6 @@ class Outcome(NamedTuple):
             raise AssertionError(f"{constant} is not JSON")
 
         return json.loads(self.out, parse_constant=refuse)
-
-
-Run = Callable[..., Outcome]
 
 
 def edited(text, old, new):

@@ -1,10 +1,5 @@
 """What tests read on the explorer's page."""
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    pass
-
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
 
 

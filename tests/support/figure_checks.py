@@ -8,9 +8,12 @@ from contextlib import nullcontext
 from functools import cache
 
 import numpy as np
+from builders import AS2, DESIGN, shipped_mission
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.patches import Polygon
 from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 from weather_files import clear_record
 
 import missions
@@ -77,16 +80,6 @@ _BATTERIES = tuple(np.arange(1.0, 10.1, 1.0))
 
 
 @cache
-def _aircraft(name="atlantiksolar-design"):
-    return sizing.load_aircraft(name)
-
-
-@cache
-def _mission(name="rafz-july"):
-    return missions.load_mission(name)
-
-
-@cache
 def _flown(mission="rafz-july", keys="", *overrides):
     """Analysis of AtlantikSolar; keys of the mission are separated by semicolons."""
     aircraft = sizing.load_aircraft("atlantiksolar-as2", overrides)
@@ -99,9 +92,8 @@ _CEILING = "climb.ceiling_m=3000"
 
 @cache
 def _sized():
-    return sizing.size(
-        _aircraft(), _mission(), "min_wingspan", required_excess_time_h=2.0, with_sensitivities=True
-    )
+    options = {"required_excess_time_h": 2.0, "with_sensitivities": True}
+    return sizing.size(DESIGN, shipped_mission(), "min_wingspan", **options)
 
 
 def _sensitivities(figure):
@@ -121,15 +113,14 @@ def _sensitivities(figure):
 @cache
 def _map():
     latitudes, days = np.arange(-70.0, 71.0, 10.0), list(range(1, 366, 14))
-    aircraft = _aircraft("atlantiksolar-as2")
-    return studies.feasibility_map(aircraft, _mission(), latitudes=latitudes, days=days)
+    return studies.feasibility_map(AS2, shipped_mission(), latitudes=latitudes, days=days)
 
 
 @cache
 def _resized_map():
     return studies.resized_map(
-        _aircraft(),
-        _mission(),
+        DESIGN,
+        shipped_mission(),
         "min_wingspan",
         latitudes=np.arange(-70.0, 71.0, 14.0),
         days=list(range(1, 366, 28)),
@@ -139,14 +130,14 @@ def _resized_map():
 
 @cache
 def _sweep(**axes):
-    where = _mission("central-europe-summer")
-    return studies.sweep(_aircraft(), where, {key: list(values) for key, values in axes.items()})
+    where = shipped_mission("central-europe-summer")
+    return studies.sweep(DESIGN, where, {key: list(values) for key, values in axes.items()})
 
 
 @cache
 def _sampled():
     ranges = {"wingspan_m": (3.0, 7.0), "battery_mass_kg": (1.0, 9.0), "power.avionics_w": (4, 9)}
-    return studies.sweep(_aircraft(), _mission(), ranges, sample="lhs", samples=12)
+    return studies.sweep(DESIGN, shipped_mission(), ranges, sample="lhs", samples=12)
 
 
 @cache
@@ -156,29 +147,28 @@ def _one_at_a_time():
         "wingspan_m": [4.0, 7.0],
         "modules.efficiency_stc": [0.2, 0.26],
     }
-    return studies.sweep(_aircraft(), _mission(), values, sample="one-at-a-time")
+    return studies.sweep(DESIGN, shipped_mission(), values, sample="one-at-a-time")
 
 
 @cache
 def _uncertain():
-    return sizing.analyse_uncertainty(_aircraft(), _mission(), samples=256)
+    return sizing.analyse_uncertainty(DESIGN, shipped_mission(), samples=256)
 
 
 @cache
 def _weather(days):
     record = clear_record(days, first="2001-07-14", share=0.9 if days > 400 else 0.3)
-    return sizing.analyse_weather(_aircraft("atlantiksolar-as2"), _mission(), record)
+    return sizing.analyse_weather(AS2, shipped_mission(), record)
 
 
 @cache
 def _compared():
-    return studies.compare(_aircraft(), _mission(), required_excess_time_h=3.0)
+    return studies.compare(DESIGN, shipped_mission(), required_excess_time_h=3.0)
 
 
 @cache
 def _ceiling():
-    aircraft = _aircraft("atlantiksolar-as2")
-    return studies.perpetual_ceiling(aircraft, _mission(), highest_m=9000.0, step_m=1000.0)
+    return studies.perpetual_ceiling(AS2, shipped_mission(), highest_m=9000.0, step_m=1000.0)
 
 
 @cache
@@ -191,11 +181,10 @@ def _verified():
         rate_hz=0.1,
         faults=Faults(battery_full=(5.0, 6.0)),
     )
-    aircraft = _aircraft("atlantiksolar-as2")
-    log = synthetic_log(aircraft, _mission("rafz-28h"), settings)
+    log = synthetic_log(AS2, shipped_mission("rafz-28h"), settings)
     rows = log.table.index
     with_gap = log_from_table(log.table[(rows < 700) | (rows > 900)], "synthetic.csv")
-    return studies.verify(aircraft, with_gap, _mission("rafz-28h"), windows=["5.0:7.0"])
+    return studies.verify(AS2, with_gap, shipped_mission("rafz-28h"), windows=["5.0:7.0"])
 
 
 def _power_curve(figure):
@@ -213,7 +202,7 @@ def _power_curve(figure):
 def _reproduced():
     from studies.models import report_reproduction as study
 
-    return study.reproduce(_aircraft("atlantiksolar-as2"), _mission("rafz-loiter"), vary=False)
+    return study.reproduce(AS2, shipped_mission("rafz-loiter"), vary=False)
 
 
 # ---- What may be wrong
@@ -279,27 +268,14 @@ def _corners(text):
 
 
 def _overlap(one, other):
-    """Whether two convex shapes meet: no line parts them."""
-    for shape in (one, other):
-        for start, end in zip(shape, np.roll(shape, -1, axis=0), strict=True):
-            normal = np.array([start[1] - end[1], end[0] - start[0]])
-            first, second = one @ normal, other @ normal
-            if first.max() <= second.min() or second.max() <= first.min():
-                return False
-    return True
+    """Whether two boxes, turned as their texts are, meet."""
+    return Polygon(one).get_path().intersects_path(Polygon(other).get_path(), filled=True)
 
 
 def _crosses_frame(axes, corners):
-    frame = axes.get_window_extent()
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    apart = high[0] <= frame.x0 or low[0] >= frame.x1 or high[1] <= frame.y0 or low[1] >= frame.y1
-    within = (
-        low[0] >= frame.x0 - 1
-        and high[0] <= frame.x1 + 1
-        and low[1] >= frame.y0 - 1
-        and high[1] <= frame.y1 + 1
-    )
-    return not apart and not within
+    frame, box = axes.get_window_extent(), Bbox([corners.min(axis=0), corners.max(axis=0)])
+    within = all(frame.padded(1).contains(*corner) for corner in (box.min, box.max))
+    return frame.fully_overlaps(box) and not within
 
 
 def alike_lines(figure):

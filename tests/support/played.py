@@ -6,9 +6,8 @@ import runpy
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from documented import PAGES, Command, blocks, replaced
 
@@ -16,10 +15,7 @@ from documented import PAGES, Command, blocks, replaced
 TIMEOUT_S = 300
 # As it is installed.
 SOLAR_UAV = [str(Path(sys.executable).with_name("solar-uav"))]
-
 Streams = tuple[int, str, str]
-# Words behind `solar-uav`, and variables of the environment.
-Call = Callable[[list[str], dict[str, str]], Streams]
 
 
 def blocks_that(holds, pages=PAGES):
@@ -78,8 +74,7 @@ def made(name, folder):
     return path
 
 
-@dataclass(frozen=True)
-class Played:
+class Played(NamedTuple):
     """A command that was run, and what it printed."""
 
     command: Command
@@ -89,7 +84,10 @@ class Played:
 
 
 def played(block, call, made_in):
-    """Run the commands of a block in the current folder, one after the other."""
+    """Run the commands of a block in the current folder, one after the other.
+
+    The call takes the words behind ``solar-uav`` and variables of the environment.
+    """
     for name in block.needs:
         if not Path(name).exists():
             shutil.copy(made(name, made_in), name)

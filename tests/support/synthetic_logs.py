@@ -73,8 +73,6 @@ class SyntheticLog:
 
 def synthetic_log(aircraft, mission, settings):
     """Fly a circle, that of the mission if it has one, and write what instruments would."""
-    if aircraft.modules.geometry is None:
-        raise ValueError(f"{aircraft.name} has no module geometry, so there is no Full Model of it")
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
     time_s = settings.start_utc_s + np.arange(count) / settings.rate_hz

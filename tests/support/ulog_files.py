@@ -32,15 +32,9 @@ def topics(*, old_position=False):
         position |= {"latitude_deg": 47.6 * full, "longitude_deg": 8.53 * full}
         position["altitude_msl_m"] = 536.0 * full
     attitude = {"timestamp": micros} | {f"q[{i}]": q for i, q in enumerate(quaternions(24))}
-    power = {
-        "timestamp": micros,
-        "mppt_volt[0]": 20.0 * full,
-        "mppt_volt[1]": 22.0 * full,
-        "mppt_volt[2]": 0.0 * full,
-        "mppt_amp[0]": 2.0 * full,
-        "mppt_amp[1]": 3.0 * full,
-        "mppt_amp[2]": 0.0 * full,
-    }
+    power = {"timestamp": micros}
+    power |= {f"mppt_volt[{i}]": volt * full for i, volt in enumerate((20.0, 22.0, 0.0))}
+    power |= {f"mppt_amp[{i}]": current * full for i, current in enumerate((2.0, 3.0, 0.0))}
     battery = {"timestamp": micros, "voltage_v": 24.0 * full, "current_a": 2.0 * full}
     battery["remaining"] = np.where(np.arange(24) < 4, -1.0, 0.8)
     return {

@@ -81,15 +81,11 @@ def test_a_flight_by_the_clock_is_that_by_the_sun_it_stands_for():
         {"launch": "07:30", "hours": 10.0, "utc_offset_h": 1.0}, longitude_deg=15.0
     ).flight_window_h(mission().scenarios())
     assert local[0][0] == pytest.approx(7.5 - 6.0 / 60.0, abs=0.02)
-
-
-def test_no_flight_begins_with_a_sunrise_that_there_is_not():
+    # No flight begins with a sunrise that there is not.
     dark = flying({"land": "sunset"}, latitude_deg=80.0, dates={"on": "12-21"})
     found = performance(AS2, dark).cycle
     assert (found.status[0], found.excess_time_h[0]) == (Status.limited, 0.0)
-
-
-def test_the_reserve_is_the_required_excess_time_by_another_name():
+    # The reserve is the required excess time by another name.
     by_either = flying(DAYLIGHT), flying({"land": "sunset"}, required_excess_time_h=0.5)
     assert [one.required_excess_time_h for one in by_either] == [0.5, 0.5]
 

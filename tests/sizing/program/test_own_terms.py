@@ -144,18 +144,22 @@ def test_wrong_functions(wrong, said):
         sizing.size(DESIGN, MISSION, constraints=[wrong])
 
 
-def test_wrong_comparisons():
-    with pytest.raises(ValueError, match="the objective is a comparison"):
-        sizing.size(DESIGN, MISSION, lambda d: d.wingspan_m <= 3.0)
-    for wrong in (lambda d: d.wingspan_m, lambda d: d.wingspan_m == 4.0):
-        with pytest.raises(ValueError, match="must be one comparison by <= or >="):
-            sizing.size(DESIGN, MISSION, constraints=[wrong])
+def excess_time(it):
+    return it.wingspan_m <= 5.0
 
-    def excess_time(it):
-        return it.wingspan_m <= 5.0
 
-    with pytest.raises(ValueError, match="there is a excess_time already"):
-        sizing.size(DESIGN, MISSION, constraints=[excess_time])
+@pytest.mark.parametrize(
+    ("terms", "said"),
+    [
+        ({"objective": lambda d: d.wingspan_m <= 3.0}, "the objective is a comparison"),
+        ({"constraints": [lambda d: d.wingspan_m]}, "must be one comparison by <= or >="),
+        ({"constraints": [lambda d: d.wingspan_m == 4.0]}, "must be one comparison by <= or >="),
+        ({"constraints": [excess_time]}, "there is a excess_time already"),
+    ],
+)
+def test_wrong_comparisons(terms, said):
+    with pytest.raises(ValueError, match=said):
+        sizing.size(DESIGN, MISSION, **terms)
 
 
 def test_the_documented_names_are_those_that_there_are():

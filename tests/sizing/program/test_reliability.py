@@ -28,6 +28,9 @@ def _few_draws(monkeypatch):
     monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 4000)
 
 
+UNIFORM = {"distribution": "uniform", "low": 2.0, "high": 4.0}
+
+
 def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSION, **options):
     return sizing.size(aircraft, mission, objective, reliability=reliability, **options)
 
@@ -159,12 +162,8 @@ def test_payload_and_several_scenarios():
         ({"with_cross_check": True}, "know of no reliability"),
         ({"aircraft": with_inputs(**{"mission.x": {"sigma": 1}})}, "is no key of the file that"),
         (
-            {
-                "aircraft": with_inputs(
-                    **{"battery.mass_kg": {"distribution": "uniform", "low": 2.0, "high": 4.0}}
-                )
-            },
-            "must be normal or lognormal, around what is chosen",
+            {"aircraft": with_inputs(**{"battery.mass_kg": UNIFORM})},
+            "must be normal or lognormal, a",
         ),
     ],
 )
@@ -173,14 +172,9 @@ def test_what_cannot_be_asked(call, message):
         sized(**({"reliability": 0.9} | call))
 
 
+SIGMAS = {ENERGY: 0.05, "modules.efficiency_stc": 0.03, "power.avionics_w": 0.1}
 SKY_SAILOR_INPUTS = {
-    "uncertainty": {
-        "inputs": {
-            ENERGY: {"relative_sigma": 0.05},
-            "modules.efficiency_stc": {"relative_sigma": 0.03},
-            "power.avionics_w": {"relative_sigma": 0.1},
-        }
-    }
+    "uncertainty": {"inputs": {key: {"relative_sigma": sigma} for key, sigma in SIGMAS.items()}}
 }
 
 

@@ -20,7 +20,8 @@ pytestmark = pytest.mark.slow
 
 DESIGN = load_aircraft("atlantiksolar-design")
 PLACE = {"latitude_deg": 46.8, "altitude_m": 491.0}
-MISSION = load_mission("rafz-july", PLACE | {"dates": {"from": "06-10", "to": "07-09"}})
+SEASON = {"dates": {"from": "06-10", "to": "07-09"}}
+MISSION = load_mission("rafz-july", PLACE | SEASON)
 STEP_S = 1800.0
 
 
@@ -86,14 +87,9 @@ def test_an_analysis_of_the_sized_aircraft_confirms_the_days(most, monkeypatch):
 
 
 def windy(folder, wind_m_per_s):
-    wind = {
-        "percentile": 95.0,
-        "hold_station": True,
-        "file": winds_file(folder, lambda *_: wind_m_per_s),
-    }
-    return load_mission(
-        "rafz-july", PLACE | {"dates": MISSION.dates.model_dump(by_alias=True)} | {"wind": wind}
-    )
+    file = winds_file(folder, lambda *_: wind_m_per_s)
+    wind = {"percentile": 95.0, "hold_station": True, "file": file}
+    return load_mission("rafz-july", PLACE | SEASON | {"wind": wind})
 
 
 def test_a_held_place_costs_span_and_the_record_confirms_it(most, tmp_path):
@@ -142,12 +138,8 @@ def test_payload_is_what_the_edge_leaves():
     assert found.result.objective_value > 0.1
     assert found.sized_mission().payload.mass_kg == pytest.approx(found.result.objective_value)
     # With the payload of that optimum the smallest aircraft is as large as it was.
-    carrying = load_mission(
-        "rafz-july",
-        PLACE
-        | {"dates": {"from": "06-10", "to": "07-09"}}
-        | {"payload": {"mass_kg": found.result.objective_value}},
-    )
+    payload = {"payload": {"mass_kg": found.result.objective_value}}
+    carrying = load_mission("rafz-july", PLACE | SEASON | payload)
     again = sized(0.9, "min_wingspan", carrying)
     assert again.result.objective_value == pytest.approx(5.65, rel=3e-3)
 
@@ -178,11 +170,8 @@ def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
     assert np.count_nonzero(search.season) == 8
     assert set(axis.day_of_year[search.season]) == {364, 365, 1, 2}
     days = SeasonDays.of(axis, search.season, np.arange(len(axis)) % 2 == 0)
-    assert [(one["year"], one["days"]) for one in days.by_year()] == [
-        (2001, 2),
-        (2002, 4),
-        (2003, 2),
-    ]
+    by_year = [(one["year"], one["days"]) for one in days.by_year()]
+    assert by_year == [(2001, 2), (2002, 4), (2003, 2)]
     assert sum(one["days_that_close"] for one in days.by_year()) == days.that_close
 
 
@@ -201,11 +190,7 @@ def test_out_of_reach_says_what_is_reached():
 
 
 def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most):
-    values = PLACE | {
-        "dates": {"from": "06-10", "to": "07-09"},
-        "clearness": 0.8,
-        "required_excess_time_h": 3.0,
-    }
+    values = PLACE | SEASON | {"clearness": 0.8, "required_excess_time_h": 3.0}
     found = sized(0.9, mission=load_mission("rafz-july", values))
     assert found.result.objective_value == pytest.approx(most.result.objective_value, rel=1e-9)
     told = " ".join(found.survival.notes)

@@ -160,15 +160,9 @@ def test_free_aspect_ratio_keeps_rows_on_the_chord():
 
 @pytest.mark.long
 def test_strings_leave_numbers_of_cells_out():
-    strings = {
-        "cells_in_series": 18,
-        "coldest_c": -20.0,
-        "hottest_c": 70.0,
-        "mpp_voltage_v": 0.63,
-        "open_circuit_voltage_v": 0.73,
-        "mpp_current_a": 5.9,
-        "mppt": {"minimum_voltage_v": 9.0, "maximum_voltage_v": 16.0, "maximum_current_a": 7.0},
-    }
+    window = {"minimum_voltage_v": 9.0, "maximum_voltage_v": 16.0, "maximum_current_a": 7.0}
+    strings = {"cells_in_series": 18, "coldest_c": -20.0, "hottest_c": 70.0, "mppt": window}
+    strings |= {"mpp_voltage_v": 0.63, "open_circuit_voltage_v": 0.73, "mpp_current_a": 5.9}
     layout = WHOLE_CELLS | {"bays": [{"cells": [18, 18]}], "strings": strings}
     data = plane(layout).model_dump(mode="json", exclude_unset=True)
     del data["modules"]["mppt_mass_kg_per_w"]
@@ -223,30 +217,18 @@ def test_numbers_without_a_design_are_passed_by_and_the_best_is_reached(least, b
         ({"with_sensitivities": True}, "leave them out"),
         ({"reliability": 0.9}, "leave them out"),
         ({"objective": "longest_season"}, "no whole cells"),
+        ({"aircraft": sizing.load_aircraft("atlantiksolar-design")}, r"need modules\.layout"),
     ],
 )
 def test_what_does_not_go_together_is_refused(options, words):
+    aircraft = options.pop("aircraft", plane(WHOLE_CELLS))
     with pytest.raises(ValueError, match=words):
-        sizing.size(plane(WHOLE_CELLS), MISSION, whole_cells=True, **options)
-
-
-def test_an_aircraft_without_cells_is_refused():
-    aircraft = sizing.load_aircraft("atlantiksolar-design")
-    with pytest.raises(ValueError, match=r"need modules\.layout"):
-        sizing.size(aircraft, MISSION, whole_cells=True)
+        sizing.size(aircraft, MISSION, whole_cells=True, **options)
 
 
 @pytest.mark.slow
 def test_unlimited_excess_time_is_no_loss_and_no_failure():
-    polar = sizing.load_aircraft(
-        "atlantiksolar-design",
-        {
-            "modules.cell": "sunpower-e60",
-            "modules.layout": WHOLE_CELLS,
-            "battery.pack": PACK,
-            "design_space.wingspan_m.maximum": 5.65,
-        },
-    )
+    polar = plane(WHOLE_CELLS, **{"design_space.wingspan_m.maximum": 5.65})
     summer = load_mission("rafz-july", {"latitude_deg": 82.0, "dates": {"on": "06-21"}})
     study = sizing.size(polar, summer, "max_excess_time", whole_cells=True)
     assert study.result.objective_value == np.inf
