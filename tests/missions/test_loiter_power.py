@@ -30,6 +30,8 @@ def test_level_path_with_a_flat_wing_is_the_analysis_model():
         47.6, 182.5, TIME_H, cell=SolarCell(), module_temperature_c=20.0, model="CAM"
     )
     assert mean("VM", FLAT, Level(), CALM) == pytest.approx(cam, rel=1e-12, abs=1e-9)
+    with pytest.raises(ValueError, match="choose VM or FM"):
+        mean("CAM", FLAT, CIRCLE, CALM)
 
 
 def test_easterly_wind_takes_from_the_morning_what_it_gives_to_the_evening():
@@ -69,8 +71,3 @@ def test_components_multiply_to_the_power():
     assert power.specific_power_w_per_m2 @ orbit.weights == pytest.approx(
         mean("FM", AFT, CIRCLE, CALM)[daylight], rel=1e-12
     )
-
-
-def test_horizontal_models_have_no_path():
-    with pytest.raises(ValueError, match="choose VM or FM"):
-        mean("CAM", FLAT, CIRCLE, CALM)

@@ -8,11 +8,8 @@ from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.provenance import Provenance
 
-FITTED = {"key": "modules.area_m2", "value": 1.4, "before": 1.5} | {
-    "standard_error": 0.01,
-    "low": 1.38,
-    "high": 1.42,
-}
+FITTED = {"key": "modules.area_m2", "value": 1.4, "before": 1.5}
+FITTED |= {"standard_error": 0.01, "low": 1.38, "high": 1.42}
 WRITTEN = {"tool": "other 1.0", "date": "2024-05-01", "aircraft": "as2.yaml", "fitted": [FITTED]}
 
 

@@ -54,18 +54,12 @@ def excess_h(subject, where):
 )
 def test_winds_slower_than_the_airspeed_change_nothing(tmp_path, name):
     subject, near_ground = aircraft(name), {0: 1.0, 4000: 2.0}
+    wind = {"percentile": 90.0, "file": by_height(tmp_path, near_ground)}
     for ceiling_m in (2536.0, 3000.0):
         pair = [
             held(tmp_path, CALM, hold=hold)
             if subject == HIGH
-            else mission(
-                climb={"ceiling_m": ceiling_m},
-                wind={
-                    "percentile": 90.0,
-                    "file": by_height(tmp_path, near_ground),
-                    "hold_station": hold,
-                },
-            )
+            else mission(climb={"ceiling_m": ceiling_m}, wind=wind | {"hold_station": hold})
             for hold in (False, True)
         ]
         free, held_flight = (performance(subject, pair_mission) for pair_mission in pair)

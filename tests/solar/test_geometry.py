@@ -55,13 +55,10 @@ def test_central_wing_is_the_mean_of_the_centre():
     assert plain.central_wing_normal()[1] == pytest.approx(0.0, abs=1e-15)
 
 
-def test_area_shares_add_up():
+def test_area_shares_add_up_of_what_is_a_geometry():
     geometry = ModuleGeometry(surfaces=(surface("left", area=0.5), surface("right", area=1.5)))
     assert geometry.area_m2 == pytest.approx(2.0)
     assert geometry.area_shares == pytest.approx([0.25, 0.75])
-
-
-def test_a_centre_with_dihedral_and_a_geometry_without_a_surface_are_refused():
     with pytest.raises(ValidationError, match="no dihedral"):
         surface("centre", dihedral=3.0)
     with pytest.raises(ValidationError):

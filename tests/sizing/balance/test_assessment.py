@@ -14,8 +14,7 @@ TAIL = "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, vertical_volume: 
 
 def balance(*overrides, name="twin-boom-design"):
     loaded = aircraft(name, *overrides)
-    assessment = balance_assessment(loaded, design_of(loaded, MISSION))
-    return assessment
+    return balance_assessment(loaded, design_of(loaded, MISSION))
 
 
 @pytest.mark.parametrize("growth", [0.0, 0.15])
@@ -125,13 +124,8 @@ def test_cells_lie_on_the_wing_of_the_airframe():
 
 ONE_MASS = {"name": "a", "mass_kg": 1.0, "x_m": 0.0}
 SHORT_POD = {"length_m": 0.1, "diameter_m": 0.2}
-ANOTHER_POLAR = {
-    "model": "wing_polar",
-    "airfoil": "mh115",
-    "design_aspect_ratio": 15.0,
-    "design_reynolds": 150e3,
-    "tail_area_ratio": 0.1,
-}
+ANOTHER_POLAR = {"model": "wing_polar", "airfoil": "mh115", "tail_area_ratio": 0.1}
+ANOTHER_POLAR |= {"design_aspect_ratio": 15.0, "design_reynolds": 150e3}
 
 
 @pytest.mark.parametrize(

@@ -18,15 +18,10 @@ def test_chords_are_those_of_the_integrals(inner, taper):
     assert area == pytest.approx(25.0 / 15.0, rel=1e-8)
     assert wing.area_m2 == pytest.approx(area, rel=1e-8)
     assert wing.aerodynamic_chord_m == pytest.approx(square / area, rel=1e-8)
-
-
-def test_a_wing_without_planform_is_a_rectangle():
+    # Without a planform it is a rectangle.
     wing = wing_of(None, 5.65, 18.5)
     assert wing.root_chord_m == wing.aerodynamic_chord_m == 5.65 / 18.5
     assert wing.at_chord(0.25) == wing.quarter_m
-
-
-def test_lift_slope_has_its_limits():
     # Thin airfoils have 2 pi; slender wings pi/2 AR (Jones, NACA TR 835).
     assert lift_slope(1e6) == pytest.approx(2.0 * math.pi, rel=1e-5)
     assert lift_slope(1e-3) == pytest.approx(0.5 * math.pi * 1e-3, rel=1e-3)
@@ -44,13 +39,15 @@ def test_tail_has_its_volume_coefficients():
         planes.horizontal_m2
     )
     assert 2.0 * planes.fin_height_m * planes.fin_chord_m == pytest.approx(planes.vertical_m2)
-    by_area = Tail(
-        arm_m=4.0 / 3.0,
-        horizontal_area_m2=planes.horizontal_m2,
-        vertical_area_m2=planes.vertical_m2,
-        fins=2,
-    )
+    areas = {"horizontal_area_m2": planes.horizontal_m2, "vertical_area_m2": planes.vertical_m2}
+    by_area = Tail(arm_m=4.0 / 3.0, fins=2, **areas)
     assert by_area.planes(wing) == pytest.approx(planes)
+    # The defaults in the table of docs/balance.md.
+    tail = Tail(arm_m=1.0, horizontal_volume=0.4, vertical_volume=0.02)
+    assert (tail.dynamic_pressure_ratio, tail.thickness_ratio) == (0.9, 0.08)
+    assert (tail.elevator_chord_fraction, tail.elevator_deflection_deg) == (0.3, 20.0)
+    assert (tail.rudder_chord_fraction, tail.rudder_deflection_deg) == (0.4, 25.0)
+    assert (tail.horizontal_aspect_ratio, tail.vertical_aspect_ratio, tail.fins) == (5.0, 2.0, 1)
 
 
 @pytest.mark.parametrize("keys", [{"vertical_arm_m": 2.4}, {"vertical_arm_chords": 8.0}])
@@ -68,12 +65,3 @@ def test_fins_may_have_an_arm_of_their_own(keys):
     ratios = structure["horizontal_tail_ratio"] + structure["vertical_tail_ratio"]
     area_m2 = ratios / structure["fuselage_chords"] * wing.area_m2
     assert area_m2 == pytest.approx(planes.horizontal_m2 + planes.vertical_m2)
-
-
-def test_a_tail_has_the_pressure_controls_and_height_of_its_page():
-    tail = Tail(arm_m=1.0, horizontal_volume=0.4, vertical_volume=0.02)
-    # The defaults in the table of docs/balance.md.
-    assert (tail.dynamic_pressure_ratio, tail.thickness_ratio) == (0.9, 0.08)
-    assert (tail.elevator_chord_fraction, tail.elevator_deflection_deg) == (0.3, 20.0)
-    assert (tail.rudder_chord_fraction, tail.rudder_deflection_deg) == (0.4, 25.0)
-    assert (tail.horizontal_aspect_ratio, tail.vertical_aspect_ratio, tail.fins) == (5.0, 2.0, 1)

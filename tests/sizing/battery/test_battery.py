@@ -84,14 +84,6 @@ def test_rate_equals_the_scalar_formula(limit, soc):
     assert float(charge_rate_per_h(limit, soc)) == pytest.approx(rate_per_h(limit, soc), rel=1e-9)
 
 
-def test_no_limit_has_no_rate_and_charges_at_once():
-    clock = ChargeClock.of(NoChargeLimit())
-    assert clock.after(np.array([0.0, 0.3]), 1e-6) == pytest.approx([1.0, 1.0])
-    assert clock.hours_to_full(np.array([0.0, 0.3])) == pytest.approx([0.0, 0.0])
-    with pytest.raises(ValueError, match="no finite charge rate"):
-        charge_rate_per_h(NoChargeLimit(), 0.5)
-
-
 @pytest.mark.parametrize(
     ("soc", "current", "message"),
     [
@@ -161,6 +153,11 @@ def test_charging_adds_the_constant_power_of_the_limit():
     store = Store.of(battery)
     charged = store.charged(np.array([0.0, 100.0]), np.array([600.0, 500.0]), 1.5)
     assert charged == pytest.approx([240.0, 340.0], rel=1e-12)
+    clock = ChargeClock.of(NoChargeLimit())  # charges at once
+    assert clock.after(np.array([0.0, 0.3]), 1e-6) == pytest.approx([1.0, 1.0])
+    assert clock.hours_to_full(np.array([0.0, 0.3])) == pytest.approx([0.0, 0.0])
+    with pytest.raises(ValueError, match="no finite charge rate"):
+        charge_rate_per_h(NoChargeLimit(), 0.5)
     # Less than that is stored as it comes, at the charge efficiency.
     assert store.charged(np.array([100.0]), np.array([50.0]), 1.5) == pytest.approx([145.0])
 

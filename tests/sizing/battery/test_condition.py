@@ -46,6 +46,10 @@ def test_capacity_is_that_of_the_specification():
     points = np.array([-40.0, -20.0, -10.0, 0.0, 12.5, 25.0, 60.0, 90.0])
     expected = [0.6, 0.6, 0.75, 0.8, 0.9, 1.0, 1.0, 1.0]
     assert BatteryTemperature().capacity_fraction(points) == pytest.approx(expected)
+    # An unlimited heater holds the temperature.
+    air_c = np.array([-30.0, 0.0, 10.0, 20.0])
+    assert heated().pack_c(air_c) == pytest.approx([10.0, 10.0, 10.0, 20.0])
+    assert heated().heater_w(air_c) == pytest.approx([16.0, 4.0, 0.0, 0.0])
 
 
 @given(temperatures, st.floats(-5.0, 10.0), st.floats(0.1, 30.0))
@@ -57,12 +61,6 @@ def test_the_heater_gives_what_the_pack_loses(air_c, offset_k, most_w):
     assert pack.pack_c(air_c) <= max(10.0, air_c + offset_k) + 1e-9
 
 
-def test_an_unlimited_heater_holds_the_temperature():
-    air_c = np.array([-30.0, 0.0, 10.0, 20.0])
-    assert heated().pack_c(air_c) == pytest.approx([10.0, 10.0, 10.0, 20.0])
-    assert heated().heater_w(air_c) == pytest.approx([16.0, 4.0, 0.0, 0.0])
-
-
 def test_fade_is_the_published_law():
     aged = Ageing(cycles=100.0, months=12.0, depth_of_discharge=0.8, mean_voltage_v=3.7)
     calendar = (7.543 * 3.7 - 23.75) * 1e6 * exp(-6976.0 / 298.15) * 365.0**0.75
@@ -72,6 +70,10 @@ def test_fade_is_the_published_law():
     assert aged.capacity_fraction() == pytest.approx(1.0 - calendar - cycle, rel=1e-12)
     assert calendar == pytest.approx(0.0239, abs=1e-3)
     assert cycle == pytest.approx(0.073, abs=1e-3)
+    # A season is its cycles and a year.
+    season = Ageing(seasons_flown=2.0, cycles_per_season=150.0)
+    assert season.capacity_fraction() == Ageing(cycles=300.0, months=24.0).capacity_fraction()
+    assert Ageing().capacity_fraction() == Ageing().resistance_factor() == 1.0
 
 
 @given(st.floats(0.0, 500.0), st.floats(0.0, 36.0), st.floats(1.0, 300.0), st.floats(0.05, 1.0))
@@ -83,12 +85,6 @@ def test_capacity_falls_and_resistance_rises_with_age(cycles, months, more, dept
     ):
         assert older.capacity_fraction() < young.capacity_fraction()
         assert older.resistance_factor() > young.resistance_factor()
-
-
-def test_a_season_is_its_cycles_and_a_year():
-    season = Ageing(seasons_flown=2.0, cycles_per_season=150.0)
-    assert season.capacity_fraction() == Ageing(cycles=300.0, months=24.0).capacity_fraction()
-    assert Ageing().capacity_fraction() == Ageing().resistance_factor() == 1.0
 
 
 def test_life_ends_where_the_law_says_and_sooner_deep_or_warm():

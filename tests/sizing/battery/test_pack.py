@@ -1,5 +1,7 @@
 """Batteries of whole cells: mass, energy, voltage and charge current, and what is refused."""
 
+from pathlib import Path
+
 import pytest
 from builders import DESIGN
 
@@ -45,12 +47,17 @@ def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell):
     assert packed.pack.charge_current_a == pytest.approx(9 * 3.1)
     limit = packed.charge_limit
     assert limit.c_rate_per_h == pytest.approx(3.1 / 3.2, rel=1e-5)
-
-
-def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell):
+    # Wiring and housing add to the mass and not to the energy.
     packed = battery(cell=cell, cell_mass_fraction=0.9, pack=NINE)
     assert packed.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
     assert packed.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+    # Cells in parallel follow from a mass of whole cells, or the mass from the specific energy.
+    packed = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
+    assert packed.pack.cells_in_parallel == 9
+    assert packed.mass_kg == pytest.approx(2.403, rel=1e-12)
+    Path(cell).write_text(ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250"))
+    packed = battery(cell=cell, pack=NINE)
+    assert packed.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
 
 
 def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell):
@@ -65,12 +72,6 @@ def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell):
     assert power_w == pytest.approx(9 * 3.1 * 6 * 3.7, rel=1e-4)
 
 
-def test_cells_in_parallel_follow_from_a_mass_of_whole_cells(cell):
-    packed = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
-    assert packed.pack.cells_in_parallel == 9
-    assert packed.mass_kg == pytest.approx(2.403, rel=1e-12)
-
-
 def test_what_follows_is_not_written_and_follows_again(cell):
     data = DESIGN.model_dump(mode="json", exclude_unset=True)
     data["battery"] = {"cell": cell, "voltage": VOLTAGE, "pack": {"cells_in_parallel": 9}}
@@ -78,14 +79,6 @@ def test_what_follows_is_not_written_and_follows_again(cell):
     written = plane.model_dump(mode="json", exclude_unset=True)
     assert "mass_kg" not in written["battery"]
     assert Aircraft.model_validate(written) == plane
-
-
-def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path):
-    file = tmp_path / "cell.yaml"
-    known = ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250")
-    file.write_text(known, encoding="utf-8")
-    packed = battery(cell=str(file), pack=NINE)
-    assert packed.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
 
 
 SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}

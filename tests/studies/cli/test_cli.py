@@ -193,11 +193,6 @@ def test_every_command_that_reads_files_takes_overrides(run, command):
     ]
 
 
-def test_a_single_latitude_is_a_grid_of_one(run):
-    record = run("map", AS2, "--latitudes", "45N", "--days", "172", "--json").json()
-    assert (record["latitude_deg"], record["days"]) == ([45.0], [172])
-
-
 @pytest.mark.slow
 def test_the_answer_to_a_range_is_the_second_line(run):
     season = run("size", DESIGN, "-m", "rafz-july", "--objective", "longest_season").out
@@ -233,6 +228,9 @@ def test_places_and_dates_as_they_are_printed(run):
     grid = ("--days", "100:200:100", "--json")
     south = run("map", AS2, "--latitudes", "-40:50:45", *grid).out
     assert run("map", AS2, "--latitudes", "40S:50N:45", *grid).out == south
+    # A single latitude is a grid of one.
+    record = run("map", AS2, "--latitudes", "45N", "--days", "172", "--json").json()
+    assert (record["latitude_deg"], record["days"]) == ([45.0], [172])
 
 
 def test_a_known_total_mass_is_met(run):
@@ -263,22 +261,17 @@ def test_a_known_total_mass_holds_in_every_study(run, aircraft):
 
 @pytest.mark.parametrize("chordwise", ["aspect_ratio=12.5", "chord_m=0.4", "wing_area_m2=2.0"])
 def test_chord_or_area_stand_for_the_aspect_ratio(run, chordwise):
-    wing = ("--set", "airframe.wingspan_m=5", "--set", f"airframe.{chordwise}")
-    record = run("analyse", DESIGN, *wing, "--json").json()
-    assert record["total_mass_kg"] == pytest.approx(
-        run("analyse", DESIGN, *wing[:2], "--set", "airframe.aspect_ratio=12.5", "--json").json()[
-            "total_mass_kg"
-        ],
-        rel=1e-12,
+    wing = ("analyse", DESIGN, "--json", "--set", "airframe.wingspan_m=5", "--set")
+    record, expected = (
+        run(*wing, f"airframe.{key}").json() for key in (chordwise, "aspect_ratio=12.5")
     )
+    assert record["total_mass_kg"] == pytest.approx(expected["total_mass_kg"], rel=1e-12)
 
 
 def test_size_takes_place_and_day_as_analyse_does(run):
-    by_option = run(
-        "size", DESIGN, "-m", "rafz-july", "--latitude", "40N", "--date", "1 Jun", "--json"
-    )
-    keys = ("--set", "mission.latitude_deg=40", "--set", "mission.dates.on=06-01")
-    by_key = run("size", DESIGN, "-m", "rafz-july", *keys, "--json")
+    size = ("size", DESIGN, "-m", "rafz-july", "--json")
+    by_option = run(*size, "--latitude", "40N", "--date", "1 Jun")
+    by_key = run(*size, "--set", "mission.latitude_deg=40", "--set", "mission.dates.on=06-01")
     assert by_option.json()["simulated"] == by_key.json()["simulated"]
 
 

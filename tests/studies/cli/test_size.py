@@ -113,6 +113,11 @@ def test_wing_covered_whole_is_written_and_read_again(run):
     assert (outcome.code, outcome.err) == (0, "")
     again = run("analyse", "whole/aircraft.yaml", "-m", "rafz-july")
     assert (again.code, again.err) == (0, "")
+    # So is the report of one in a wind too strong for the path.
+    windy = ("--set", "mission.wind_m_per_s=9", "--report", "r.html")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *windy)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.endswith("written to r.html\n")
 
 
 def test_reliability_is_kept_in_the_folder(run, tmp_path, monkeypatch):
@@ -142,12 +147,3 @@ def test_a_result_is_printed_and_written_where_figures_and_report_fail(run, tmp_
     kept = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
     assert files(tmp_path / "d") == kept | {"scenarios.csv", "masses.csv"}
     assert not (tmp_path / "r.html").exists()
-
-
-def test_the_report_of_a_sizing_is_written_in_a_wind_too_strong_for_the_path(run):
-    outcome = run(
-        *("size", DESIGN, "-m", "rafz-july", "--set", "mission.wind_m_per_s=9"),
-        *("--report", "r.html"),
-    )
-    assert (outcome.code, outcome.err) == (0, "")
-    assert outcome.out.endswith("written to r.html\n")

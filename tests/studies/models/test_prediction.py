@@ -87,7 +87,5 @@ def test_duration(hours, said):
 )
 def test_nights_survived(launch_h, endurance_h, nights):
     assert nights_survived(launch_h, endurance_h, 6.0) == nights
-
-
-def test_no_night_ends_without_a_morning():
+    # No night ends without a morning.
     assert nights_survived(12.0, 50.0, math.nan) == 0

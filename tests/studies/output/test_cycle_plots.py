@@ -83,11 +83,9 @@ def test_notes_stand_below_the_title_and_go_with_it():
 
 def test_a_small_figure_keeps_its_axes_and_its_texts():
     analysis = flown("modules.area_m2=0.68")
-    assert (
-        0.0 < analysis.performance.cycle.charge_margin_h[0] < 2.0
-    )  # full late: its text has little room to the right
-    figure = studies.plot_cycle(
-        analysis, figure=FigureOptions(size_in=(3.35, 3.0), style="paper", title=False)
-    )
+    # Full late: its text has little room to the right.
+    assert 0.0 < analysis.performance.cycle.charge_margin_h[0] < 2.0
+    small = FigureOptions(size_in=(3.35, 3.0), style="paper", title=False)
+    figure = studies.plot_cycle(analysis, figure=small)
     assert not [fault for fault in text_faults(figure) if "leaves" in fault or "crosses" in fault]
     assert all(axes.get_position().height > 0.15 for axes in figure.axes)
