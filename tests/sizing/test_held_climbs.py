@@ -1,5 +1,7 @@
 """Climbs by day where the aircraft holds its place: as fast as the wind of every height."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from builders import aircraft, mission, shipped_mission
@@ -147,7 +149,8 @@ def test_the_program_has_the_same_power_of_the_wind(tmp_path):
     for at, power_w in zip(share, level_w, strict=True):
         # An hour at the floor, where a program's day begins, one of climb, and one at the height.
         heights = np.array([0.0, 0.0, at, at])
-        (beyond_w,) = power_beyond_floor(task, batch, 0, heights, np.ones(3))
+        hourly = SimpleNamespace(share=heights, means=SimpleNamespace(hours=np.ones(3)))
+        (beyond_w,) = power_beyond_floor(task, batch, 0, hourly)
         assert beyond_w[0] == pytest.approx(0.0, abs=1e-9)
         assert beyond_w[2] == pytest.approx((power_w - level_w[0]) * steady, rel=1e-6, abs=1e-6)
     # Half the way up in the middle of an hour's climb to the ceiling.
