@@ -121,7 +121,7 @@ def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
     gain_h = round(climb.gain_in_excess_time_h, 2) + 0.0  # zero added: -0 is no loss
     rows = [
         (f"highest altitude{day}", q.text_of("maximum_altitude_m", climb.maximum_altitude_m)),
-        ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
+        ("gained by climbing", amount(gain_h, "h", "+.2f") if np.isfinite(gain_h) else MISSING),
     ]
     if held is not None:
         up_to = "nowhere" if np.isnan(held) else q.text_of("altitude_m", held)
@@ -135,7 +135,10 @@ def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
         ]
         if (checked := analysis.climb_check_h) is not None:
             more_h = (round(one_h - analysis.excess_time_h, 2) + 0.0 for one_h in checked)
-            texts = (f"{hours(h)} ({more:+.2f})" for h, more in zip(checked, more_h, strict=True))
+            texts = (
+                f"{hours(h)} ({amount(more, form='+.2f')})"
+                for h, more in zip(checked, more_h, strict=True)
+            )
             rows.append(("by the program, by the minute", ", ".join(texts)))
     return rows
 

@@ -19,8 +19,8 @@ def change_text(before: float, after: float) -> str:
     relative = relative_change(before, after)
     if relative is None:
         return MISSING
-    percent = round(100.0 * relative, 1)
-    return f"{percent:+.1f} %" if percent else "0.0 %"  # too small to show, it has no sign
+    shown = round(relative, 3)
+    return percent(shown, "+.1f") if shown else percent(0.0)  # too small to show, it has no sign
 
 
 def with_unit(value: float | None, digits: str, objective: Objective) -> str:
@@ -33,7 +33,9 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
 
 
 # How numbers with a unit are written in sentences.
-_FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "Wh": ".1f", "V": ".1f", "A": ".1f", "m/s": ".1f"}
+_FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "h": ".2f"} | dict.fromkeys(
+    ("Wh", "V", "A", "m/s"), ".1f"
+)
 
 
 def amount(value: float, unit: str = "", form: str = "") -> str:
@@ -47,6 +49,12 @@ def given(value: float, unit: str = "") -> str:
     return amount(value, unit, "g")
 
 
+def required(excess_time_h: float) -> str:
+    """Return what is required of every scenario."""
+    least = given(excess_time_h, "h")
+    return f"{least} of excess time" if excess_time_h > 0.0 else "perpetual flight"
+
+
 def percent(share: float, form: str = ".1f") -> str:
     """Return a share in per cent."""
     return f"{format(100.0 * float(share), form)} %"
@@ -54,7 +62,7 @@ def percent(share: float, form: str = ".1f") -> str:
 
 def hours(value: float) -> str:
     """Return hours with two decimals."""
-    return UNLIMITED if math.isinf(value) else f"{value:.2f} h"
+    return UNLIMITED if math.isinf(value) else amount(value, "h")
 
 
 def date_and_clock(clock_h: float, first_day: int) -> str:

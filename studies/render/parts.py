@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 from missions.mission import Mission
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
-from sizing.parameters import unit_text
 from sizing.relaxed_flight import Relaxation
 from sizing.results.conditions import wind_of
 from studies import quantities as q
 from studies.render import sentences as say
-from studies.render.numbers import amount
+from studies.render.numbers import amount, given
 from studies.render.tables import ALL, MISSING, Line, Table, facts
 from studies.render.words import parameter_words
 
@@ -148,7 +147,7 @@ def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible")
         (
             parameter_words(row.parameter),
             row.present,
-            f"{row.direction} {row.value:g} {unit_text(row.unit)}".rstrip(),
+            f"{row.direction} {given(row.value, row.unit)}",
             row.parameter if "." in row.parameter else MISSING,
         )
         for row in relaxations

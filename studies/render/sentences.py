@@ -15,7 +15,6 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment
 from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
-from sizing.parameters import unit_text
 from sizing.relaxed_flight import Relaxation
 from sizing.results.conditions import wind_of
 from sizing.results.propulsion import VaryingEfficiency
@@ -26,8 +25,10 @@ from studies.render.numbers import (
     amount,
     change_text,
     clock_of_day,
+    given,
     hours,
     percent,
+    required,
     with_unit,
 )
 from studies.render.tables import clock_label
@@ -97,7 +98,7 @@ def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
 def relaxations_line(relaxations: Sequence[Relaxation], end: str) -> str:
     """Return the single changes that suffice, in a line."""
     changes = (
-        f"{parameter_words(row.parameter)} {row.direction} {row.value:g} {unit_text(row.unit)}"
+        f"{parameter_words(row.parameter)} {row.direction} {given(row.value, row.unit)}"
         for row in relaxations
     )
     return f"{end} with one change: {', or '.join(changes)}"
@@ -146,7 +147,7 @@ def range_text(widest: WidestRange) -> str:
         ends = " to ".join(date_label(int(day)) for day in (first, last))
         return f"season: {ends}, {int(extent)} days; the mission's own dates play no part"
     ends = f"{latitude_label(first)} to {latitude_label(last)}"
-    return f"latitudes: {ends}, {extent:g} degrees; the mission's own latitude plays no part"
+    return f"latitudes: {ends}, {given(extent)} degrees; the mission's own latitude plays no part"
 
 
 def nearest_lines(study: SizingStudy) -> list[str]:
@@ -160,9 +161,9 @@ def nearest_lines(study: SizingStudy) -> list[str]:
     lines = [f"nearest design, not a solution: {', '.join(map(' '.join, facts_of))}"]
     if study.structure is not None:
         structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
+        of_mass, whole = (amount(mass_kg, "kg", ".3g") for mass_kg in (structure_kg, total_kg))
         share = (
-            f"{structure_kg:.3g} kg of its {total_kg:.3g} kg are structure "
-            f"({percent(structure_kg / total_kg, '.0f')})"
+            f"{of_mass} of its {whole} are structure ({percent(structure_kg / total_kg, '.0f')})"
             if math.isfinite(total_kg)
             else "its structure outgrows every mass that it could have"
         )
@@ -224,8 +225,7 @@ def reliability_text(study: SizingStudy) -> str:
     """Return how reliable the design is, and what the optimum without uncertainty is."""
     reliability, objective = study.reliability, study.objective
     assert reliability is not None
-    hours_h = study.result.required_excess_time_h
-    what = f"{hours_h:g} h of excess time" if hours_h > 0.0 else "perpetual flight"
+    what = required(study.result.required_excess_time_h)
     reached = reliability.achieved.text()
     if not study.feasible:
         reached = f"of the nearest design {reached}"
@@ -269,7 +269,7 @@ def sensitivities_line(study: SizingStudy) -> str:
     """Return what the most important parameters change, and what relaxing a constraint gains."""
     objective, gain = study.objective, q.TABLE["gain"]
     parts = (
-        f"{parameter_words(row.parameter)} {row.per_percent:+.4f}"
+        f"{parameter_words(row.parameter)} {amount(row.per_percent, form='+.4f')}"
         for row in (study.sensitivities or [])[:_SENSITIVITIES]
     )
     changes = ", ".join(parts) or f"none: {objective.label} is unlimited"
@@ -331,7 +331,7 @@ def uncertainty_line(analysis: Analysis) -> str:
     error = "the model's RMS error" if plain else "the RMS error left after it"
     if where := model_error_note(mission.altitude_m):
         return (
-            f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
+            f"{solar.label}; its error at {given(mission.altitude_m, 'm')} is not known. One of "
             f"{percent(solar.rms_relative, '.0f')} of the mean power,{where},{beyond[1:]} "
             f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
         )
@@ -348,9 +348,9 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
         return []
     heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
     speeds = [mission.at_altitude(height_m).scenario_winds_m_per_s() for height_m in heights_m]
-    ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(speeds), np.max(speeds)))
+    ends = dict.fromkeys(amount(w, form=".1f") for w in (np.min(speeds), np.max(speeds)))
     everywhere = ", at all heights" if len(heights_m) > 1 else ""
-    words = f"wind, {wind.percentile:g} % of the time at most{everywhere}"
+    words = f"wind, {given(wind.percentile)} % of the time at most{everywhere}"
     return [(words, f"{' to '.join(ends)} m/s")]
 
 

@@ -13,7 +13,7 @@ from sizing.validity.ranges import model_error_note
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import change_text, hours, percent, with_unit
+from studies.render.numbers import change_text, given, hours, percent, with_unit
 from studies.render.parts import (
     in_columns,
     part_blocks,
@@ -212,9 +212,8 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
         if study.with_margin is not None:
             shown += _margin_blocks(study, study.with_margin, level)
         elif (low_h := optimum.low.least_excess_time_h) < required and not guarded:
-            what = (
-                "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
-            )
+            missed = f"misses the required {given(required, 'h')}"
+            what = "ends perpetual flight" if low_h <= 0.0 else missed
             measured = model_error_note(study.mission.altitude_m)
             text = f"on the edge: one RMS error{measured} less solar power {what}; {_TO_GUARD}"
             shown.append(Line(text, "warning"))

@@ -10,7 +10,7 @@ import numpy as np
 from sizing.results.numbers import percentiles
 from studies import quantities as q
 from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import hours, percent
+from studies.render.numbers import hours, percent, required
 from studies.render.tables import ALL, Line, Table, facts
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
     mission, inputs = analysis.mission, analysis.inputs
     rows = [("probability of perpetual flight", analysis.probability_perpetual.text())]
     if analysis.required_h > 0.0:
-        label = f"probability of {analysis.required_h:g} h of excess time"
+        label = f"probability of {required(analysis.required_h)}"
         rows.append((label, analysis.probability_required.text()))
     rows.append(("excess time with the files' values", hours(analysis.nominal_excess_time_h)))
     rows += _spread_rows(analysis)

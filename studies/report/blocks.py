@@ -80,11 +80,10 @@ class Bars:
 
 @dataclass(frozen=True)
 class Fact:
-    """A key number: its label, value, unit, and what it is measured by."""
+    """A key number: its label, value with its unit, and what it is measured by."""
 
     label: str
     value: str
-    unit: str = ""
     note: str = ""
 
 

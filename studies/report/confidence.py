@@ -27,7 +27,7 @@ from sizing.roots import bracketed_root
 from solar.names import MODELS
 from solar.types import FloatArray
 from studies.quantities import TABLE
-from studies.render.numbers import percent
+from studies.render.numbers import percent, required
 from studies.render.tables import Column, Line, Table, facts
 from studies.report.blocks import Block, Listing, Section
 from studies.report.subject import Subject
@@ -204,8 +204,8 @@ def margin_table(subject: Subject) -> Table | None:
     nominal = subject.analysis.performance
     weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
     day = nominal.day.at(weakest)
-    required = max(subject.mission.required_excess_time_h, 0.0)
-    now_h = _spare_h(nominal.cycle, required)
+    required_h = max(subject.mission.required_excess_time_h, 0.0)
+    now_h = _spare_h(nominal.cycle, required_h)
     holds = now_h >= 0.0
     quantities = _quantities(subject.aircraft, subject.mission)
 
@@ -222,7 +222,7 @@ def margin_table(subject: Subject) -> Table | None:
             cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
         except ImpossibleDesignError:
             return _NOT_FLYING_H
-        return _spare_h(cycle, required)
+        return _spare_h(cycle, required_h)
 
     def of_all(values: FloatArray) -> FloatArray:
         each = enumerate(values.tolist())
@@ -244,7 +244,7 @@ def margin_table(subject: Subject) -> Table | None:
     if not rows:
         return None
     what = "may become" if holds else "would have to become"
-    than = f"{required:g} h of excess time" if required > 0.0 else "perpetual flight"
+    than = required(required_h)
     columns = (
         Column("quantity"),
         Column("unit"),

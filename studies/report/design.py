@@ -12,7 +12,7 @@ from sizing.program.objectives import Objective
 from sizing.results.margins import requirement_margins
 from studies.quantities import words
 from studies.render.design_sheet import design_sheet
-from studies.render.numbers import percent, with_unit
+from studies.render.numbers import percent, required, with_unit
 from studies.render.parts import power_rows
 from studies.render.sentences import (
     cross_check_line,
@@ -125,11 +125,11 @@ def _objective_lines(sizing: Mapping[str, Any], objective: Objective) -> Iterato
     extreme = "largest" if objective.maximised else "smallest"
     text = f"Sized for the {extreme} {objective.label}: {with_unit(value, '.4g', objective)}"
     if required_h:
-        text += f", with {required_h:g} h of excess time required in every scenario"
+        text += f", with {required(required_h)} required in every scenario"
     yield f"{text} ({sizing['status'].replace('_', ' ')})."
     if sizing["active_constraints"]:
         words = "; ".join(str(constraint_words(name)) for name in sizing["active_constraints"])
         yield f"Limited by (most important first): {words}."
     if (reliability := sizing.get("reliability")) is not None:
-        achieved, required = percent(reliability["achieved"]), percent(reliability["required"], "g")
-        yield f"Reliability: {achieved} of {reliability['samples']} draws; required {required}."
+        achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
+        yield f"Reliability: {achieved} of {reliability['samples']} draws; required {least}."

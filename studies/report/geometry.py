@@ -17,7 +17,7 @@ from sizing.balance.surfaces import QUARTER, Tail, Wing, wing_of
 from sizing.structures.rib_wing import RibWingStructure
 from solar.geometry import ModuleGeometry
 from solar.shading import TailGeometry
-from studies.render.numbers import percent
+from studies.render.numbers import amount, given, percent
 
 # The tail volumes of docs/structure.md: S_h = 0.35 c A/L and S_v = 0.045 c A/L with L = 4 c.
 _RULE = RibWingStructure(model="rib_wing")
@@ -107,8 +107,8 @@ class Drawing:
         else:
             self.notes.append(
                 f"Section {percent(rib_wing.thickness_ratio, 'g')} thick, boom of "
-                f"{rib_wing.boom_diameter_chords:g} chords and box spar: as the structure model "
-                "has them, the spar at 30 % of the chord, where the section is thickest."
+                f"{given(rib_wing.boom_diameter_chords)} chords and box spar: as the structure "
+                "model has them, the spar at 30 % of the chord, where the section is thickest."
             )
         if geometry is None:
             self.notes.append("Dihedral and incidence: the file has none; drawn without.")
@@ -144,7 +144,9 @@ def _propeller_note(aircraft: Aircraft) -> str:
         return "Propeller: not drawn, the file has no diameter."
     count, diameter_m = propulsion.propulsors, propulsion.propeller.propeller.diameter_m
     what = "Propeller" if count == 1 else f"{count} propellers"
-    return f"{what} of {diameter_m:.3g} m diameter: not drawn, no model has the place."
+    return (
+        f"{what} of {amount(diameter_m, 'm', '.3g')} diameter: not drawn, no model has the place."
+    )
 
 
 def _tail(
@@ -185,8 +187,9 @@ def _tail(
         changes |= {"vertical_height_m": -tail.vertical_height_m} if hangs else {}
         tail = tail.model_copy(update=changes)
     areas = (
-        f"areas {planes.horizontal_m2:.3g} and {planes.vertical_m2:.3g} m², "
-        f"{rule.fuselage_chords:g} chords behind the wing"
+        f"areas {amount(planes.horizontal_m2, form='.3g')} and "
+        f"{amount(planes.vertical_m2, 'm2', '.3g')}, "
+        f"{given(rule.fuselage_chords)} chords behind the wing"
     )
     if structure is None:
         return tail, f"Tail: schematic, by a common tail volume ({areas}).", False
@@ -227,7 +230,7 @@ def _module_places(aircraft: Aircraft, chords: Chords) -> tuple[tuple[Rectangle,
     why = "the file has no outlines"
     if outlines:
         why = "the file's outlines are those of another area"
-    note = f"Solar modules: {area_m2:.3g} m² as a band, schematic: {why}."
+    note = f"Solar modules: {amount(area_m2, 'm2', '.3g')} as a band, schematic: {why}."
     return _band(chords, area_m2), note, False
 
 

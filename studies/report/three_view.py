@@ -22,6 +22,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.render.numbers import amount, given
 from studies.report.geometry import Drawing
 
 if TYPE_CHECKING:
@@ -99,11 +100,11 @@ def description(drawing: Drawing) -> str:
     tail = drawing.tail
     return (
         f"Views from above, from ahead and from the left at one scale. Wing of "
-        f"{drawing.wingspan_m:.2f} m span and {drawing.chord_m:.3f} m chord, dihedral "
-        f"{drawing.dihedral_deg:g} degrees; {len(drawing.modules)} {drawing.modules_are}; "
-        f"horizontal tail of {tail.horizontal_span_m:.2f} by {tail.horizontal_chord_m:.2f} m, "
-        f"{tail.horizontal_aft_m:.2f} m behind the leading edge of the wing; vertical tail "
-        f"{abs(tail.vertical_height_m):.2f} m high."
+        f"{amount(drawing.wingspan_m, 'm')} span and {amount(drawing.chord_m, 'm')} chord, "
+        f"dihedral {given(drawing.dihedral_deg)} degrees; {len(drawing.modules)} "
+        f"{drawing.modules_are}; horizontal tail of {amount(tail.horizontal_span_m, 'm')} by "
+        f"{amount(tail.horizontal_chord_m, 'm')}, {amount(tail.horizontal_aft_m, 'm')} behind the "
+        f"leading edge of the wing; vertical tail {amount(abs(tail.vertical_height_m), 'm')} high."
     )
 
 
@@ -156,7 +157,7 @@ def _dimension(axes: Axes, x: float, y: float, right: float, up: float) -> None:
     arrow = {"arrowstyle": "<->", "color": DARK_GREY, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (x + right, y + up), (x, y), arrowprops=arrow)
     length = max(abs(right), abs(up))
-    text = f"{length:.2f} m" if length >= 1.0 else f"{length:.3f} m"
+    text = amount(length, "m")
     aside = {"ha": "center", "va": "bottom"} if right else {"ha": "left", "va": "center"}
     _note(axes, x + right / 2.0, y + up / 2.0, text, (0, 2) if right else (4, 0), **aside)
 
@@ -202,7 +203,7 @@ def _draw_above(axes: Axes, drawing: Drawing, room_m: float) -> None:
     tip = -drawing.front_at(half)
     _dimension(axes, half + room_m / 2.0, tip, 0.0, -drawing.chord_at(half))
     _dimension(axes, side + room_m / 2.0, 0.0, 0.0, front)
-    size = f"{tail.horizontal_span_m:.2f} × {tail.horizontal_chord_m:.2f} m"
+    size = " × ".join(amount(m, "m") for m in (tail.horizontal_span_m, tail.horizontal_chord_m))
     _note(axes, -side, (front + rear) / 2.0, size, (-5, 0), ha="right", va="center")
 
 
@@ -224,7 +225,7 @@ def _draw_ahead(axes: Axes, drawing: Drawing) -> None:
     depth = _DEPTH * drawing.chord_m
     _shape(axes, drawing, "pod", _ellipse(0.0, 0.0, depth, depth), paper())
     if drawing.dihedral_deg:
-        angle = f"{drawing.dihedral_deg:g}°"
+        angle = f"{given(drawing.dihedral_deg)}°"
         _note(axes, half, float(up[-1]), angle, (5, 0), ha="left", va="center")
 
 

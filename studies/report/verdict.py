@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
-from studies.render.numbers import hours, percent
+from studies.render.numbers import amount, given, hours, percent
 from studies.render.sentences import landing
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
@@ -65,7 +65,7 @@ def _judged(subject: Subject) -> tuple[str, str]:
     remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
     text = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
     if excess < required:
-        return "bad", f"{text}, less than the required {required:g} h."
+        return "bad", f"{text}, less than the required {given(required, 'h')}."
     if required > 0.0 and np.isfinite(excess):
         text += f", {hours(excess - required)} more than required"
     if lows <= 0.0:
@@ -84,7 +84,7 @@ def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> tuple
     if excess <= 0.0:
         return "bad", f"{text}."
     if excess < required:
-        return "bad", f"{text}, less than the required {required:g} h."
+        return "bad", f"{text}, less than the required {given(required, 'h')}."
     if low_h <= 0.0 or low_h < required:
         return "edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little."
     return "good", f"{text}, {hours(low_h)} with {error} less sun."
@@ -127,40 +127,32 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
         yield from _facts_of_verification(subject.verification)
         return
     aircraft, analysis = subject.aircraft, subject.analysis
-    required, design = subject.mission.required_excess_time_h, analysis.performance.design
-    values = analysis.scenario()
-    yield _fact(q.EXCESS_TIME, values, f"required: {required:g} h" if required else "")
-    if subject.uncertainty is not None:
-        scattered = subject.uncertainty
-        yield Fact("probability", f"{100.0 * scattered.probability_required.value:.1f}", "%",
-                   f"of {scattered.samples} draws of the uncertain inputs")  # fmt: skip
-    yield _fact(q.CHARGE_MARGIN, values, "how long the battery stays full")
-    yield _fact(q.MINIMUM_CHARGE, values, "in the morning")
-    span, ratio = aircraft.airframe.wingspan_m, aircraft.airframe.aspect_ratio
-    yield Fact(q.WINGSPAN.label, f"{span:.2f}", "m", f"aspect ratio {ratio:.1f}")
-    battery, modules_m2 = aircraft.battery, aircraft.modules.area_m2
-    mass = f"battery {battery.mass_kg:.2f} kg"
-    yield Fact(q.TOTAL_MASS.label, f"{design.total_mass_kg:.2f}", "kg", mass)
-    energy = f"{battery.specific_energy_wh_per_kg:g} Wh/kg"
-    yield Fact("battery", f"{design.battery_energy_wh:.0f}", "Wh", energy)
-    coverage = f"{percent(modules_m2 * ratio / span**2, '.0f')} of the wing"
-    yield Fact("modules", f"{modules_m2:.3g}", "m²", coverage)
-    yield _fact(q.LOAD, values, f"sun: {q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)[1]} a day")
-
-
-def _fact(quantity: q.Quantity, values: Mapping[str, Any], note: str) -> Fact:
-    label, text = quantity.fact(values[quantity.name])
-    number, _, unit = text.partition(" ")
-    return Fact(label, number, unit, note)
+    battery, required = aircraft.battery, subject.mission.required_excess_time_h
+    values, design = analysis.scenario(), analysis.design
+    ratio = q.ASPECT_RATIO.fact(q.ASPECT_RATIO.of(design))
+    share = float(design.variables.module_area_m2) / float(design.wing_area_m2)
+    covered = f"{percent(share, '.0f')} of the wing"
+    energy = given(battery.specific_energy_wh_per_kg, "Wh/kg")
+    least = f"required: {given(required, 'h')}" if required else ""
+    yield Fact(*q.EXCESS_TIME.fact(values["excess_time_h"]), least)
+    if (scattered := subject.uncertainty) is not None:
+        of = f"of {scattered.samples} draws of the uncertain inputs"
+        yield Fact("probability", percent(scattered.probability_required.value), of)
+    charge, sun = values["minimum_state_of_charge"], q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)
+    yield Fact(*q.CHARGE_MARGIN.fact(values["charge_margin_h"]), "how long the battery stays full")
+    yield Fact(*q.MINIMUM_CHARGE.fact(charge), "in the morning")
+    yield Fact(*q.WINGSPAN.fact(q.WINGSPAN.of(design)), " ".join(ratio))
+    yield Fact(*q.TOTAL_MASS.fact(design.total_mass_kg), f"battery {amount(battery.mass_kg, 'kg')}")
+    yield Fact("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh)[1], energy)
+    yield Fact("modules", q.MODULE_AREA.fact(aircraft.modules.area_m2)[1], covered)
+    yield Fact(*q.LOAD.fact(values["power_out_w"]), f"sun: {sun[1]} a day")
 
 
 def _facts_of_verification(verification: Verification) -> Iterator[Fact]:
     log = verification.log
-    yield Fact(
-        "samples", f"{len(verification.samples.time_s)}", "", f"with the sun up, of {len(log)}"
-    )
-    yield Fact("flight", f"{(log.time_s[-1] - log.time_s[0]) / 3600.0:.1f}", "h",
-               f"every {log.step_s:g} s")  # fmt: skip
+    yield Fact("samples", str(len(verification.samples.time_s)), f"with the sun up, of {len(log)}")
+    long_h = (log.time_s[-1] - log.time_s[0]) / 3600.0
+    yield Fact("flight", amount(long_h, "h", ".1f"), f"every {given(log.step_s, 's')}")
     for model, (average, rms) in _errors_over_days(verification).items():
-        yield Fact(f"error of {model}", f"{100.0 * average:+.1f}", "%", f"RMS {percent(rms)}")
-    yield Fact("samples left out", f"{int(verification.excluded.sum())}")
+        yield Fact(f"error of {model}", percent(average, "+.1f"), f"RMS {percent(rms)}")
+    yield Fact("samples left out", str(int(verification.excluded.sum())))
