@@ -210,12 +210,6 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     Parameters
     ----------
     result : Ceiling
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     ceiling, words, mark = result.search, result.words, DARK_GREY
     drawn, panels = new_figure(

@@ -47,12 +47,6 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     Parameters
     ----------
     analysis : UncertaintyAnalysis
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     count = min(len(analysis.inputs), _MOST_BARS)
     size_in = (10.0, max(3.6, 1.8 + 0.42 * count))

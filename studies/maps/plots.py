@@ -53,12 +53,6 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     ----------
     data : xarray.Dataset
         Map of a fixed aircraft.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     drawn, axes = _map_axes(figure, data, "line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
@@ -116,12 +110,6 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     ----------
     data : xarray.Dataset
         Map of best designs.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     name = Objective(data.attrs["objective"]).column
     drawn, axes = _map_axes(figure, data, objective_caption(data.attrs["objective"]))

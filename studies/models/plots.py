@@ -50,12 +50,6 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     Parameters
     ----------
     comparison : Comparison
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     columns = 4 if comparison.has_designs else 3
     size_in = (2.9 * columns, 1.9 + 0.27 * len(comparison.cases))

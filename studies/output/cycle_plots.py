@@ -136,12 +136,6 @@ def plot_cycle(
         What is drawn; its altitude as well, if it climbs.
     scenario : int, optional
         Number of the scenario, by default that of the worst.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
@@ -262,12 +256,6 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
         Aircraft, mission and solar model, for the title.
     flight : CalendarRun
         The flight.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
     first_day = day_of_year(flight.launch.date)

@@ -64,12 +64,6 @@ def plot_sensitivities(
         Model and correction, for the title.
     extrapolations : sequence of Extrapolation
         What lies outside the range of a model.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     shown = [s for s in sensitivities if s.value != 0.0][:_MOST_BARS][::-1]
     drawn, (axes,) = new_figure(
@@ -108,12 +102,6 @@ def plot_masses(
         Name of the aircraft.
     notes : sequence of str
         Line below the title.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
     drawn, (axes,) = new_figure(
@@ -135,12 +123,6 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
     ----------
     analysis : Analysis
         Of an aircraft with a ``rib_wing``.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
 
     Raises
     ------

@@ -70,12 +70,6 @@ def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     ----------
     data : xarray.Dataset
         Trade study.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
 
     Raises
     ------
@@ -452,12 +446,6 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
         Trade study.
     x, y : str
         Columns over and up, see :func:`pareto_table`.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
 
     Raises
     ------

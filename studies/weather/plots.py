@@ -41,12 +41,6 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
     Parameters
     ----------
     analysis : WeatherAnalysis
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
     """
     run = analysis.performance.recorded
     drawn, panels = new_figure(

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+import studies
+
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("solar", "missions", "sizing", "studies")
 # Formulas of the physics, whose shapes, units and sources matter to whoever checks them.
@@ -75,12 +77,21 @@ def missing_sections(function):
         "None",
         "NoReturn",
     )
+    decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
+    returns = returns and "styled" not in decorators  # which says what figures return
     wanted = {"Parameters": "Parameters"} | ({"Returns": "Returns|Yields"} if returns else {})
     return [
         name
         for name, titles in wanted.items()
         if not re.search(rf"^({titles})\n-{{4,}}$", text, re.M)
     ]
+
+
+def test_figures_say_how_they_look_and_what_they_return():
+    drawn = [name for name in offered_names() if name.startswith("plot_")]
+    for text in (getattr(studies, name).__doc__ for name in drawn):
+        assert text.count("figure : FigureOptions or Figure\n    How the figure looks") == 1
+        assert SECTION.findall(text)[:2] == ["Parameters", "Returns"]
 
 
 def is_private(name):

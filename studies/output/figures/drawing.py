@@ -6,6 +6,7 @@ Figures are drawn on their own canvas and returned, never shown.
 from __future__ import annotations
 
 import functools
+import inspect
 import io
 import math
 import os
@@ -52,13 +53,21 @@ MODEL_LINES = dict(zip(MODEL_NAMES, cycle((":", "-.", "--", "-")), strict=False)
 _DARK_NIGHT = "#404040"
 _USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
 _NARROW_IN = 6.5  # in the usual type
+_OF_FIGURES = """\
+figure : FigureOptions or Figure
+    How the figure looks, or one that is drawn on.
+
+Returns
+-------
+Figure"""
 
 
 def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
     """Make a function draw in the style of its keyword ``figure``.
 
     A figure that is given in its place is drawn on as it is, in the settings of its owner; so is
-    the place of axes that are given as ``ax``, in smaller type where it is small.
+    the place of axes that are given as ``ax``, in smaller type where it is small. The docstring
+    gets ``figure`` as its last parameter, and what is returned.
     """
 
     @functools.wraps(draw)
@@ -74,6 +83,9 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
         with in_style(canvas):
             return draw(*args, **kwargs)
 
+    if "Parameters\n" in (text := inspect.getdoc(draw) or ""):
+        described, raises, errors = text.partition("\n\nRaises\n")
+        drawn.__doc__ = f"{described}\n{_OF_FIGURES}{raises}{errors}"
     return drawn
 
 
