@@ -48,12 +48,16 @@ class Parsed(click.ParamType):  # type: ignore[type-arg]  # click before 8.4 tak
     """Values that a function reads, which takes text, and raises ValueError.
 
     ``reader``: the function, or ``package.module:function``, which is imported when there is a
-    value. ``stepped``: whether ``first:last:step`` may stand in a value, of which ``values`` then
-    are read.
+    value. ``stepped``: reads the ends of ``first:last:step``, where a value may have that; a note
+    on standard error says where the steps end, if not at ``last``.
     """
 
     def __init__(
-        self, name: str, reader: str | Callable[[str], Any], *, stepped: bool = False
+        self,
+        name: str,
+        reader: str | Callable[[str], Any],
+        *,
+        stepped: Callable[[str], float] | None = None,
     ) -> None:
         self.name, self._reader, self._stepped = name, reader, stepped
 
@@ -65,8 +69,12 @@ class Parsed(click.ParamType):  # type: ignore[type-arg]  # click before 8.4 tak
         except ValueError as error:
             self.fail(str(error), param, ctx)
         if self._stepped and str(value).count(":") == 2:
-            written = f"{param.opts[0] if param else ''} {value}".strip()
-            note_last(converted.values[-1], float(str(value).split(":")[1]), written)
+            reached = getattr(converted, "values", converted)[-1]
+            last = self._stepped(str(value).split(":")[1])
+            if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
+                written = f"{param.opts[0] if param else ''} {value}".strip()
+                text = f"{written} stops at {reached:g}, the last step before {last:g}"
+                tell_error(f"solar-uav: {text}")
         return converted
 
 
@@ -90,58 +98,34 @@ def latitude_deg(text: str) -> float:
     return number
 
 
-class Grid(click.ParamType):  # type: ignore[type-arg]  # click before 8.4 takes none
-    """Numbers ``first:last:step``, or one: first, and steps from there that do not go beyond last.
+def grid(
+    lowest: float, highest: float, *, whole: bool = False, read: Callable[[str], float] = float
+) -> Parsed:
+    """Return the type of numbers ``first:last:step``, or one; they do not go beyond last.
 
-    Where they do not lead to ``last`` itself, a note on standard error says where they end.
+    ``whole``: whether they are whole numbers. ``read``: reads the ends.
     """
 
-    name = "first:last:step"
-
-    def __init__(
-        self, lowest: float, highest: float, *, whole: bool = False, latitudes: bool = False
-    ) -> None:
-        self.lowest, self.highest, self.whole = lowest, highest, whole
-        self.latitudes = latitudes
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> list[float]:
-        """Read the numbers, and check their range."""
+    def numbers(text: str) -> list[float]:
         try:
-            parts: list[Any] = str(value).split(":")
-            if len(parts) == 1:
-                parts = [*parts, *parts, "1"]
-            if self.latitudes:  # whose ends may be written as 40N and 20S
-                parts[:2] = map(latitude_deg, parts[:2])
-            first, last, step = map(float, parts)
+            ends: list[str] = text.split(":")
+            start, end, by = [*ends, *ends, "1"] if len(ends) == 1 else ends
+            first, last, step = read(start), read(end), float(by)
         except ValueError:
-            self.fail(
-                f"{value!r} is no number and not first:last:step, for example -70:70:2", param, ctx
-            )
+            example = "first:last:step, for example -70:70:2"
+            raise ValueError(f"{text!r} is no number and not {example}") from None
         # NaN is no number that rises, and a step without end none that could be added.
-        if not (self.lowest <= first <= last <= self.highest and 0.0 < step < math.inf):
-            self.fail(
-                f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
-                f"(got {value})",
-                param,
-                ctx,
-            )
-        if self.whole and not (first.is_integer() and step.is_integer()):
-            self.fail(f"takes whole numbers (got {value})", param, ctx)
+        if not (lowest <= first <= last <= highest and 0.0 < step < math.inf):
+            within = f"{lowest:g} to {highest:g}"
+            raise ValueError(f"must rise within {within} by a positive step (got {text})")
+        if whole and not (first.is_integer() and step.is_integer()):
+            raise ValueError(f"takes whole numbers (got {text})")
         steps = (last - first) / step + 1e-9
         if steps >= _MAXIMUM_GRID:
-            self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
-        numbers = [first + i * step for i in range(int(steps) + 1)]
-        note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
-        return numbers
+            raise ValueError(f"has more than the {_MAXIMUM_GRID} numbers that are allowed")
+        return [first + i * step for i in range(int(steps) + 1)]
 
-
-def note_last(reached: float, last: float, written: str) -> None:
-    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
-    if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
-        text = f"{written} stops at {reached:g}, the last step before {last:g}"
-        tell_error(f"solar-uav: {text}")
+    return Parsed("first:last:step", numbers, stepped=read)
 
 
 class RealRange(click.FloatRange):

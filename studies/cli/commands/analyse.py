@@ -23,7 +23,7 @@ from studies.cli.options import (
     table_option,
     weather_option,
 )
-from studies.cli.values import Grid, RealRange
+from studies.cli.values import RealRange, grid, latitude_deg
 
 if TYPE_CHECKING:
     from studies.cli.files import Case
@@ -138,12 +138,12 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     latitudes: list[float] | None = option(
         "Latitudes [deg], north positive; the last one is met where the steps lead to it. "
         "[default: -70:70:1; with --resize, --endurance, VM, FM, loiter and climb -70:70:2]",
-        type=Grid(-90.0, 90.0, latitudes=True),
+        type=grid(-90.0, 90.0, read=latitude_deg),
     )
     days: list[float] | None = option(
         "Days of the year, 1 to 365; the last one is met where the steps lead to it. "
         "[default: 1:365:1; where --latitudes has steps of 2 by itself 1:365:4]",
-        type=Grid(1.0, 365.0, whole=True),
+        type=grid(1.0, 365.0, whole=True),
     )
     endurance: bool = option("Also the longest flight of each cell (slow); not with --resize.")
     objective: str | None = resize_option("Size the aircraft anew in every cell for it.")
@@ -258,12 +258,12 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
 
     latitudes: list[float] | None = option(
         "Latitudes [deg], north positive. [default: -70:70:5]",
-        type=Grid(-90.0, 90.0, latitudes=True),
+        type=grid(-90.0, 90.0, read=latitude_deg),
     )
     altitudes: list[float] | None = option(
         "Altitudes [m] in place of latitudes; with --latitudes too, that of the largest share "
         "is flown in each month.",
-        type=Grid(-500.0, 32000.0),
+        type=grid(-500.0, 32000.0),
     )
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw them")

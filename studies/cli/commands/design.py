@@ -299,7 +299,7 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         "as of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be "
         "repeated.",
         "--vary",
-        type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=True),
+        type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=float),
         multiple=True,
         required=True,
     )
