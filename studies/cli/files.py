@@ -160,6 +160,96 @@ class Case:
                 files["weather"] = InputFile(source, InputFile.of(path).sha256)
         return RunInputs(aircraft.document.data, mission.document.data, self.solar, files)
 
+    def refuse_climb(self) -> None:
+        """Refuse a mission with climbs where percentiles of the wind are those of one altitude."""
+        if self.mission.climb is not None:
+            why = "the percentiles of the winds at several heights have none in common"
+            message = f"station flies at constant altitude, as {why}; remove climb"
+            self.refuse("mission.climb", message)
+
+    def require_climber(self) -> None:
+        """Refuse an aircraft that cannot climb on a mission that has climbs."""
+        try:
+            check_climb_limits(self.aircraft, self.mission)
+        except ClimbLimitError as error:
+            self.refuse(dotted(error.key), error.message)
+
+    def require_climb_power(self) -> None:
+        """Refuse a parametric aircraft that is sized for climbs without any power for them."""
+        ratio = self.aircraft.propulsion.climb_power_ratio
+        if self.mission.climb is not None and ratio is not None and ratio <= 1.0:
+            message = (
+                f"a mission with climb needs more power than level flight takes; allowed: above 1 "
+                f"(got {spell(ratio)}), or climb_rate_m_per_s"
+            )
+            self.refuse("airframe.propulsion.climb_power_ratio", message)
+
+    def require_path(self, option: str | None = None, *, in_winds_of_cells: bool = False) -> None:
+        """Refuse an aircraft without module surfaces and a mission without a path it can fly.
+
+        ``option``: what needs both, for the message; if left out, VM, FM and the loiter correction
+        do. ``in_winds_of_cells``: percentiles of the wind are those of cells, not of the mission.
+        """
+        solar = self.solar
+        if option is None:
+            if not solar.needs_path:
+                return
+            attitude = solar.model in ATTITUDE_MODELS
+            option = f"--model {solar.model}" if attitude else "--correction loiter"
+        if self.aircraft.modules.geometry is None:
+            message = f"{option} needs the module surfaces: add geometry with its surfaces"
+            self.refuse("modules", message)
+        if self.mission.flight_path is None:
+            message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
+            self.refuse("mission.name", message)
+        if in_winds_of_cells and self.mission.wind_statistics is not None:
+            return
+        (trouble,) = path_troubles(self.aircraft, self.mission)
+        if trouble is not None:
+            self.refuse("mission.flight_path", trouble)
+
+    def refuse_polar_night(self) -> None:
+        """Refuse scenarios in which the sun never rises: no design could fly through them."""
+        scenarios = self.mission.scenarios()
+        dark = scenarios.in_polar_night()
+        if dark.any():
+            label = scenarios.label(int(dark.argmax()))
+            message = f"polar night: the sun never rises at {label}"
+            self.refuse("mission.latitude_deg", f"{message}; allowed: latitudes and dates with sun")
+
+    def require_parametric(self, message: str) -> None:
+        """Refuse a measured aircraft where masses and power must follow from the design."""
+        if isinstance(self.aircraft.airframe, MeasuredAirframe):
+            self.refuse("airframe.kind", message)
+
+    def require_whole_cells(self) -> None:
+        """Refuse an aircraft whose file lays no solar cells, or has no cells in its battery."""
+        message = "required key is missing: --whole-cells needs it"
+        if self.aircraft.modules.layout is None:
+            self.refuse("modules.layout", message)
+        if self.aircraft.battery.pack is None:
+            self.refuse("battery.pack", message)
+
+    @contextmanager
+    def uncertain_inputs(self) -> Iterator[None]:
+        """Tell what is wrong with uncertain inputs by the lines of the files."""
+        try:
+            yield
+        except InputError as error:
+            files = (self.mission_file, self.aircraft_file)
+            documents = {file.record.name: file.document for file in files}
+            placed = []
+            for problem in error.problems:
+                document = documents.get(problem.source)
+                if document is not None:
+                    path = tuple(problem.key.split(".", 2))
+                    line, column = document.key_marks.get(path) or (None, None)
+                    problem = Problem(document.source, line, column, problem.key, problem.message)
+                placed.append(problem)
+            raise InputError(placed) from error
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+
 
 class WrongKindError(InputError):
     """A mission given as an aircraft, or the reverse."""
@@ -281,14 +371,6 @@ def _with_values(case: Case, options: CaseOptions) -> Case:
     return case
 
 
-def load_flyable(options: CaseOptions) -> Case:
-    """Load a case whose aircraft can fly the mission's path and climbs."""
-    case = load(options)
-    require_path(case)
-    require_climber(case)
-    return case
-
-
 def mission_beside(aircraft: str) -> str | None:
     """Return the mission file that ``init`` writes beside an aircraft's; None without one."""
     beside = f"{os.path.splitext(aircraft)[0]}-mission.yaml"  # noqa: PTH122 - takes any text
@@ -329,103 +411,3 @@ def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
             problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
     if problems:
         raise InputError(problems)
-
-
-def refuse_climb(case: Case) -> None:
-    """Refuse a mission with climbs where percentiles of the wind are those of one altitude."""
-    if case.mission.climb is not None:
-        why = "the percentiles of the winds at several heights have none in common"
-        case.refuse("mission.climb", f"station flies at constant altitude, as {why}; remove climb")
-
-
-def require_climber(case: Case) -> None:
-    """Refuse an aircraft that cannot climb on a mission that has climbs."""
-    try:
-        check_climb_limits(case.aircraft, case.mission)
-    except ClimbLimitError as error:
-        case.refuse(dotted(error.key), error.message)
-
-
-def require_climb_power(case: Case) -> None:
-    """Refuse a parametric aircraft that is sized for climbs without any power for them."""
-    ratio = case.aircraft.propulsion.climb_power_ratio
-    if case.mission.climb is not None and ratio is not None and ratio <= 1.0:
-        message = (
-            f"a mission with climb needs more power than level flight takes; allowed: above 1 "
-            f"(got {spell(ratio)}), or climb_rate_m_per_s"
-        )
-        case.refuse("airframe.propulsion.climb_power_ratio", message)
-
-
-def require_path(case: Case, option: str | None = None, *, in_winds_of_cells: bool = False) -> None:
-    """Refuse an aircraft without module surfaces and a mission without a path it can fly.
-
-    ``option``: what needs both, for the message; if left out, VM, FM and the loiter correction do.
-    ``in_winds_of_cells``: percentiles of the wind are those of cells, not of the mission's place.
-    """
-    solar = case.solar
-    if option is None:
-        if not solar.needs_path:
-            return
-        attitude = solar.model in ATTITUDE_MODELS
-        option = f"--model {solar.model}" if attitude else "--correction loiter"
-    if case.aircraft.modules.geometry is None:
-        case.refuse(
-            "modules", f"{option} needs the module surfaces: add geometry with its surfaces"
-        )
-    if case.mission.flight_path is None:
-        message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
-        case.refuse("mission.name", message)
-    if in_winds_of_cells and case.mission.wind_statistics is not None:
-        return
-    (trouble,) = path_troubles(case.aircraft, case.mission)
-    if trouble is not None:
-        case.refuse("mission.flight_path", trouble)
-
-
-def refuse_polar_night(case: Case) -> None:
-    """Refuse scenarios in which the sun never rises: no design could fly through them."""
-    scenarios = case.mission.scenarios()
-    dark = scenarios.in_polar_night()
-    if dark.any():
-        label = scenarios.label(int(dark.argmax()))
-        message = (
-            f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
-        )
-        case.refuse("mission.latitude_deg", message)
-
-
-def require_parametric(case: Case, message: str) -> None:
-    """Refuse a measured aircraft where masses and power must follow from the design."""
-    if isinstance(case.aircraft.airframe, MeasuredAirframe):
-        case.refuse("airframe.kind", message)
-
-
-def require_whole_cells(case: Case) -> None:
-    """Refuse an aircraft whose file lays no solar cells or has no whole cells in its battery."""
-    message = "required key is missing: --whole-cells needs it"
-    if case.aircraft.modules.layout is None:
-        case.refuse("modules.layout", message)
-    if case.aircraft.battery.pack is None:
-        case.refuse("battery.pack", message)
-
-
-@contextmanager
-def uncertain_inputs_of(case: Case) -> Iterator[None]:
-    """Tell what is wrong with uncertain inputs by the lines of the files."""
-    try:
-        yield
-    except InputError as error:
-        files = (case.mission_file, case.aircraft_file)
-        documents = {file.record.name: file.document for file in files}
-        placed = []
-        for problem in error.problems:
-            document = documents.get(problem.source)
-            if document is not None:
-                path = tuple(problem.key.split(".", 2))
-                line, column = document.key_marks.get(path) or (None, None)
-                problem = Problem(document.source, line, column, problem.key, problem.message)
-            placed.append(problem)
-        raise InputError(placed) from error
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error

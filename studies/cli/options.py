@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +18,9 @@ from studies.output.formats import (
     PLAIN_TABLE,
     TABLE_FORMATS,
 )
+
+if TYPE_CHECKING:
+    from studies.cli.files import Case
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -48,6 +51,19 @@ class CaseOptions(CommandOptions):
         metavar="KEY=VALUE",
         multiple=True,
     )
+
+    def load(self) -> Case:
+        """Return the case of the options; what is wrong with its files is told together."""
+        from studies.cli import files  # not for help
+
+        return files.load(self)
+
+    def load_flyable(self) -> Case:
+        """Return a case whose aircraft can fly the mission's path and climbs."""
+        case = self.load()
+        case.require_path()
+        case.require_climber()
+        return case
 
 
 class ModelOptions(CaseOptions):

@@ -60,12 +60,11 @@ class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOption
     def run(self) -> None:
         """Fly the mission, and tell what became of it."""
         from sizing.results import analysis
-        from studies.cli.files import load_flyable
         from studies.cli.outputs import deliver, figure_of, refuse_to_overwrite
 
         for name, path in (("--table", self.table_file), ("--table-years", self.table_years)):
             refuse_to_overwrite(name, path, self.weather_file)
-        case = load_flyable(self)
+        case = self.load_flyable()
         if self.weather_file is not None:
             self._run_in_weather(case, self.weather_file)
             return
@@ -158,20 +157,19 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     def run(self) -> None:
         """Compute the cells of a map, write it, and tell it."""
         self.fork_workers("studies.maps.study")
-        from studies.cli import files
         from studies.cli.jobs import completed
         from studies.cli.outputs import call, deliver, figure_of, grid_of
         from studies.maps.results import MapResult
         from studies.maps.study import prepare
 
-        case = files.load(self)
-        files.require_path(case, in_winds_of_cells=True)
+        case = self.load()
+        case.require_path(in_winds_of_cells=True)
         if self.objective is None:
-            files.require_climber(case)
+            case.require_climber()
         else:
             message = "--resize needs a parametric aircraft, this one is measured"
-            files.require_parametric(case, message)
-            files.require_climb_power(case)
+            case.require_parametric(message)
+            case.require_climb_power()
         study = prepare(
             case.aircraft,
             case.mission,
@@ -221,12 +219,11 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
         """Find the highest altitude of perpetual flight, and tell it."""
         from solar.schema import refusal, spell
         from studies.ceiling import perpetual_ceiling
-        from studies.cli.files import load_flyable, refuse_polar_night
         from studies.cli.outputs import deliver, figure_of
         from studies.cli.telling import progress_of
 
-        case = load_flyable(self)
-        refuse_polar_night(case)
+        case = self.load_flyable()
+        case.refuse_polar_night()
         lowest_m, most_m = case.mission.altitude_m, case.mission.highest_floor_m
         if most_m <= lowest_m:
             message = f"must be above the night's floor of {spell(lowest_m)}"
@@ -271,17 +268,16 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     def run(self) -> None:
         """Compute the time on station of each month, and tell it."""
         self.fork_workers("studies.station")
-        from studies.cli import files
         from studies.cli.jobs import completed
         from studies.cli.outputs import deliver, figure_of
         from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
         from studies.station import prepare, station_of
 
-        case = files.load(self)
-        files.refuse_climb(case)
-        files.require_path(case)
-        files.require_parametric(case, "station needs a parametric aircraft, this one is measured")
+        case = self.load()
+        case.refuse_climb()
+        case.require_path()
+        case.require_parametric("station needs a parametric aircraft, this one is measured")
         study = prepare(case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar)
         with completed(study, self) as data:
             result = station_of(study, data)
@@ -319,11 +315,10 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     def run(self) -> None:
         """Draw uncertain inputs, and tell what becomes of the flight."""
         from sizing.results.uncertainty import analyse_uncertainty
-        from studies.cli.files import load_flyable, uncertain_inputs_of
         from studies.cli.outputs import deliver, figure_of
 
-        case = load_flyable(self)
-        with uncertain_inputs_of(case):
+        case = self.load_flyable()
+        with case.uncertain_inputs():
             result = analyse_uncertainty(
                 **case.arguments,
                 samples=self.samples,
@@ -361,12 +356,11 @@ class Report(ModelOptions, JsonOptions, MassOptions):
     def run(self) -> None:
         """Write a report on an aircraft and a mission."""
         from missions.weather.files import load_weather
-        from studies.cli.files import load_flyable
         from studies.cli.outputs import check_report, name_written
         from studies.output.terminal import print_json
 
         check_report(self.out_file, with_pdf=self.with_pdf)
-        case = load_flyable(self)
+        case = self.load_flyable()
         from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
 
         weather = self.weather_file

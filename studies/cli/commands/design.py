@@ -150,7 +150,6 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         """Find the best design, write it, and tell it."""
         from missions.mission import Mission
         from sizing.program.survival import check_survival
-        from studies.cli.files import load
         from studies.cli.outputs import check_report, deliver, figure_of
         from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -159,7 +158,7 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
                 check_survival(self.goal, self.survive)
             except ValueError as error:
                 raise click.UsageError(str(error)) from error
-        case = load(self)
+        case = self.load()
         if self.hold_station is not None:
             case = case.holding_station(self.hold_station)
         self._refuse_unsizable(case)
@@ -200,19 +199,18 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
     def _refuse_unsizable(self, case: Case) -> None:
         """Refuse an aircraft or a mission that cannot be sized so."""
         from sizing.program.reliability import check_reliability
-        from studies.cli import files
 
         measured = "a measured aircraft cannot be sized; allowed: parametric"
-        files.require_parametric(case, measured)
-        files.require_climb_power(case)
+        case.require_parametric(measured)
+        case.require_climb_power()
         if not self.goal.of_range and self.weather_file is None:
-            files.refuse_polar_night(case)
-        files.require_path(case)
+            case.refuse_polar_night()
+        case.require_path()
         if self.whole_cells:
-            files.require_whole_cells(case)
+            case.require_whole_cells()
         least = self.reliability
         if least is not None:
-            with files.uncertain_inputs_of(case):
+            with case.uncertain_inputs():
                 check_reliability(case.aircraft, case.mission, self.goal, case.solar, least)
 
     def _designed(self, case: Case) -> SizingStudy:
@@ -348,17 +346,16 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     def run(self) -> None:
         """Compute the points of a trade study, write them, and tell them."""
         self.fork_workers("studies.sweeps.study")
-        from studies.cli import files
         from studies.cli.jobs import completed
         from studies.cli.outputs import call, deliver, figure_of, grid_of
         from studies.cli.telling import tell_error
         from studies.sweeps.points import varies_climb
 
-        case = files.load(self)
+        case = self.load()
         climbs = case.mission.climb is not None or varies_climb(axis.key for axis in self.axes)
         self._check_shown(climbs=climbs)
-        files.require_path(case)
-        (files.require_climber if self.objective is None else files.require_climb_power)(case)
+        case.require_path()
+        (case.require_climber if self.objective is None else case.require_climb_power)()
         with completed(self._prepared(case), self) as points:
             from studies.sweeps.results import SweepResult  # pandas and xarray
 
@@ -447,11 +444,10 @@ class Explore(ModelOptions):
 
     def run(self) -> None:
         """Serve the page of a design."""
-        from studies.cli.files import load_flyable
         from studies.cli.telling import tell_error
         from studies.explorer.session import Session
 
-        case = load_flyable(self)
+        case = self.load_flyable()
         aircraft, mission = case.aircraft_file.document, case.mission_file.document
         words = [self.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
         words += [word for override in self.overrides for word in ("--set", override)]
@@ -494,7 +490,6 @@ class Export(ModelOptions):
         """Write a design for other tools: of several files those that can be written."""
         from missions.files.writing import write_bytes_atomically
         from sizing.results.analysis import analyse
-        from studies.cli.files import load_flyable
         from studies.cli.telling import tell_error
         from studies.exchange import files
         from studies.output.formats import wrong_ending
@@ -514,7 +509,7 @@ class Export(ModelOptions):
                 troubles[path] = click.BadParameter(missing, param_hint="--out")
         if len(troubles) == len(set(self.out_files)):
             raise next(iter(troubles.values()))
-        analysis = analyse(**load_flyable(self).arguments, replay=False)
+        analysis = analyse(**self.load_flyable().arguments, replay=False)
         for path in self.out_files:
             if path not in troubles:
                 try:
