@@ -112,6 +112,11 @@ def group(keys: str) -> tuple[Quantity, ...]:
     return tuple(TABLE[key] for key in keys.split())
 
 
+def of_part(part: str) -> tuple[Quantity, ...]:
+    """Return the quantities of a table of facts."""
+    return tuple(quantity for quantity in TABLE.values() if quantity.part == part)
+
+
 def described(keys: str) -> dict[str, tuple[str, str]]:
     """Return unit and long name of variables in files on a grid, by the quantities' keys."""
     return {quantity.variable: quantity.described for quantity in group(keys)}

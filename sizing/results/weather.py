@@ -159,8 +159,12 @@ class WeatherAnalysis(Result):
         sunset_h = sun_times(
             self.mission.latitudes()[0], declination(run.axis.day_of_year + 0.5)
         ).sunset_h
-        dawn_h = run.dawn_h + run.axis.midnight_h
-        return float(np.mean(run.outlasts | (dawn_h + run.endurance_h >= sunset_h)))
+        return float(np.mean(run.outlasts | (self.dawn_solar_h + run.endurance_h >= sunset_h)))
+
+    @property
+    def dawn_solar_h(self) -> FloatArray:
+        """Solar time of every dawn [h]."""
+        return self.performance.recorded.dawn_h + self.performance.recorded.axis.midnight_h
 
     @cached_property
     def windows(self) -> tuple[Window, ...]:
@@ -291,7 +295,7 @@ class WeatherAnalysis(Result):
                 "year": axis.year,
                 "day_of_year": axis.day_of_year,
                 "date": [str(date)[5:] for date in axis.date],
-                "dawn_solar_h": run.dawn_h + axis.midnight_h,
+                "dawn_solar_h": self.dawn_solar_h,
                 "closes": run.closes,
                 "clear_sky_closes": clear.closes,
                 "dawn_state_of_charge": run.dawn_state_of_charge,

@@ -13,14 +13,15 @@ from sizing.day.replay import CalendarRun
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import amount, date_and_clock, hours, percent
+from studies.render.numbers import date_and_clock, hours, percent
 from studies.render.parts import (
+    climb_facts,
     in_columns,
     part_blocks,
     relaxation_table,
     sources,
 )
-from studies.render.tables import ALL, MISSING, Line, Table, facts
+from studies.render.tables import ALL, Line, Table, facts
 
 if TYPE_CHECKING:
     from sizing.results.analysis import Analysis
@@ -103,44 +104,11 @@ def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
         del shown[q.BEST_LAUNCH.name]  # without sun every launch is as good
     return [
         *q.facts_of(q.IN_FLIGHT, shown, level),
-        *_climb_facts(analysis, level),
+        *climb_facts(analysis, level),
         *q.facts_of(q.OF_AIRCRAFT, design, level),
         *q.facts_of((q.LOAD, q.SOLAR_ENERGY), values, level),
         *say.wind_rows(analysis.mission),
     ]
-
-
-def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
-    """Return what climbing does in the worst scenario; nothing without climbs."""
-    climb = analysis.worst_scenario.climb
-    if climb is None:
-        return []
-    held = climb.held_up_to_m
-    # A limited flight is flown from a full battery, and may climb where the repeated day does not.
-    day = "" if analysis.performance.cycle.perpetual[analysis.worst] else ", repeated day"
-    gain_h = round(climb.gain_in_excess_time_h, 2) + 0.0  # zero added: -0 is no loss
-    rows = [
-        (f"highest altitude{day}", q.text_of("maximum_altitude_m", climb.maximum_altitude_m)),
-        ("gained by climbing", amount(gain_h, "h", "+.2f") if np.isfinite(gain_h) else MISSING),
-    ]
-    if held is not None:
-        up_to = "nowhere" if np.isnan(held) else q.text_of("altitude_m", held)
-        rows.insert(0, ("wind held up to", up_to))
-    if level >= ALL:
-        constant = q.EXCESS_TIME.fact(climb.constant_altitude_excess_time_h)[1]
-        rows += [
-            (f"gliding in the evening{day}", hours(climb.gliding_h)),
-            (f"stored potential energy{day}", amount(climb.stored_height_wh, "Wh")),
-            ("excess time at constant altitude", constant),
-        ]
-        if (checked := analysis.climb_check_h) is not None:
-            more_h = (round(one_h - analysis.excess_time_h, 2) + 0.0 for one_h in checked)
-            texts = (
-                f"{hours(h)} ({amount(more, form='+.2f')})"
-                for h, more in zip(checked, more_h, strict=True)
-            )
-            rows.append(("by the program, by the minute", ", ".join(texts)))
-    return rows
 
 
 def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Table:

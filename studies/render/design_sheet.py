@@ -123,7 +123,7 @@ def _values(analysis: Analysis) -> dict[str, Any]:
     aircraft, design = analysis.aircraft, analysis.design
     of_design = (*q.CHOSEN, q.TOTAL_MASS, q.WING_AREA, q.AIRSPEED, q.BATTERY_ENERGY)
     values = analysis.scenario() | {each.name: each.of(design) for each in of_design}
-    values |= {each.name: each.of(analysis) for each in q.TABLE.values() if each.part == "balance"}
+    values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
     every = set(QUANTITIES)
     if not isinstance(aircraft.airframe, ParametricAirframe):
         every = {"module_coverage", "wing_loading_kg_per_m2", "propulsion_power_w", "chord_m"}

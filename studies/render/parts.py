@@ -62,10 +62,22 @@ def power_rows(budget: PowerBudget) -> tuple[tuple[str, float], ...]:
     return tuple((q.words(key), w) for key, w in budget.watts.items() if w > _NOTHING_W)
 
 
+def climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
+    """Return what climbing does in the worst scenario; nothing without climbs."""
+    if analysis.climb is None:
+        return []
+    # A limited flight is flown from a full battery, and may climb where the repeated day does not.
+    day = "" if analysis.performance.cycle.perpetual[analysis.worst] else ", repeated day"
+    held, *rows = q.of_part("climb")
+    nowhere = replace(held, missing="nowhere")
+    return [
+        (f"{label}{day}", text) for label, text in q.facts_of((nowhere, *rows), analysis, level)
+    ]
+
+
 def part_tables(result: Any, *parts: str) -> tuple[Table, ...]:
     """Return what is known of the parts of an analysis, a list of facts for each of them."""
-    every = ((part, [row for row in q.TABLE.values() if row.part == part]) for part in parts)
-    tables = ((part, q.facts_of(quantities, result)) for part, quantities in every)
+    tables = ((part, q.facts_of(q.of_part(part), result)) for part in parts)
     return tuple(facts(part, rows) for part, rows in tables if rows)
 
 

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from sizing.program.cross_check import CrossCheck
     from sizing.program.objectives import Objective
     from sizing.program.ranges import WidestRange
-    from sizing.program.result import SizingResult
     from sizing.results.analysis import Analysis
     from sizing.results.season import Survival
     from sizing.results.sizing_study import SizingStudy
@@ -179,34 +178,14 @@ NONE_ALONE = (
 )
 
 
-def climb_lines(study: SizingStudy) -> list[str]:
-    """Return the heights of the optimum's day, and the optimum without climbs."""
-    level, mission = study.without_climbs, study.mission
-    climb = None if study.optimum is None else study.optimum.worst_scenario.climb
-    if climb is None:
+def without_climbs(study: SizingStudy) -> list[str]:
+    """Return the optimum of level flight, and how much larger it is; nothing without climbs."""
+    level, objective = study.without_climbs, study.objective
+    if level is None or study.design is None:
         return []
-    floor_m, highest_m = mission.altitude_m, climb.maximum_altitude_m
-    reached = "its ceiling of " if highest_m > climb.ceiling_m - 1.0 else ""
-    floor, highest, dawn = (
-        q.text_of("altitude_m", height_m)
-        for height_m in (floor_m, highest_m, climb.dawn_altitude_m)
-    )
-    text = f"stays at {floor}: no surplus, or no power, is left to climb with"
-    if highest_m > floor_m + 1.0:
-        text = (
-            f"climbs by day from {floor} to {reached}{highest}, which stores "
-            f"{amount(climb.stored_height_wh, 'Wh')}; glides {hours(climb.gliding_h)} in "
-            f"the evening; at dawn at {dawn}"
-        )
-    return [text] if level is None else [text, _without_climbs(study, level)]
-
-
-def _without_climbs(study: SizingStudy, level: SizingResult) -> str:
-    """Return the optimum of level flight, and how much larger it is."""
     where = f"in level flight at {q.text_of('altitude_m', study.mission.altitude_m)}"
-    objective = study.objective
-    if level.design is None or study.design is None:
-        return f"{where} no design was found ({level.status.label})"
+    if level.design is None:
+        return [f"{where} no design was found ({level.status.label})"]
     parts = [
         f"{quantity.label} {quantity.fact(quantity.of(level.design))[1]} "
         f"({change_text(float(quantity.of(study.design)), float(quantity.of(level.design)))})"
@@ -218,7 +197,7 @@ def _without_climbs(study: SizingStudy, level: SizingResult) -> str:
         assert study.result.objective_value is not None
         change = change_text(study.result.objective_value, level.objective_value)
         parts.insert(0, f"{objective.label} {value} ({change})")
-    return f"{where}: {', '.join(parts)}"
+    return [f"{where}: {', '.join(parts)}"]
 
 
 def reliability_text(study: SizingStudy) -> str:

@@ -15,6 +15,7 @@ from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
 from studies.render.numbers import change_text, given, hours, percent, with_unit
 from studies.render.parts import (
+    climb_facts,
     in_columns,
     part_blocks,
     relaxation_table,
@@ -94,7 +95,8 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     if flight is not None:
         launched = f"launched {flight.launch}"
         rows.append(("flight", launched if objective.value == "max_endurance" else flight.text))
-    return [*rows, *say.wind_rows(study.mission), (where, excess[1]), charge]
+    climbs = climb_facts(optimum, level)
+    return [*rows, *say.wind_rows(study.mission), (where, excess[1]), charge, *climbs]
 
 
 def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
@@ -108,7 +110,7 @@ def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[
 
 def _requested(study: SizingStudy, level: int) -> list[Any]:
     """Return what was requested about the optimum besides."""
-    shown: list[Any] = [*say.climb_lines(study), *_whole_cells(study, level)]
+    shown: list[Any] = [*say.without_climbs(study), *_whole_cells(study, level)]
     if study.reliability is not None:
         shown.append(say.reliability_text(study))
     shown += _survival(study, level)

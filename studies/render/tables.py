@@ -10,9 +10,11 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
 
 from sizing.parameters import unit_text
 from sizing.results.conditions import Spread
@@ -78,6 +80,10 @@ class Column:
             return self.missing
         if isinstance(value, str):
             return value
+        if isinstance(value, Mapping):
+            return ", ".join(map(self.text, value.values()))
+        if isinstance(value, np.ndarray) and value.ndim:
+            value = Spread.of(value)
         if isinstance(value, Spread):
             return " to ".join(dict.fromkeys(map(self.text, (value.lowest, value.highest))))
         if isinstance(value, bool):

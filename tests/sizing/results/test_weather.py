@@ -104,5 +104,5 @@ def test_the_battery_and_what_is_outside_of_a_range_are_told_over_the_days():
     assert found["pack_temperature_c"].value == pytest.approx(days_c.min() + 1.0)
     assert (found["pack_temperature_c"].count, found["pack_temperature_c"].of) == (1, 3)
     text = " ".join(str(analysis.at_level(2)).split())
-    assert "after 100 cycles and 0 months" in text
+    assert "cycles 100 age in months 0" in text
     assert "(worst; 1 of 3 days)" in text

@@ -112,7 +112,8 @@ def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
     outcome = run(*given, "--out", "sized")
     assert outcome.code == 0
     said = " ".join(outcome.out.split())
-    assert "climbs by day from 536 m to its ceiling of 3536 m" in said
+    assert "highest altitude 3536 m" in said
+    assert "in level flight at 536 m: wingspan" in said
     record = run(*given, "--json").json()
     level, up = record["without_climbs"], record["climb"]
     plain = run(*given, "--set", "mission.climb=null", "--json").json()
