@@ -120,23 +120,23 @@ def test_no_ceiling_where_no_altitude_is_feasible():
     assert ceiling.best.excess_time_h < 0.0
 
 
-def synthetic(excess):
-    """Stands for the simulator: excess time interpolated over altitude."""
-    heights, values = list(excess), list(excess.values())
+def simulated(monkeypatch, excess_h):
+    """Let the excess time of the search be this function of the altitude."""
 
     def simulate(_, __, ___, altitude_m):
-        value = float(np.interp(altitude_m, heights, values))
-        return AltitudeFlight(altitude_m, value, 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0)
+        return AltitudeFlight(
+            altitude_m, float(excess_h(altitude_m)), 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0
+        )
 
-    return simulate
+    monkeypatch.setattr(module, "flight_at_altitude", simulate)
+    return highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
 
 
 def test_feasible_band_aloft_counts_though_lower_flight_fails(monkeypatch):
     # Two feasible bands: 4 to 12 km with the peak at 7.3 km, and a weaker one from 14 to 16 km.
     excess = {0.0: -2.0, 4000.0: 0.0, 7300.0: 3.0, 12000.0: 0.0, 13000.0: -1.0, 14000.0: 0.0}
     excess |= {15000.0: 1.0, 16000.0: 0.0, 20000.0: -5.0}
-    monkeypatch.setattr(module, "flight_at_altitude", synthetic(excess))
-    ceiling = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
+    ceiling = simulated(monkeypatch, lambda m: np.interp(m, list(excess), list(excess.values())))
     assert ceiling.highest.altitude_m == pytest.approx(16000.0, abs=0.2)
     assert ceiling.highest.excess_time_h > 0.0
     # The search for the peak ends within 1 m, where the excess time is 1 mm per hour short.
@@ -145,12 +145,7 @@ def test_feasible_band_aloft_counts_though_lower_flight_fails(monkeypatch):
 
 def test_jump_of_the_excess_time_is_found_on_its_feasible_side(monkeypatch):
     # Where a day's gain turns into a loss, excess time falls from hours to minus hours at once.
-    def simulate(_, __, ___, altitude_m):
-        value = 5.0 if altitude_m <= 8123.4 else -3.0
-        return AltitudeFlight(altitude_m, value, 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0)
-
-    monkeypatch.setattr(module, "flight_at_altitude", simulate)
-    ceiling = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
+    ceiling = simulated(monkeypatch, lambda m: 5.0 if m <= 8123.4 else -3.0)
     assert ceiling.highest.altitude_m <= 8123.4
     # The search ends within a decimetre and steps back by another.
     assert ceiling.highest.altitude_m == pytest.approx(8123.4, abs=0.5)

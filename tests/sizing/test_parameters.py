@@ -1,5 +1,7 @@
 """The catalogue of parameters: every key is one of a file, and nothing is called by two units."""
 
+import re
+
 import pytest
 
 from missions.library import load_mission
@@ -34,20 +36,17 @@ _ENDINGS = {
 
 
 def aircraft():
-    bound = "design_space.maximum_total_mass_kg=50"
-    battery = [
+    common = [
+        "design_space.maximum_total_mass_kg=50",
         "battery.temperature={held_c: 5, heat_loss_w_per_k: 0.4, heater_power_w: 9}",
         "battery.resistance={loss_at_1c: 0.05, discharge_rate_per_h: 0.1, charge_rate_per_h: 0.2}",
         "battery.ageing={}",
     ]
-    stiffness = [
-        "airframe.structure.maximum_tip_deflection=0.1",
-        "airframe.structure.maximum_tip_slope_deg=10.0",
-        "airframe.structure.maximum_landing_deflection=0.1",
-    ]
+    limits = {"tip_deflection": 0.1, "tip_slope_deg": 10.0, "landing_deflection": 0.1}
+    stiffness = [f"airframe.structure.maximum_{key}={value}" for key, value in limits.items()]
     return [
-        load_aircraft("atlantiksolar-design", [bound, *battery, *stiffness]),
-        load_aircraft("sky-sailor", [bound, *battery]),
+        load_aircraft("atlantiksolar-design", [*common, *stiffness]),
+        load_aircraft("sky-sailor", common),
     ]
 
 
@@ -62,32 +61,22 @@ def test_units_are_those_of_the_names(one):
 
 
 # Of a propulsion at its operating point and of a tail, which one shipped aircraft has.
-OF_PARTS = (
-    *(
-        f"airframe.propulsion.{key}"
-        for key in (
-            *("efficiency_factor", "motor_mass_factor", "propeller_mass_factor"),
-            *("propeller.diameter_m", "propeller.pitch_m", "gear.ratio"),
-        )
-    ),
-    "airframe.propulsion.motor.speed_constant_rpm_per_v",
-    "airframe.tail.horizontal_volume",
+OF_PARTS = re.compile(
+    r"airframe\.(tail\.horizontal_volume|propulsion\.("
+    r"(efficiency|motor_mass|propeller_mass)_factor|propeller\.(diameter|pitch)_m|gear\.ratio"
+    r"|motor\.speed_constant_rpm_per_v))"
 )
 
 
 @pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)
 def test_keys_are_those_of_files_or_of_quantities(one):
     if one.kind == "quantity":
-        assert one.key in QUANTITIES or one.key in {
-            "worst_excess_time_h",
-            "season_days",
-            "latitude_band_deg",
-            "endurance_h",
-        }
+        others = {"worst_excess_time_h", "season_days", "latitude_band_deg", "endurance_h"}
+        assert one.key in QUANTITIES or one.key in others
         return
     assert (one.kind == "mission") == one.key.startswith(MISSION_PREFIX)
     missions = [load_mission("rafz-july"), load_mission("central-europe-summer")]
-    if one.key in OF_PARTS:
+    if OF_PARTS.fullmatch(one.key):
         # Its motor is one of the catalogue; constants of one's own are keys.
         motor = {"speed_constant_rpm_per_v": 300.0, "resistance_ohm": 0.1, "no_load_current_a": 0.2}
         with_motor = load_aircraft("twin-boom-design", {"airframe.propulsion.motor": motor})

@@ -41,12 +41,6 @@ def swallowed():
         send()
 
 
-def swallowed_before_a_wait():
-    """Do as CasADi may: swallow the interrupt, and go on for long."""
-    swallowed()
-    threading.Event().wait(WAIT_S)
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_is_raised_with_its_number(number):
     with pytest.raises(Stopped) as stopped, interruptible():
@@ -55,22 +49,19 @@ def test_a_signal_is_raised_with_its_number(number):
     assert not isinstance(stopped.value, Exception)  # which handlers of errors would swallow
 
 
-def test_a_swallowed_signal_comes_again():
-    with pytest.raises(Stopped), interruptible():
-        swallowed_before_a_wait()
+class Finalised:
+    def __del__(self):
+        send()
 
 
-def test_a_signal_that_a_finaliser_has_swallowed_comes_again(capsys):
-    class Finalised:
-        def __del__(self):
-            send()
-
-    def dropped_before_a_wait():
-        Finalised()
+@pytest.mark.parametrize("swallow", [swallowed, Finalised])
+def test_a_swallowed_signal_comes_again(swallow, capsys):
+    def before_a_wait():
+        swallow()
         threading.Event().wait(WAIT_S)
 
     with pytest.raises(Stopped), interruptible():
-        dropped_before_a_wait()
+        before_a_wait()
     assert capsys.readouterr().err == ""
 
 
@@ -179,7 +170,9 @@ def test_other_threads_catch_nothing():
 
 
 def stubborn(settings, cells):
-    swallowed_before_a_wait()
+    """Do as CasADi may: swallow the interrupt, and go on for long."""
+    swallowed()
+    threading.Event().wait(WAIT_S)
 
 
 def test_a_chunk_that_swallows_the_signal_is_interrupted_all_the_same():

@@ -44,12 +44,12 @@ def outcomes(clients):
     return found
 
 
-def test_latest_of_one_page_is_computed():
-    assert outcomes(["a", "a", "a"]) == ["first", "dropped", "dropped", "a2"]
-
-
-def test_pages_do_not_drop_those_of_others():
-    assert outcomes(["a", "b", "a", "b"]) == ["first", "dropped", "dropped", "a2", "b3"]
+@pytest.mark.parametrize(
+    ("clients", "done"),
+    [("aaa", "first dropped dropped a2"), ("abab", "first dropped dropped a2 b3")],
+)
+def test_latest_of_each_page_is_computed(clients, done):
+    assert outcomes(clients) == done.split()
 
 
 def test_error_of_one_request_leaves_the_next_alone():

@@ -165,7 +165,8 @@ def test_of_a_clean_log_nothing_is_left_out(missing):
 
 @pytest.mark.parametrize("missing", [[], ATTITUDE, ["mppt_voltage_v"]])
 def test_limited_power_is_left_out(missing):
-    result = without(made(faults=Faults(battery_full=(24.0, 27.0))), *missing)
+    log = made(faults=Faults(battery_full=(24.0, 27.0)))
+    result = without(log, *missing)
     assert reasons(result) == ["battery_full"]
     (full,) = result.left_out
     assert full.start_s == pytest.approx(START_UTC_S + 24.0 * 3600.0, abs=600.0)
@@ -176,13 +177,8 @@ def test_limited_power_is_left_out(missing):
         assert errors["average_error_relative"] == pytest.approx(0.0, abs=1e-3)
         # The day's filter would otherwise carry 100 W and more across the edges.
         assert errors["maximum_error_w"] < 2.0
-
-
-def test_low_power_at_half_charge_is_not_blamed_on_the_battery():
-    log = made(faults=Faults(battery_full=(24.0, 27.0)))
-    table = log.table.assign(state_of_charge=0.5)
-    result = verify(AS2, log_from_table(table, "x.csv"), FLIGHT)
-    assert reasons(result) == []
+        half = log.table.assign(state_of_charge=0.5)
+        assert reasons(verify(AS2, log_from_table(half, "x.csv"), FLIGHT)) == []
 
 
 def test_without_a_charge_the_fall_of_power_to_the_load_is_left_out():
@@ -216,13 +212,14 @@ def test_no_power_is_left_out_and_dusk_is_not():
     assert covers(result, "solar_factor", 1.0)
 
 
-def test_gaps_by_day_are_told_and_those_at_night_are_not():
-    by_night = verified(made(faults=Faults(missing=(12.0, 13.0))))
-    assert by_night.left_out == ()
-    assert len(by_night.log.gaps) == 1
-    (gap,) = verified(made(faults=Faults(missing=(23.0, 23.5)))).left_out
-    assert gap.reason == "missing_data"
-    assert gap.end_s - gap.start_s == pytest.approx(1800.0, abs=20.0)
+@pytest.mark.parametrize(
+    ("missing", "left_out"), [((12.0, 13.0), {}), ((23.0, 23.5), {"missing_data": 1800.0})]
+)
+def test_gaps_by_day_are_told_and_those_at_night_are_not(missing, left_out):
+    result = verified(made(faults=Faults(missing=missing)))
+    assert len(result.log.gaps) == 1
+    found = {gap.reason: gap.end_s - gap.start_s for gap in result.left_out}
+    assert found == pytest.approx(left_out, abs=20.0)
 
 
 # ---- Estimates
@@ -418,34 +415,27 @@ def test_without_attitude_vm_and_fm_are_refused_and_the_rest_is_computed():
     assert result.samples.modelled_w["CAM"] == pytest.approx(whole.samples.modelled_w["CAM"])
 
 
-def test_aircraft_without_geometry():
-    craft = load_aircraft("atlantiksolar-design")
-    craft = craft.model_copy(
-        update={"modules": craft.modules.model_copy(update={"geometry": None})}
-    )
-    log = made(start_utc_s=MORNING_S, duration_h=2.0)
-    result = verify(craft, log.log(), FLIGHT)
-    assert "has no modules.geometry" in result.notes[0]
-
-
-def test_a_tail_that_is_not_modelled_is_told():
-    modules = AS2.modules.model_copy(update={"tail": None})
+@pytest.mark.parametrize("part", ["geometry", "tail"])
+def test_parts_that_are_not_modelled_are_told(part):
+    modules = AS2.modules.model_copy(update={part: None})
     log = made(start_utc_s=MORNING_S, duration_h=2.0).log()
     bare = verify(AS2.model_copy(update={"modules": modules}), log, FLIGHT)
-    assert any("has no modules.tail" in note for note in bare.notes)
-    assert not any("tail" in note for note in verify(AS2, log, FLIGHT).notes)
+    assert f"has no modules.{part}" in " ".join(bare.notes)
+    assert not any(part in note for note in verify(AS2, log, FLIGHT).notes)
 
 
-def test_log_by_night_is_refused():
-    log = made(start_utc_s=START_UTC_S + 12 * 3600.0, duration_h=3.0)
-    with pytest.raises(InputError, match="the sun never rises in this log"):
-        verified(log)
-
-
-def test_window_without_samples_is_refused():
-    log = made(start_utc_s=MORNING_S, duration_h=3.0)
-    with pytest.raises(InputError, match=r"window 15 to 16 h .*allowed: 2015-07-01 4\.1"):
-        verified(log, windows=[Window(15, 16)])
+@pytest.mark.parametrize(
+    ("start_utc_s", "windows", "message"),
+    [
+        (START_UTC_S + 12 * 3600.0, [], "the sun never rises in this log"),
+        (MORNING_S, [Window(15, 16)], r"window 15 to 16 h .*allowed: 2015-07-01 4\.1"),
+        (MORNING_S, ["9:8"], "must be a:b in solar hours"),
+    ],
+)
+def test_logs_and_windows_without_samples_are_refused(start_utc_s, windows, message):
+    log = made(start_utc_s=start_utc_s, duration_h=3.0)
+    with pytest.raises(ValueError, match=message):
+        verified(log, windows=windows)
 
 
 @pytest.mark.parametrize("text", ["6", "7:6", "5:25", "a:b", "5:6:7", "2015-02-30@5:6", "-1:4"])
@@ -518,10 +508,8 @@ def test_printed_options_run_as_printed(log_file):
 def test_figures_show_what_is_left_out(log_file):
     result = verify(AS2, str(log_file), FLIGHT, windows=[Window(5.0, 6.0)])
     drawn = plots.residual_figure(result)
-    labels = [axes.get_xlabel() for axes in drawn.axes]
-    assert labels == [
-        "time of 2015-07-01 [h UTC]",
-        "time of 2015-07-01 [h UTC]",
+    assert [axes.get_xlabel() for axes in drawn.axes] == [
+        *["time of 2015-07-01 [h UTC]"] * 2,
         "elevation of the sun [deg]",
         "azimuth of the sun from the nose, clockwise [deg]",
     ]
@@ -551,8 +539,6 @@ def test_result_prints_itself_and_reads_its_own_log(log_file):
     assert len(frame) == result.to_dict()["log"]["sunlit_samples"]
     assert frame["fm_w"].to_numpy() == pytest.approx(result.samples.modelled_w["FM"])
     assert result.to_csv().count("\n") == len(frame) + 1
-    with pytest.raises(ValueError, match="must be a:b in solar hours"):
-        verify(AS2, log_file, windows=["9:8"])
 
 
 def test_command_names_mistakes_in_the_map(log_file, tmp_path):
@@ -566,17 +552,14 @@ def test_command_names_mistakes_in_the_map(log_file, tmp_path):
 def test_text_fits_80_columns_for_large_and_small_aircraft():
     log = made(start_utc_s=MORNING_S, duration_h=3.0, faults=Faults(mppt=(0.5, 2.0)))
     result = verified(log, windows=["5:6"])
-    large = replace(
-        result.windows[0],
-        measured_mean_w=1000.0 * result.windows[0].measured_mean_w,
-        errors={
-            model: {
-                key: value if key.endswith("relative") else 1000.0 * value
-                for key, value in errors.items()
-            }
-            for model, errors in result.windows[0].errors.items()
-        },
-    )
+    (small,) = result.windows
+    errors = {
+        model: {
+            key: value * (1.0 if key.endswith("relative") else 1e3) for key, value in of.items()
+        }
+        for model, of in small.errors.items()
+    }
+    large = replace(small, measured_mean_w=1e3 * small.measured_mean_w, errors=errors)
     for item in (result, replace(result, windows=(large,))):
         for level in (1, 2):
             assert max(map(len, item.at_level(level).to_text().splitlines())) <= 80
