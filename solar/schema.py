@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 else:
     ModelMetaclass = type(BaseModel)
 
+_HASH = "_hash"
 _UNCHECKED = "_changed_copy"
 
 
@@ -175,8 +176,16 @@ class Record(BaseModel, metaclass=_Described):
         return _declared(self) == _declared(other) and self.contents_read() == other.contents_read()
 
     def __hash__(self) -> int:
-        """Hash of the class and the declared fields."""
-        return hash((type(self), *_declared(self).values()))
+        """Hash of the class and the declared fields, computed once in every process."""
+        known = vars(self)
+        if _HASH not in known:
+            known[_HASH] = hash((type(self), *_declared(self).values()))
+        return int(known[_HASH])
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """Return what is pickled: no hash, which is another one in another process."""
+        state = super().__getstate__()
+        return state | {"__dict__": {k: v for k, v in state["__dict__"].items() if k != _HASH}}
 
     def contents_read(self) -> str | None:
         """Return the contents of a file that a field names, as read; None by default."""

@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from io import StringIO
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from sizing.aircraft import Aircraft
 from sizing.parameters import parameter_value
 from sizing.program.climbing import Profile
 from sizing.program.corrections import Linearisation
@@ -301,13 +302,13 @@ def parameters_of(
     centre: FloatArray,
 ) -> FloatArray:
     """Return the parameter vector of the program, in the order of its symbols."""
-    technology = [parameter_value(task.aircraft, None, key) for key in program.technology]
+    technology = _technology(task.aircraft, program.technology)
     battery = task.aircraft.battery
     efficiencies = [battery.mean_charge_efficiency, battery.mean_discharge_efficiency]
     vectors: Sequence[Any] = (
         _weights(task, point, scales),
         np.ravel([np.array(air, float) for air in task.airs]),
-        np.array(technology, float),
+        technology,
         np.array(efficiencies, float),
         scales,
         centre,
@@ -316,6 +317,12 @@ def parameters_of(
         *(np.ravel(value) for block in point.blocks for value in block),
     )
     return np.concatenate(vectors)
+
+
+@lru_cache(maxsize=64)
+def _technology(aircraft: Aircraft, keys: tuple[str, ...]) -> FloatArray:
+    """Return the numbers of an aircraft that are parameters of its program."""
+    return np.array([parameter_value(aircraft, None, key) for key in keys], float)
 
 
 def _weights(task: SizingTask, point: Linearisation, scales: FloatArray) -> FloatArray:
