@@ -12,12 +12,15 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
+
+import numpy as np
 
 from missions.files.errors import InputError, Problem, left_out_note, printable, shortened, shown
 from missions.files.texts import FILE_MARK
 from sizing.aerodynamics.polar_table import LIFT, SHARE_LEFT_OUT
 from solar.schema import Allowed, refusal, spell
+from solar.types import FloatArray
 
 # Metres per second of the units in XFLR5.
 _SPEED_UNITS = {
@@ -75,8 +78,7 @@ _COLUMNS = {
 }
 
 
-@dataclass(frozen=True)
-class PolarRow:
+class PolarRow(NamedTuple):
     """Row of a polar: angle [deg], coefficients [-], and speed [m/s] if the file has it."""
 
     line: int
@@ -124,6 +126,10 @@ class FilePolar:
     def problem(self, line: int | None, message: str) -> Problem:
         """Return a problem at a line of the file."""
         return Problem(self.source, line, None, "", message)
+
+    def values(self, *names: str) -> FloatArray:
+        """Return quantities of all rows, of shape (name, row)."""
+        return np.array([[getattr(row, name) for row in self.rows] for name in names])
 
 
 def is_foreign(text: str) -> bool:

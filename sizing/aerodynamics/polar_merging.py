@@ -53,13 +53,7 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
         raise InputError([odd.problem(odd.line, "polars of fixed speed and of fixed lift mixed")])
     if all(fixed):
         _check_repeated(pairs)
-        rows = np.array(
-            [
-                (row.alpha_deg, re, row.lift, row.drag, row.moment)
-                for polar, reynolds in pairs
-                for row, re in zip(polar.rows, reynolds, strict=True)
-            ]
-        )
+        rows = np.concatenate([_table(polar, reynolds) for polar, reynolds in pairs])
     else:
         rows = _resampled(pairs, source)
     columns = dict(zip(COLUMNS, (*rows.T, np.ones(len(rows))), strict=True))
@@ -120,40 +114,41 @@ def _is_fixed(polar: FilePolar) -> bool:
     """Return whether all rows have the same Reynolds number."""
     if polar.kind == "section":
         return polar.reynolds_type == 1
-    speeds = [row.speed_m_per_s for row in polar.rows if math.isfinite(row.speed_m_per_s)]
-    return not speeds or max(speeds) - min(speeds) <= _SAME_SPEED * max(speeds)
+    (speeds,) = polar.values("speed_m_per_s")
+    speeds = speeds[np.isfinite(speeds)]
+    return not len(speeds) or bool(np.ptp(speeds) <= _SAME_SPEED * speeds.max())
 
 
-def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
+def _reynolds(polar: FilePolar, wing: WingReference | None) -> FloatArray:
     """Return the Reynolds number of every row; NaN for fixed lift at lift below zero."""
+    lift, speed = polar.values("lift", "speed_m_per_s")
+    if wing is None and polar.reynolds_type == 1:
+        return np.full(len(lift), polar.reynolds)
     if wing is None:
-        if polar.reynolds_type == 1:
-            return [polar.reynolds] * len(polar.rows)
-        return [
-            polar.reynolds / math.sqrt(row.lift) if row.lift > 0.0 else math.nan
-            for row in polar.rows
-        ]
-    per_speed = wing.chord_m / wing.kinematic_viscosity_m2_per_s
-    reynolds = []
-    for row in polar.rows:
-        known = math.isfinite(row.speed_m_per_s) and row.speed_m_per_s > 0.0
-        speed = row.speed_m_per_s if known else polar.speed_m_per_s
-        if not speed > 0.0:
-            message = "neither the header nor a column QInf has the speed"
-            raise InputError([polar.problem(polar.line, message)])
-        reynolds.append(speed * per_speed)
+        return np.asarray(polar.reynolds / np.sqrt(np.where(lift > 0.0, lift, np.nan)))
+    speed = np.where(np.isfinite(speed) & (speed > 0.0), speed, polar.speed_m_per_s)
+    if not np.all(speed > 0.0):
+        message = "neither the header nor a column QInf has the speed"
+        raise InputError([polar.problem(polar.line, message)])
+    reynolds = speed * (wing.chord_m / wing.kinematic_viscosity_m2_per_s)
     if _is_fixed(polar):
         # Speeds have few digits: all rows get their mean.
-        reynolds = [significant(float(np.mean(reynolds)), 4)] * len(reynolds)
-    return reynolds
+        reynolds = np.full(len(reynolds), significant(float(np.mean(reynolds)), 4))
+    return np.asarray(reynolds)
 
 
-def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
+def _table(polar: FilePolar, reynolds: FloatArray) -> FloatArray:
+    """Return the rows of a polar: angle, Reynolds number, lift, drag, moment."""
+    alpha_deg, *coefficients = polar.values("alpha_deg", "lift", "drag", "moment")
+    return np.column_stack((alpha_deg, reynolds, *coefficients))
+
+
+def _check_repeated(pairs: Sequence[tuple[FilePolar, FloatArray]]) -> None:
     """Refuse two polars of the same Reynolds number."""
     seen: dict[float, FilePolar] = {}
     problems = []
     for polar, reynolds in pairs:
-        first = seen.setdefault(reynolds[0], polar)
+        first = seen.setdefault(float(reynolds[0]), polar)
         if first is not polar:
             message = f"Reynolds number {spell(reynolds[0])} as in {_place(first)}"
             problems.append(polar.problem(polar.line, message))
@@ -161,20 +156,12 @@ def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
         raise InputError(problems)
 
 
-def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> FloatArray:
+def _resampled(pairs: Sequence[tuple[FilePolar, FloatArray]], source: str) -> FloatArray:
     """Return the rows at fixed Reynolds numbers, from polars of fixed lift."""
-    highest = max(row.lift for polar, _ in pairs for row in polar.rows)
+    read = [_table(polar, reynolds) for polar, reynolds in pairs]
+    highest = max(float(rows[:, 2].max()) for rows in read)
     # Rows with positive lift, by polar.
-    points = [
-        np.array(
-            [
-                (row.alpha_deg, re, row.lift, math.log(row.drag), row.moment)
-                for row, re in zip(polar.rows, reynolds, strict=True)
-                if row.lift > 0.0 and math.isfinite(re)
-            ]
-        ).reshape(-1, 5)
-        for polar, reynolds in pairs
-    ]
+    points = [rows[(rows[:, 2] > 0.0) & np.isfinite(rows[:, 1])] for rows in read]
     # Re C_L^1/2 of every polar, constant up to rounding.
     constants = sorted(
         float(np.median(rows[:, 1] * np.sqrt(rows[:, 2]))) for rows in points if len(rows)
@@ -201,7 +188,8 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
             continue
         log_targets = np.log(targets)
         inside = (log_targets >= log_re[0] - 1e-9) & (log_targets <= log_re[-1] + 1e-9)
-        cl, cd, cm = (np.interp(log_targets[inside], log_re, column) for column in at[:, 2:].T)
+        columns = (at[:, 2], np.log(at[:, 3]), at[:, 4])
+        cl, cd, cm = (np.interp(log_targets[inside], log_re, column) for column in columns)
         reynolds = [significant(float(target)) for target in targets[inside]]
         tables.append(np.stack([np.full(len(cl), alpha), reynolds, cl, np.exp(cd), cm], axis=1))
     if not sum(map(len, tables)):
@@ -214,13 +202,14 @@ def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: s
 
     Anderson, Fundamentals of Aerodynamics, eq. 5.62.
     """
-    efficiencies = []
+    efficiencies = np.empty(0)
     for polar in polars:
-        most = max(row.lift for row in polar.rows)
-        for row in polar.rows:
-            if _CRUISE[0] * most <= row.lift <= _CRUISE[1] * most and row.induced > 0.0:
-                efficiencies.append(row.lift**2 / (math.pi * wing.aspect_ratio * row.induced))
-    if not efficiencies:
+        lift, induced = polar.values("lift", "induced")
+        low, high = (share * lift.max() for share in _CRUISE)
+        used = (low <= lift) & (lift <= high) & (induced > 0.0)
+        ideal = math.pi * wing.aspect_ratio * induced[used]
+        efficiencies = np.append(efficiencies, lift[used] ** 2 / ideal)
+    if not len(efficiencies):
         raise file_error(source, "the polars have no induced drag (CDi) at lift")
     efficiency = float(np.median(efficiencies))
     if not 0.3 <= efficiency <= 1.0 + 1e-2:

@@ -14,6 +14,7 @@ Capacity over temperature: Samsung SDI, specification of the cell INR18650-15L, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
@@ -21,6 +22,7 @@ import numpy as np
 from pydantic import Field, Strict, model_validator
 
 from missions.air import ZERO_CELSIUS_K
+from sizing.roots import bisect
 from sizing.smooth import Value
 from solar.schema import (
     Fraction,
@@ -280,10 +282,4 @@ def cycles_to_end_of_life(
         )
         return float(1.0 - aged.calendar_fade() - aged.cycle_fade())
 
-    low, high = 0.0, 1.0
-    while left(high) > end:
-        low, high = high, 2.0 * high
-    while high - low > 1e-3 * high:
-        middle = (low + high) / 2.0
-        low, high = (middle, high) if left(middle) > end else (low, middle)
-    return high
+    return bisect(1.0, math.inf, lambda cycles: left(cycles) <= end, lambda cycles: 1e-3 * cycles)

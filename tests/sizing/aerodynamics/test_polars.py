@@ -266,7 +266,7 @@ def _rough_table():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (HEADER + "1\n2,2e5,1,0.02,0,1\nx\n", r"csv:4: 6 finite numbers.*\n.*csv:6: 6 finite num"),
+        (HEADER + "1\n2,2e5,1,0.02,0,1\nx\n", r"csv:4: has 1 values.*\n.*csv:6: has 1 values"),
         (_rough_table(), "too rough for a smooth polar"),
         (HEADER.replace("alpha_deg", "alpha"), "test.csv:3: column names must be alpha_deg,"),
         ("", "column names must be"),
