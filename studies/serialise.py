@@ -38,9 +38,8 @@ RECORDS = {
         from_catalogues? reading_notes? flight?
         """,
     "Scenario": """
-        *quantities model=analysis.performance.solar.model
-        correction=analysis.performance.solar.correction latitude_deg day_of_year date
-        uncertainty.solar_power_rms_relative=analysis.performance.solar.rms_relative
+        *quantities model=solar.model correction=solar.correction latitude_deg day_of_year date
+        uncertainty.solar_power_rms_relative=solar.rms_relative
         uncertainty.excess_time_low_h=excess_time_low_h
         uncertainty.excess_time_high_h=excess_time_high_h climb?
         """,

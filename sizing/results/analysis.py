@@ -94,51 +94,22 @@ class LimitedFlight:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A scenario of an analysis: where, when, and what becomes of the flight there."""
+    """A scenario of an analysis: where, when, and what becomes of the flight there.
 
-    analysis: Analysis
-    index: int
+    ``quantities``: measures, infinite where unlimited, NaN where there is none.
+    ``excess_time_low_h``, ``excess_time_high_h``: with one RMS error of the model less and more
+    solar power [h]. ``climb``: its climbs; None without them.
+    """
 
-    @property
-    def quantities(self) -> dict[str, Any]:
-        """Measures: infinite where unlimited, NaN where there is none."""
-        return {key: values[self.index] for key, values in self.analysis.values.items()}
-
-    @property
-    def latitude_deg(self) -> float:
-        """Latitude [deg]."""
-        return float(self.analysis.performance.day.scenarios.latitude_deg[self.index])
-
-    @property
-    def day_of_year(self) -> int:
-        """Day of the year."""
-        return int(self.analysis.performance.day.scenarios.day_of_year[self.index])
-
-    @property
-    def date(self) -> str:
-        """Date, ``MM-DD``."""
-        return date_code(self.day_of_year)
-
-    @property
-    def label(self) -> str:
-        """Latitude and date in words."""
-        return self.analysis.performance.day.scenarios.label(self.index)
-
-    @property
-    def excess_time_low_h(self) -> float:
-        """Excess time with one RMS error of the model less solar power [h]."""
-        return float(self.analysis.low.cycle.excess_time_h[self.index])
-
-    @property
-    def excess_time_high_h(self) -> float:
-        """Excess time with one RMS error of the model more solar power [h]."""
-        return float(self.analysis.high.cycle.excess_time_h[self.index])
-
-    @property
-    def climb(self) -> ClimbOfDay | None:
-        """Its climbs; None without them."""
-        climbs = self.analysis.climb
-        return None if climbs is None else ClimbOfDay(climbs, self.index)
+    solar: SolarModel
+    latitude_deg: float
+    day_of_year: int
+    date: str
+    label: str
+    quantities: dict[str, Any]
+    excess_time_low_h: float
+    excess_time_high_h: float
+    climb: ClimbOfDay | None
 
 
 def _in_worst(key: str, text: str) -> property:
@@ -336,13 +307,29 @@ class Analysis(DesignResult):
 
     def scenario(self, index: int | None = None) -> dict[str, Any]:
         """Return the measures of a scenario, by default of the worst."""
-        return self.scenarios[self.worst if index is None else index].quantities
+        at = self.worst if index is None else index
+        return {key: values[at] for key, values in self.values.items()}
 
     @cached_property
     def scenarios(self) -> tuple[Scenario, ...]:
         """Every scenario."""
-        count = len(self.performance.cycle.status)
-        return tuple(Scenario(self, index) for index in range(count))
+        at, climbs, solar = self.performance.day.scenarios, self.climb, self.performance.solar
+        places = zip(at.latitude_deg.tolist(), at.day_of_year.tolist(), strict=True)
+        low_h, high_h = (flight.cycle.excess_time_h.tolist() for flight in (self.low, self.high))
+        return tuple(
+            Scenario(
+                solar,
+                latitude_deg,
+                day,
+                date_code(day),
+                at.label(i),
+                self.scenario(i),
+                low_h[i],
+                high_h[i],
+                None if climbs is None else ClimbOfDay(climbs, i),
+            )
+            for i, (latitude_deg, day) in enumerate(places)
+        )
 
     @property
     def worst_scenario(self) -> Scenario:

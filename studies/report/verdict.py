@@ -92,7 +92,7 @@ def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> tuple
 
 def _of_verification(verification: Verification) -> Verdict:
     """Return which model comes closest to the flight."""
-    errors = _errors_over_days(verification)
+    errors = _errors(verification)
     if not errors:
         text = f"{verification.log.source} has no sample to compare with."
         return Verdict("edge", text, "No comparison")
@@ -105,20 +105,20 @@ def _of_verification(verification: Verification) -> Verdict:
     return Verdict("good", text, "Compared")
 
 
-def _errors_over_days(verification: Verification) -> dict[str, tuple[float, float]]:
-    """Return average and RMS error of every model over all days [-]."""
-    days = [day for day in verification.days if day.errors and day.samples > day.excluded]
-    counts = np.array([day.samples - day.excluded for day in days], float)
-    over: dict[str, tuple[float, float]] = {}
-    for model in verification.samples.modelled_w if days else ():
-        each = [day.errors[model] for day in days]
-        measured = float(counts @ [day.measured_mean_w or 0.0 for day in days])
-        if measured > 0.0:
-            average = float(counts @ [errors["average_error_w"] for errors in each]) / measured
-            squares = [errors["rms_error_w"] ** 2 for errors in each]
-            square = float(counts @ squares) / float(counts.sum())
-            over[model] = average, square**0.5 * float(counts.sum()) / measured
-    return over
+def _errors(verification: Verification) -> dict[str, tuple[float, float]]:
+    """Return average and RMS error of every model over the whole log [-]."""
+    from studies.flight_logs.errors import sections  # with pandas
+
+    if not verification.days:
+        return {}
+    excluded, filter_s = verification.excluded, verification.days[0].filter_s
+    whole = [("log", np.ones(len(excluded), bool))]
+    (log,) = sections(verification.samples, excluded, filter_s, "UTC", whole)
+    return {
+        model: (errors["average_error_relative"], errors["rms_error_relative"])
+        for model, errors in log.errors.items()
+        if errors["rms_error_relative"] is not None
+    }
 
 
 def key_facts(subject: Subject) -> Iterator[Fact]:
@@ -153,6 +153,6 @@ def _facts_of_verification(verification: Verification) -> Iterator[Fact]:
     yield Fact("samples", str(len(verification.samples.time_s)), f"with the sun up, of {len(log)}")
     long_h = (log.time_s[-1] - log.time_s[0]) / 3600.0
     yield Fact("flight", amount(long_h, "h", ".1f"), f"every {given(log.step_s, 's')}")
-    for model, (average, rms) in _errors_over_days(verification).items():
+    for model, (average, rms) in _errors(verification).items():
         yield Fact(f"error of {model}", percent(average, "+.1f"), f"RMS {percent(rms)}")
     yield Fact("samples left out", str(int(verification.excluded.sum())))
