@@ -28,17 +28,13 @@ CONSTANT = SolarCell(
 )
 
 
-def test_full_model_without_its_effects_is_the_analysis_model():
+def test_models_without_their_effects_on_a_level_wing_are_the_analysis_model():
     sun = sun_vector_ned(47.6, 0.4, 0.7)
-    full = full_model(NOON, sun, LEVEL, FLAT, CONSTANT, 20.0)
-    simple = conceptual_analysis_model(NOON, -sun[2], CONSTANT, 20.0)
-    assert full.specific_power_w_per_m2 == pytest.approx(simple, rel=1e-12)  # same arithmetic
-
-
-def test_verification_model_on_a_level_wing_is_the_analysis_model():
-    sun = sun_vector_ned(47.6, 0.4, 0.7)
+    full = full_model(NOON, sun, LEVEL, FLAT, CONSTANT, 20.0).specific_power_w_per_m2
     vm = verification_model(NOON, sun, LEVEL, FLAT, SolarCell(), 20.0)
-    assert vm == pytest.approx(conceptual_analysis_model(NOON, -sun[2], SolarCell(), 20.0))
+    for power, cell in ((full, CONSTANT), (vm, SolarCell())):
+        simple = conceptual_analysis_model(NOON, -sun[2], cell, 20.0)
+        assert power == pytest.approx(simple, rel=1e-12)  # same arithmetic
 
 
 def test_power_temperature_and_tracker_agree():
@@ -71,12 +67,8 @@ def test_user_table_that_ends_early_knows_no_light_from_behind():
 def test_dihedral_averages_two_sides():
     sun = np.array([0.0, np.sin(0.6), -np.cos(0.6)])
     result = full_model(NOON, sun, LEVEL, V_WING, CONSTANT, 25.0)
-    expected = np.mean(
-        [
-            conceptual_analysis_model(NOON, np.cos(0.6 + d), CONSTANT, 25.0)
-            for d in np.radians([-20.0, 20.0])
-        ]
-    )
+    cosines = np.cos(0.6 + np.radians([-20.0, 20.0]))
+    expected = conceptual_analysis_model(NOON, cosines, CONSTANT, 25.0).mean()
     assert float(result.specific_power_w_per_m2) == pytest.approx(expected, rel=1e-12)
 
 
@@ -86,16 +78,12 @@ def test_arrays_equal_single_calls():
     light = Irradiance(np.array([[500.0], [800.0]]), np.array([[80.0], [120.0]]))
     whole = full_model(light, sun, direction_cosines(rolls, 0.1, 1.0), V_WING, SolarCell(), 20.0)
     assert whole.specific_power_w_per_m2.shape == (2, 3)
-    for i in range(2):
-        light_at_i = Irradiance(light.dni[i, 0], light.dhi[i, 0])
-        for j, roll in enumerate(rolls):
-            single = full_model(
-                light_at_i, sun[i, 0], direction_cosines(roll, 0.1, 1.0), V_WING, SolarCell(), 20.0
-            )
-            # The iteration stops for the whole batch at once: 1e-12 of the rated power.
-            assert whole.specific_power_w_per_m2[i, j] == pytest.approx(
-                float(single.specific_power_w_per_m2), rel=1e-9
-            )
+    for i, j in np.ndindex(2, 3):
+        there = Irradiance(light.dni[i, 0], light.dhi[i, 0]), sun[i, 0]
+        turned = direction_cosines(rolls[j], 0.1, 1.0)
+        single = full_model(*there, turned, V_WING, SolarCell(), 20.0).specific_power_w_per_m2
+        # The iteration stops for the whole batch at once: 1e-12 of the rated power.
+        assert whole.specific_power_w_per_m2[i, j] == pytest.approx(float(single), rel=1e-9)
 
 
 def test_shading_by_the_tail_takes_direct_light_alone():

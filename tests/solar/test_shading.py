@@ -51,20 +51,22 @@ def t_tail(**changes):
 
 def atlantiksolar():
     """Six modules of 20 and 12 cells of 0.125 m; angles and areas from table 1 of the report."""
-    surfaces = []
-    for side, inboard, outboard, area, dihedral in (
-        ("left", 1.27, 2.77, 0.184, 6.0),
-        ("centre", -1.25, 1.25, 0.307, 0.0),
-        ("right", 1.27, 2.77, 0.184, 6.0),
-    ):
-        for row, front, pitch in (("front", 0.025, -0.5), ("rear", 0.155, 9.4)):
-            outline = ModuleOutline(
-                inboard_m=inboard, outboard_m=outboard, front_m=front, rear_m=front + 0.125
-            )
-            surface = {"name": f"{side} {row}", "area_m2": area, "side": side, "outline": outline}
-            angles = {"dihedral_deg": dihedral, "pitch_deg": pitch}
-            surfaces.append(ModuleSurface.model_validate(surface | angles))
-    return ModuleGeometry(wing_incidence_deg=5.7, surfaces=tuple(surfaces))
+    outer, centre = (1.27, 2.77, 0.184, 6.0), (-1.25, 1.25, 0.307, 0.0)
+    surfaces = [
+        {
+            **{"name": f"{side} {row}", "area_m2": area, "side": side},
+            "outline": {
+                **{"inboard_m": inboard, "outboard_m": outboard},
+                **{"front_m": front, "rear_m": front + 0.125},
+            },
+            **{"dihedral_deg": dihedral, "pitch_deg": pitch},
+        }
+        for side, (inboard, outboard, area, dihedral) in zip(
+            ("left", "centre", "right"), (outer, centre, outer), strict=True
+        )
+        for row, front, pitch in (("front", 0.025, -0.5), ("rear", 0.155, 9.4))
+    ]
+    return ModuleGeometry.model_validate({"wing_incidence_deg": 5.7, "surfaces": surfaces})
 
 
 ATLANTIKSOLAR = atlantiksolar()

@@ -31,7 +31,6 @@ def test_errors_are_those_of_table_3(model, power_w, average, rms_w, rms):
 
 def test_unknown_names_are_refused():
     for wrong in ("XM", "cam", ""):
-        with pytest.raises(ValueError, match="unknown solar power model"):
-            correction(wrong, "none")
-        with pytest.raises(ValueError, match="unknown correction"):
-            correction("CAM", wrong)
+        for names, told in (((wrong, "none"), "solar power model"), (("CAM", wrong), "correction")):
+            with pytest.raises(ValueError, match=f"unknown {told}"):
+                correction(*names)
