@@ -25,7 +25,7 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT
 from studies.quantities import EXCESS_TIME
-from studies.render.numbers import percent
+from studies.render.numbers import amount, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,7 +94,7 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
                 color=ink(),
                 linestyle=style,
                 linewidth=1.2,
-                label=f"{label} {value:.1f} h".replace("-", "−"),
+                label=f"{label} {amount(value, 'h', '.1f')}".replace("-", "−"),
             )
     low, high = axes.get_xlim()
     if low < 0.0 < high:

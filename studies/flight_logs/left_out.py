@@ -17,7 +17,7 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.fit import Fit, fit_log
 from studies.flight_logs.forward import Forward, Samples
-from studies.render.numbers import percent
+from studies.render.numbers import amount, percent
 from studies.render.tables import Column, Table
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
@@ -155,7 +155,7 @@ def _value_stretches(log: FlightLog) -> Iterator[Stretch]:
             groups[-1].append(gap)
     for group in groups:
         total_s = sum(gap.duration_s for gap in group)
-        text = f"{total_s:.0f} s without samples while the sun is up"
+        text = f"{amount(total_s, 's', '.0f')} without samples while the sun is up"
         yield Stretch("missing_data", group[0].start_s, group[-1].end_s, 0, text)
 
 

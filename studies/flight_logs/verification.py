@@ -44,6 +44,7 @@ from studies.flight_logs.residuals import (
     residuals,
     surfaces_of,
 )
+from studies.render.numbers import amount
 from studies.render.tables import ALL, Column, Line, Table
 
 DEFAULT_MISSION = "rafz-28h"
@@ -287,7 +288,7 @@ def _error_table(section: Section) -> Table:
         return Table(f"{name}: all samples are excluded", _ERRORS, ())
     rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
     count = f"{section.samples} samples, filter {spell(section.filter_s)} s"
-    title = f"{name}: {measured:.2f} W measured, {count}"
+    title = f"{name}: {amount(measured, 'W', '.2f')} measured, {count}"
     return Table(title, _ERRORS if measured < _MANY_W else _WHOLE_WATTS, tuple(rows))
 
 

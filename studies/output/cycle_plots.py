@@ -27,7 +27,7 @@ from studies.output.figures.drawing import (
 )
 from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
-from studies.render.numbers import percent
+from studies.render.numbers import amount, percent
 from studies.render.tables import clock_label
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def plot_cycle(
         gain = f"{round(float(climb.gain_in_excess_time_h[index]), 1) + 0.0:+.1f}".replace(
             "-", "\N{MINUS SIGN}"
         )
-        highest = f"highest {climb.altitude_m[index].max():.0f} m"
+        highest = f"highest {amount(climb.altitude_m[index].max(), 'm', '.0f')}"
         panels[2].set_title(f"{highest}, excess time {gain} h by climbing", fontsize="small")
     return _add_legend(drawn, panels)
 
@@ -188,12 +188,12 @@ def _mark_charge(axes: Axes, perf: Performance, index: int) -> None:
     cycle = perf.cycle
     full, margin = float(cycle.full_charge_h[index]), float(cycle.charge_margin_h[index])
     if np.isfinite(full):
-        text = f"charge margin {margin:.1f} h"
+        text = f"charge margin {amount(margin, 'h', '.1f')}"
         _draw_interval(axes, full, full + margin, _MARGIN_PERCENT, text, "bottom")
     dawn, excess = (float(v[index]) for v in (cycle.equal_power_morning_h, cycle.excess_time_h))
     if not np.isfinite(excess):
         return
-    text = f"excess time {excess:.1f} h".replace("-", "\N{MINUS SIGN}")
+    text = f"excess time {amount(excess, 'h', '.1f')}".replace("-", "\N{MINUS SIGN}")
     dawn = dawn if np.isfinite(dawn) else 12.0
     end = min(max(dawn + excess, 0.0), 24.0)
     if excess > 0.0:
@@ -236,7 +236,7 @@ def _plot_limited(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
         altitude_m=None if analysis.climb is None else each[0].altitude_m,
         ends_h=(launch, launch + hours),
         nights_h=_nights(perf, index),
-        end=f", {perf.day.scenarios.label(index)}: limited, {hours:.1f} h",
+        end=f", {perf.day.scenarios.label(index)}: limited, {amount(hours, 'h', '.1f')}",
         day_label=lambda day: f"day {day + 1}",
     )
     drawn, panels = _draw(analysis, course, canvas)
