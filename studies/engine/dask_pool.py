@@ -47,44 +47,36 @@ class DaskPool(Pool):
             ) from None
         self._killed, self.in_process = distributed.KilledWorker, False
         self._tell = tell or (lambda text: None)
-        self._client: Any
-        self._local = scheduler == LOCAL_CLUSTER
-        self._name = "the cluster of this machine" if self._local else f"the scheduler {scheduler}"
-        self._remedy = "" if self._local else f"; start one with: dask worker {scheduler}"
+        local = scheduler == LOCAL_CLUSTER
+        self._name = "the cluster of this machine" if local else f"the scheduler {scheduler}"
+        self._remedy = "" if local else f"; start one with: dask worker {scheduler}"
         # A worker that dies twice within this time may be taken for lost, and is not started again.
         patience = {"distributed.deploy.lost-worker-timeout": "1 day"}
-        self._opened = ExitStack()
-        self._opened.enter_context(_silenced())
-        self._opened.enter_context(dask.config.set(patience))
-        try:
-            with for_children():
-                self._connect(distributed, scheduler, workers)
-        except BaseException:  # a signal, too, leaves no process
-            self.close(at_once=True)
-            raise
+        with ExitStack() as opened, for_children():  # a signal, too, leaves no process
+            opened.enter_context(_silenced())
+            opened.enter_context(dask.config.set(patience))
+            address: Any = scheduler
+            if local:
+                address = distributed.LocalCluster(
+                    n_workers=available_cores() if workers is None else workers,
+                    threads_per_worker=1,
+                    # Any free port: that of a cluster that runs already would be warned of.
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.CRITICAL,
+                )
+                opened.callback(_close, address)
+            try:
+                self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
+            except (OSError, TimeoutError, ValueError) as error:
+                reason = str(error).partition("\n")[0]
+                raise WorkersUnavailableError(
+                    f"no answer of {self._name}: {reason}; start it with: dask scheduler, "
+                    "or compute on this machine with --workers"
+                ) from None
+            opened.callback(_close, self._client)
+            self._opened = opened.pop_all()
         self._threads, self._looked_s = 1, -_LOOK_S
         self._last_seen_s, self._told = time.monotonic(), False
-
-    def _connect(self, distributed: Any, scheduler: str, workers: int | None) -> None:
-        address: Any = scheduler
-        if self._local:
-            address = distributed.LocalCluster(
-                n_workers=available_cores() if workers is None else workers,
-                threads_per_worker=1,
-                # Any free port: that of a cluster that runs already would be warned of.
-                dashboard_address="127.0.0.1:0",
-                silence_logs=logging.CRITICAL,
-            )
-            self._opened.callback(_close, address)
-        try:
-            self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
-        except (OSError, TimeoutError, ValueError) as error:
-            reason = str(error).partition("\n")[0]
-            raise WorkersUnavailableError(
-                f"no answer of {self._name}: {reason}; start it with: dask scheduler, "
-                "or compute on this machine with --workers"
-            ) from None
-        self._opened.callback(_close, self._client)
 
     @property
     def size(self) -> int:
