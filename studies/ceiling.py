@@ -22,15 +22,7 @@ from sizing.validity.extrapolations import merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.schema import spell
-from studies.output.figures.drawing import (
-    CHARGE,
-    DARK_GREY,
-    LOAD,
-    SUN,
-    Canvas,
-    new_figure,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.quantities import EXCESS_TIME, group, table_of, text_of
 from studies.render.notes import extrapolation_blocks, extrapolation_caption
@@ -203,16 +195,16 @@ def _shown_flights(ceiling: PerpetualCeiling, most: int) -> list[AltitudeFlight]
     return rows
 
 
-@styled
-def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_ceiling(result: Ceiling, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw excess time, power and daily energies over altitude, the ceiling marked.
 
     Parameters
     ----------
     result : Ceiling
     """
-    ceiling, words, mark = result.search, result.words, DARK_GREY
-    drawn, panels = new_figure(
+    ceiling, words, mark = result.search, result.words, drawing.DARK_GREY
+    drawn, panels = drawing.new_figure(
         1,
         3,
         canvas=figure,
@@ -227,13 +219,17 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     )
     excess, power, energy = panels
     altitude_km = ceiling.column("altitude_m") / 1000.0
-    excess.plot(ceiling.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
+    excess.plot(ceiling.column(EXCESS_TIME.name), altitude_km, color=drawing.CHARGE)
     excess.axvline(ceiling.required_excess_time_h, color=mark, linewidth=0.8)
     excess.set(xlabel=EXCESS_TIME.heading, ylabel=f"{words.altitude} [km]")
-    power.plot(ceiling.column("propulsion_power_w"), altitude_km, color=LOAD)
+    power.plot(ceiling.column("propulsion_power_w"), altitude_km, color=drawing.LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
-    energy.plot(ceiling.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
-    energy.plot(ceiling.column("load_energy_wh"), altitude_km, "--", color=LOAD, label="load")
+    energy.plot(
+        ceiling.column("solar_energy_wh"), altitude_km, color=drawing.SUN, label="solar energy"
+    )
+    energy.plot(
+        ceiling.column("load_energy_wh"), altitude_km, "--", color=drawing.LOAD, label="load"
+    )
     energy.set(xlabel="energy of the day [Wh]", xlim=(0.0, None))
     energy.legend(loc="upper left")
     if ceiling.highest is None:

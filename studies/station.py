@@ -25,16 +25,10 @@ from solar.names import CorrectionName, ModelName
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 from studies.engine.run import Progress
+from studies.output import gridded
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import (
-    Gridded,
-    Labelled,
-    attributes,
-    extrapolations_of,
-    shown_places,
-)
 from studies.quantities import described, text_of
 from studies.render.notes import extrapolation_blocks
 from studies.render.numbers import percent
@@ -74,7 +68,7 @@ class Station(Result):
     over: Literal["latitude", "altitude"]
     source: str
     at_end: bool
-    cells: Gridded
+    cells: gridded.Gridded
 
     @property
     def rows(self) -> FloatArray:
@@ -107,7 +101,7 @@ class Station(Result):
         months = tuple(Column(MONTH_NAMES[m - 1], form=form) for m in self.months)
         shown = np.where(np.isfinite(self.airspeed_m_per_s), values, np.nan)
         most = _ROWS[level] // (2 if "chosen_altitude" in self.cells and level == 1 else 1)
-        places = shown_places(self.rows.tolist(), most)
+        places = gridded.shown_places(self.rows.tolist(), most)
         rows = [(self._label(i), *shown[i].tolist()) for i in places][::-1]
         part = f"{len(rows)} of {len(self.rows)} rows; -v has the rest"
         notes = (part,) if len(rows) < len(self.rows) else ()
@@ -131,7 +125,7 @@ class Station(Result):
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """Extrapolated quantities of the design."""
-        return extrapolations_of(self.cells)
+        return gridded.extrapolations_of(self.cells)
 
     def to_frame(self) -> pd.DataFrame:
         """Return a row for each latitude or altitude and month."""
@@ -237,10 +231,12 @@ def prepare(
         described=_DESCRIBED | (_CHOSEN if chooses else {}),
         statuses=(),
         coordinates={
-            over: Labelled((over,), rows, {"units": units, "standard_name": over}),
-            "month": Labelled(("month",), months, month),
+            over: gridded.Labelled((over,), rows, {"units": units, "standard_name": over}),
+            "month": gridded.Labelled(("month",), months, month),
         },
-        attributes=attributes(f"Station keeping of {aircraft.name}", aircraft, mission, solar),
+        attributes=gridded.attributes(
+            f"Station keeping of {aircraft.name}", aircraft, mission, solar
+        ),
         extrapolated=lambda columns: extrapolated,
     )
 
@@ -281,7 +277,7 @@ def _station_cells(configuration: _Configuration, cells: FloatArray) -> dict[str
     return columns | (dict.fromkeys(_CHOSEN, chosen_m) if configuration.chooses else {})
 
 
-def station_of(study: Study, data: Gridded) -> Station:
+def station_of(study: Study, data: gridded.Gridded) -> Station:
     """Make the result of a study."""
     configuration: _Configuration = study.configuration
     winds = required_winds(configuration.aircraft, configuration.mission).table(
@@ -295,7 +291,7 @@ def station_of(study: Study, data: Gridded) -> Station:
         over="altitude" if configuration.altitudes_m is None else "latitude",
         source=winds.source,
         at_end=bool(np.any(variables.pop("at_end").values == 1.0)),
-        cells=Gridded(variables, data.coordinates, data.attrs),
+        cells=gridded.Gridded(variables, data.coordinates, data.attrs),
     )
 
 

@@ -10,19 +10,7 @@ import numpy as np
 from sizing.results.numbers import percentiles
 from sizing.results.uncertainty import UncertaintyAnalysis
 from sizing.uncertainty.inputs import UncertainInput
-from studies.output.figures.drawing import (
-    BLUE,
-    DARK_GREY,
-    ORANGE,
-    VERMILLION,
-    Canvas,
-    add_legend,
-    ink,
-    is_narrow,
-    new_figure,
-    paper,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.quantities import EXCESS_TIME
 from studies.render.numbers import amount, percent
@@ -35,8 +23,8 @@ _MOST_BARS = 12
 _LINES = {"p90": ":", "p50": "-", "p10": "--"}
 
 
-@styled
-def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw the distribution of the excess time, and the inputs that cause it.
 
     On the left a histogram of the draws with P90, P50 and P10; P90 is exceeded in 90 % of them. On
@@ -50,7 +38,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     """
     count = min(len(analysis.inputs), _MOST_BARS)
     size_in = (10.0, max(3.6, 1.8 + 0.42 * count))
-    narrow = is_narrow(figure, size_in)
+    narrow = drawing.is_narrow(figure, size_in)
     notes: tuple[str, ...] = (analysis.solar.label, analysis.mission.climb_label)
     single = count == 1
     if single:
@@ -59,7 +47,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     elif narrow:
         size_in = (size_in[0], 1.9 * size_in[1])
     beside = not (single or narrow)
-    drawn, panels = new_figure(
+    drawn, panels = drawing.new_figure(
         1 if beside or single else 2,
         2 if beside else 1,
         canvas=figure,
@@ -74,7 +62,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     if not single:
         _draw_causes(panels[1], analysis)
     handles = [h for axes in panels for h in axes.get_legend_handles_labels()[0]]
-    add_legend(drawn, handles, 4 if single else 6)
+    drawing.add_legend(drawn, handles, 4 if single else 6)
     return drawn
 
 
@@ -86,19 +74,19 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
         axes.text(0.5, 0.5, "unlimited in all draws", transform=axes.transAxes, ha="center")
         return
     weights = np.full(len(finite), 100.0 / len(excess))
-    axes.hist(finite, bins=60, weights=weights, color=BLUE, alpha=0.8)
+    axes.hist(finite, bins=60, weights=weights, color=drawing.BLUE, alpha=0.8)
     for style, label, value in _marked(analysis):
         if np.isfinite(value):
             axes.axvline(
                 value,
-                color=ink(),
+                color=drawing.ink(),
                 linestyle=style,
                 linewidth=1.2,
                 label=f"{label} {amount(value, 'h', '.1f')}".replace("-", "−"),
             )
     low, high = axes.get_xlim()
     if low < 0.0 < high:
-        axes.axvspan(low, 0.0, color=VERMILLION, alpha=0.12, linewidth=0, label="limited")
+        axes.axvspan(low, 0.0, color=drawing.VERMILLION, alpha=0.12, linewidth=0, label="limited")
     axes.set_xlim(low, high)
 
 
@@ -131,21 +119,21 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     centre = float(np.mean(excess[finite])) if np.any(finite) else 0.0
     for y, (_, low, high) in enumerate(rows):
         for end, name, colour, hatch in (
-            (low, "lowest fifth of the input", ORANGE, ""),
-            (high, "highest fifth", BLUE, "//"),
+            (low, "lowest fifth of the input", drawing.ORANGE, ""),
+            (high, "highest fifth", drawing.BLUE, "//"),
         ):
             axes.barh(
                 y,
                 end - centre,
                 left=centre,
                 facecolor=colour,
-                edgecolor=paper(),
+                edgecolor=drawing.paper(),
                 linewidth=0.0,
                 height=0.6,
                 hatch=hatch,
                 label=name if y == 0 else None,
             )
-    axes.axvline(centre, color=DARK_GREY)
+    axes.axvline(centre, color=drawing.DARK_GREY)
     axes.set_yticks(range(len(rows)), [_input_label(analysis, row[0]) for row in rows])
     axes.set_xlabel("mean excess time [h]")
 

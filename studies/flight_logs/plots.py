@@ -17,21 +17,7 @@ from studies.flight_logs.errors import moving_average
 from studies.flight_logs.left_out import Reason
 from studies.flight_logs.residuals import Residual
 from studies.flight_logs.verification import Verification
-from studies.output.figures.drawing import (
-    BLUE,
-    DARK_GREY,
-    GREEN,
-    MODEL_COLOURS,
-    MODEL_LINES,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    Canvas,
-    ink,
-    new_figure,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 
 if TYPE_CHECKING:
@@ -46,8 +32,8 @@ _LEFT_OUT: dict[Reason, tuple[str, str]] = {
     "excluded": ("by hand", "++"),
     "missing_data": ("no data", "///"),
 }
-_LOGGED: dict[str, Any] = {"color": VERMILLION, "linestyle": "-"}
-_ESTIMATED: dict[str, Any] = {"color": BLUE, "linestyle": "--"}
+_LOGGED: dict[str, Any] = {"color": drawing.VERMILLION, "linestyle": "-"}
+_ESTIMATED: dict[str, Any] = {"color": drawing.BLUE, "linestyle": "--"}
 # More points than this cannot be distinguished on a page.
 _MOST_POINTS = 4000
 _BRIGHT = 0.1  # of the peak: below, shares of MPPTs are noise
@@ -62,22 +48,22 @@ def figures(
         yield f"window-{number + 1}", partial(window_figure, result, number, figure=figure)
 
 
-@styled
-def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def window_figure(result: Verification, number: int, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw measured and modelled power in a window, and errors of all models."""
     section = result.windows[number]
     page = _Page(result, 2, section.label, section.mask, section.filter_s, figure)
     power, error = page.panels
     page.draw_power(power)
     for model, modelled in result.samples.modelled_w.items():
-        style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
+        style = {"color": drawing.MODEL_COLOURS[model], "linestyle": drawing.MODEL_LINES[model]}
         page.line(error, page.smooth(modelled - result.samples.measured_w), **style)
     error.set_ylabel("model − measured [W]")
     return page.finished([power, error], [error])
 
 
-@styled
-def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def residual_figure(result: Verification, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw power and residuals over time, the sun's elevation and azimuth, and by MPPT."""
     samples, bins = result.samples, result.residuals
     panels = 3 + bool(bins.bearing) + (result.mppts is not None)
@@ -106,7 +92,16 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
         bright = result.mppts.modelled_w.sum(axis=1)
         bright = bright > _BRIGHT * bright.max()
         powers = result.mppts.measured_w.T, result.mppts.modelled_w.T
-        colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
+        colours = cycle(
+            (
+                drawing.BLUE,
+                drawing.ORANGE,
+                drawing.GREEN,
+                drawing.SKY,
+                drawing.VERMILLION,
+                drawing.PURPLE,
+            )
+        )
         columns = zip(result.mppts.each, *powers, colours, strict=False)
         for mppt, measured, modelled, colour in columns:
             share = page.smooth(measured) / np.maximum(page.smooth(modelled), 1e-9)
@@ -126,9 +121,9 @@ class _Page:
         what: str,
         mask: BoolArray,
         filter_s: float,
-        canvas: Canvas,
+        canvas: drawing.Canvas,
     ) -> None:
-        self.figure, self.panels = new_figure(
+        self.figure, self.panels = drawing.new_figure(
             count,
             canvas=canvas,
             title=f"{result.aircraft}, {what}",
@@ -159,16 +154,16 @@ class _Page:
         """Draw measured and modelled power."""
         samples = self.result.samples
         for model, modelled in samples.modelled_w.items():
-            style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
+            style = {"color": drawing.MODEL_COLOURS[model], "linestyle": drawing.MODEL_LINES[model]}
             self.line(axes, self.smooth(modelled), label=model, **style)
         measured = self.smooth(samples.measured_w)
-        self.line(axes, measured, label="measured", color=ink(), linewidth=1.8)
+        self.line(axes, measured, label="measured", color=drawing.ink(), linewidth=1.8)
         axes.set_ylabel("solar power [W]")
 
     def finished(self, by_time: list[Axes], with_zero: list[Axes]) -> Figure:
         """Add lines at zero, hatches on stretches left out, and legends; return the figure."""
         for axes in with_zero:
-            axes.axhline(0.0, color=ink(), linewidth=0.8)
+            axes.axhline(0.0, color=drawing.ink(), linewidth=0.8)
         shown = self.hours[self.chosen]
         first, last = float(shown.min()), float(np.nextafter(shown.max(), np.inf))
         named = set()
@@ -181,7 +176,7 @@ class _Page:
                 if min(end, last) > max(start, first):
                     axes.axvspan(
                         max(start, first), min(end, last), hatch=hatch, zorder=0.5, linewidth=0.0,
-                        facecolor="none", edgecolor=DARK_GREY,
+                        facecolor="none", edgecolor=drawing.DARK_GREY,
                         label=None if label in named else label,
                     )  # fmt: skip
                     named.add(label)

@@ -26,14 +26,7 @@ from studies.output.cells import (
     finite_range,
     hatch_reasons,
 )
-from studies.output.figures.drawing import (
-    Canvas,
-    add_legend,
-    ink,
-    new_figure,
-    objective_caption,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.output.gridded import SIZED, OnGrid, extrapolations_of, flown_caption
 from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
@@ -45,8 +38,8 @@ if TYPE_CHECKING:
 _DATES = 6  # along an axis of less than two months
 
 
-@styled
-def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_map(data: OnGrid, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw excess time over season and latitude, with the edge of perpetual flight as a line.
 
     Parameters
@@ -70,7 +63,7 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
             days, latitudes, shown_h, levels, cmap=colour_map, norm=norm, extend="both"
         )
         if np.any(shown_h > 0.0) and np.any(shown_h <= 0.0):
-            axes.contour(days, latitudes, shown_h, [0.0], colors=ink())
+            axes.contour(days, latitudes, shown_h, [0.0], colors=drawing.ink())
     assert shades is not None
     bar = drawn.colorbar(shades, ax=axes, ticks=LEVELS_H)
     bar.set_label("excess time [h]; darkest: no night")
@@ -100,8 +93,8 @@ def _continued(excess_h: FloatArray) -> FloatArray:
     return max(results, key=lambda result: result[:2])[2]
 
 
-@styled
-def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_resized_map(data: OnGrid, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw the objective of the best design over season and latitude.
 
     Lines lead from cell to cell where both have a design.
@@ -112,7 +105,7 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
         Map of best designs.
     """
     name = Objective(data.attrs["objective"]).column
-    drawn, axes = _map_axes(figure, data, objective_caption(data.attrs["objective"]))
+    drawn, axes = _map_axes(figure, data, drawing.objective_caption(data.attrs["objective"]))
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     sized, about = np.isin(data["status"].to_numpy(), SIZED), data[name].attrs
     values = np.where(sized, data[name].to_numpy(), np.nan)
@@ -129,9 +122,9 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _map_axes(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
+def _map_axes(canvas: drawing.Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
     """Return a figure with its heading, and its axes."""
-    drawn, (axes,) = new_figure(
+    drawn, (axes,) = drawing.new_figure(
         canvas=canvas,
         title=f"{data.attrs['title']} on {json.loads(data.attrs['mission'])['name']}",
         notes=(what, flown_caption(data), extrapolation_caption(extrapolations_of(data))),
@@ -146,7 +139,7 @@ def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     entries = hatch_reasons(axes, days, latitudes, data)
     if entries:
-        add_legend(figure, entries, 3, side="right")
+        drawing.add_legend(figure, entries, 3, side="right")
     if sum(days.min() <= start <= days.max() for start in MONTH_STARTS) > 1:
         axes.set_xticks(MONTH_STARTS, MONTH_NAMES, ha="left")
         axes.set_xlim(days.min(), days.max())

@@ -18,16 +18,7 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.result import Result
 from solar.types import BoolArray, IntArray
 from studies import quantities as q
-from studies.output.gridded import (
-    SIZED,
-    TOO_WINDY,
-    OnGrid,
-    extrapolations_of,
-    feasible,
-    flown_caption,
-    shown_places,
-    status_names,
-)
+from studies.output import gridded
 from studies.render.notes import extrapolation_blocks
 from studies.render.tables import Column, Line
 from studies.serialise import serialise
@@ -43,7 +34,7 @@ Ends = tuple[NDArray[Any], NDArray[Any]]
 class MapResult(Result):
     """Map of a fixed aircraft or of sized designs, with a row for each latitude."""
 
-    data: OnGrid
+    data: gridded.OnGrid
 
     @property
     def objective(self) -> str:
@@ -55,13 +46,13 @@ class MapResult(Result):
         ends = SizingStatus if self.objective else (Status.failed,)
         numbers: dict[str, Any] = {f"{end.name}_days": self._days_of(end) for end in ends}
         if self.objective:
-            windy = self.data["violated_requirement"].to_numpy() == TOO_WINDY
+            windy = self.data["violated_requirement"].to_numpy() == gridded.TOO_WINDY
             numbers = {"objective": self.objective} | numbers
             numbers |= {"too_windy_days": windy.sum(axis=1)} if windy.any() else {}
         else:
-            numbers = {"perpetual_days": feasible(self.data).sum(axis=1)} | numbers
+            numbers = {"perpetual_days": gridded.feasible(self.data).sum(axis=1)} | numbers
             # Models that need a path in winds have cells too windy for the path.
-            if Status.infeasible in status_names(self.data):
+            if Status.infeasible in gridded.status_names(self.data):
                 numbers["too_windy_days"] = self._days_of(Status.infeasible)
         for quantity in self._ranged:
             for word, values in zip(
@@ -71,7 +62,7 @@ class MapResult(Result):
         record: dict[str, Any] = serialise(
             {"latitude_deg": self._latitudes, "days": self.data["day"].to_numpy()}
             | numbers
-            | {"extrapolations": extrapolations_of(self.data)}
+            | {"extrapolations": gridded.extrapolations_of(self.data)}
         )
         return record
 
@@ -95,7 +86,7 @@ class MapResult(Result):
         rows: list[dict[str, Any]] = [
             {"season": season_text(days, perpetual), excess.name: most, "perpetual_days": count}
             for perpetual, most, count in zip(
-                feasible(self.data),
+                gridded.feasible(self.data),
                 self._least_and_largest(excess)[1].tolist(),
                 record["perpetual_days"],
                 strict=True,
@@ -114,7 +105,7 @@ class MapResult(Result):
     def _designs(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
         """Return the days with a design, and the range of its size."""
         groups = {
-            f"designs on {len(record['days'])} days": SIZED,
+            f"designs on {len(record['days'])} days": gridded.SIZED,
             "none": (SizingStatus.infeasible, SizingStatus.invalid),
             "unknown": (SizingStatus.not_converged,),
         }
@@ -186,7 +177,7 @@ def blocks(result: MapResult, level: int) -> list[Any]:
     columns, rows = (result._designs if result.objective else result._seasons)(record)
     without = {"failed_days": "failed", "too_windy_days": "too windy for the path"}
     lacking = {key: head for key, head in without.items() if any(record.get(key, ()))}
-    places = shown_places(latitudes.tolist(), _ROWS[level])
+    places = gridded.shown_places(latitudes.tolist(), _ROWS[level])
     table = q.table_of(
         "",
         (q.TABLE["latitude"], *columns, *(Column(*item) for item in lacking.items())),
@@ -197,12 +188,14 @@ def blocks(result: MapResult, level: int) -> list[Any]:
             for i in places
         ),
     )
-    notes = [f"{flown_caption(data)}; {len(days)} days of the year, {days[0]} to {days[-1]}"]
+    notes = [
+        f"{gridded.flown_caption(data)}; {len(days)} days of the year, {days[0]} to {days[-1]}"
+    ]
     if len(places) < len(rows):
         notes.insert(
             0, f"{len(places)} of {len(rows)} latitudes shown; all with -v and in --out FILE"
         )
-    outside = extrapolation_blocks(extrapolations_of(data), level)
+    outside = extrapolation_blocks(gridded.extrapolations_of(data), level)
     if not result.objective and any(row[q.EXCESS_TIME.name] < 0.0 for row in rows):
         outside.append(q.BELOW_ZERO)
     return [Line(headline(result), "strong"), table, *notes, *outside]

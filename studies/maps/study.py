@@ -28,14 +28,7 @@ from studies.maps.cells import (
     fixed_cells,
     scenarios_of,
 )
-from studies.output.gridded import (
-    DESCRIBED,
-    SIZED,
-    Labelled,
-    attributes,
-    resize_objective,
-    told_of_cells,
-)
+from studies.output import gridded
 from studies.quantities import MAP, described
 from studies.study import Study
 
@@ -187,7 +180,7 @@ def prepare(
     objective: str | Objective | None = None,
 ) -> Study:
     """Check a map and return its study; with an objective, of best designs."""
-    goal = None if objective is None else resize_objective(objective)
+    goal = None if objective is None else gridded.resize_objective(objective)
     if goal is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
     check_user_models(aircraft, mission)
@@ -198,10 +191,10 @@ def prepare(
     if goal is not None or solar.needs_path or mission.holds_station:
         mission.scenario_winds_m_per_s(scenarios_of(cells))  # refuses cells without a wind
     coordinates = {
-        "latitude": Labelled(
+        "latitude": gridded.Labelled(
             ("latitude",), north_deg, {"units": "degrees_north", "standard_name": "latitude"}
         ),
-        "day": Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
+        "day": gridded.Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
     }
     parts = {
         "endurance_h": endurance,
@@ -223,11 +216,11 @@ def prepare(
             cells,
             cell_s=cell_s + _SIZING_S,
             together=_SIZED_TOGETHER,
-            described=DESCRIBED,
+            described=gridded.DESCRIBED,
             statuses=tuple(SizingStatus),
             coordinates=coordinates,
             attributes={
-                **attributes(f"Best designs of {aircraft.name}", aircraft, mission, solar),
+                **gridded.attributes(f"Best designs of {aircraft.name}", aircraft, mission, solar),
                 "objective": goal.value,
                 "required_excess_time_h": mission.required_excess_time_h,
             },
@@ -244,7 +237,7 @@ def prepare(
         described=_DESCRIBED | described(" ".join(keys)),
         statuses=(Status.failed, *ends),
         coordinates=coordinates,
-        attributes=attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
+        attributes=gridded.attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
         extrapolated=lambda columns: extrapolations_of_cells(configuration, cells, columns),
     )
 
@@ -289,10 +282,10 @@ def _extrapolations_of_designs(
     """Return where designs leave the range of a model, with its effect on the lightest."""
     from studies.maps.sized import sized_flight
 
-    mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
+    mass_kg = np.where(np.isin(columns["status"], gridded.SIZED), columns["total_mass"], np.inf)
     lightest = cells[[int(np.argmin(mass_kg))]]
     return add_effects(
-        told_of_cells(columns, SIZED, "cells"),
+        gridded.told_of_cells(columns, gridded.SIZED, "cells"),
         configuration.aircraft,
         lambda: sized_flight(configuration, lightest),
     )

@@ -14,17 +14,7 @@ from studies.maps.season import Season
 from studies.models.comparison import Comparison
 from studies.models.prediction import Case
 from studies.models.solar_models import model_label
-from studies.output.figures.drawing import (
-    BLUE,
-    GREEN,
-    VERMILLION,
-    Canvas,
-    add_legend,
-    ink,
-    is_narrow,
-    new_figure,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, library
 from studies.render.notes import extrapolation_caption
 
@@ -35,16 +25,16 @@ if TYPE_CHECKING:
 
 # A marker for each colour, so that print in grey is read as well.
 _LOOKS = {
-    "none": (VERMILLION, "o", "uncorrected"),
-    "report": (BLUE, "s", "corrected by its error in flight"),
-    "loiter": (GREEN, "D", "corrected for the loiter"),
+    "none": (drawing.VERMILLION, "o", "uncorrected"),
+    "report": (drawing.BLUE, "s", "corrected by its error in flight"),
+    "loiter": (drawing.GREEN, "D", "corrected for the loiter"),
 }
 
 _ROOM_DAYS = 110  # length of a season's bar that holds its text
 
 
-@styled
-def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_comparison(comparison: Comparison, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw solar energy, excess time and season of every case, and designs if any.
 
     Parameters
@@ -53,9 +43,9 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     """
     columns = 4 if comparison.has_designs else 3
     size_in = (2.9 * columns, 1.9 + 0.27 * len(comparison.cases))
-    across = 2 if is_narrow(figure, size_in) and columns > 1 else columns
+    across = 2 if drawing.is_narrow(figure, size_in) and columns > 1 else columns
     rows = -(-columns // across)
-    drawn, panels = new_figure(
+    drawn, panels = drawing.new_figure(
         rows,
         across,
         canvas=figure,
@@ -88,20 +78,20 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     )
     for axes, label, truth in zip(panels, _axis_labels(comparison), truths, strict=False):
         if truth is not None and np.isfinite(truth):
-            axes.axvline(truth, color=ink(), linestyle=":", linewidth=1)
+            axes.axvline(truth, color=drawing.ink(), linestyle=":", linewidth=1)
         axes.set_xlabel(label)
         axes.tick_params(axis="y", length=0)
         axes.spines[["top", "right", "left"]].set_visible(False)
     low, high = panels[1].get_xlim()
     if low < 0.0 < high:
-        panels[1].axvline(0.0, color=ink(), linewidth=0.8)
+        panels[1].axvline(0.0, color=drawing.ink(), linewidth=0.8)
     panels[2].set_xticks(MONTH_STARTS[::3], MONTH_NAMES[::3], ha="left")
     panels[2].set_xlim(1, 366)
     if comparison.has_designs:
         panels[-1].margins(x=0.15)
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
-    add_legend(drawn, _legend(comparison), 5, frameon=False)
+    drawing.add_legend(drawn, _legend(comparison), 5, frameon=False)
     return drawn
 
 
@@ -120,7 +110,7 @@ def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
 def _legend(comparison: Comparison) -> list[Line2D]:
     def entry(label: str, color: str = "", marker: str = "", ls: Any = "") -> Line2D:
         line: Line2D = library().lines.Line2D(
-            [], [], color=color or ink(), marker=marker, linestyle=ls, label=label
+            [], [], color=color or drawing.ink(), marker=marker, linestyle=ls, label=label
         )
         return line
 
@@ -178,7 +168,7 @@ def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
         ha="center" if within else "left",
         va="center",
         fontsize="small",
-        color="white" if within else ink(),
+        color="white" if within else drawing.ink(),
     )
 
 
@@ -201,7 +191,7 @@ def _draw_design(axes: Axes, comparison: Comparison, case: Case, y: float) -> No
         return
     axes.plot([value], [y], color=colour, marker=marker)
     if not case.built.judged.perpetual:
-        axes.plot([value], [y], color=ink(), marker="x", markersize=9)
+        axes.plot([value], [y], color=drawing.ink(), marker="x", markersize=9)
 
 
 _PANELS = (_draw_solar_energy, _draw_excess, _draw_season, _draw_design)

@@ -25,15 +25,7 @@ from sizing.results.result import Result
 from solar.names import MODEL_NAMES, ModelName
 from solar.schema import spell
 from solar.types import FloatArray
-from studies.output.figures.drawing import (
-    MODEL_COLOURS,
-    MODEL_LINES,
-    Canvas,
-    ink,
-    new_figure,
-    shade,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.render.numbers import percent
 from studies.render.tables import Column, Line, Table
@@ -246,12 +238,12 @@ def assumptions(mission: Mission) -> dict[str, Any]:
     }
 
 
-@styled
-def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def reproduction_figure(result: Reproduction, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw all models over solar time, with the report's windows and the flight's means."""
     aircraft, mission, time_h = result.aircraft, result.mission, _time_axis_h(4.0, 10.0)
     wind = f"loiter in {spell(mission.wind_m_per_s)} m/s of easterly wind"
-    drawn, (axes,) = new_figure(
+    drawn, (axes,) = drawing.new_figure(
         canvas=figure,
         title=f"{aircraft.name} on {mission.name}, 47.6° N, 1 Jul",
         notes=("all models, uncorrected", wind),
@@ -259,14 +251,18 @@ def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Fi
     for model in MODEL_NAMES:
         power = power_w(aircraft, mission, model, time_h)
         axes.plot(
-            time_h, power, color=MODEL_COLOURS[model], linestyle=MODEL_LINES[model], label=model
+            time_h,
+            power,
+            color=drawing.MODEL_COLOURS[model],
+            linestyle=drawing.MODEL_LINES[model],
+            label=model,
         )
-    shade(axes, [(window.from_h, window.to_h) for window in WINDOWS])
+    drawing.shade(axes, [(window.from_h, window.to_h) for window in WINDOWS])
     axes.plot(
         [(window.from_h + window.to_h) / 2.0 for window in WINDOWS],
         [window.measured_w for window in WINDOWS],
         "_",
-        color=ink(),
+        color=drawing.ink(),
         markersize=12,
         markeredgewidth=2,
         label="flight, mean of a window",

@@ -10,21 +10,7 @@ import numpy as np
 
 from missions.dates import date_label, day_of_year
 from sizing.validity.ranges import model_error_note
-from studies.output.figures.drawing import (
-    CHARGE,
-    CHARGE_LINE,
-    LOAD,
-    LOAD_LINE,
-    SUN,
-    SUN_LINE,
-    Canvas,
-    add_legend,
-    ink,
-    is_narrow,
-    new_figure,
-    shade,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
 from studies.render.numbers import amount, percent
@@ -63,11 +49,11 @@ class _Course(NamedTuple):
     day_label: Callable[[int], str]
 
 
-def _draw(analysis: Analysis, course: _Course, canvas: Canvas) -> tuple[Figure, list[Axes]]:
+def _draw(analysis: Analysis, course: _Course, canvas: drawing.Canvas) -> tuple[Figure, list[Axes]]:
     """Draw solar power, load, state of charge and, with climbs, altitude over the clock."""
     perf = analysis.performance
     count = 2 if course.altitude_m is None else 3
-    drawn, panels = new_figure(
+    drawn, panels = drawing.new_figure(
         count,
         canvas=canvas,
         title=f"{analysis.aircraft.name} on {analysis.mission.name}{course.end}",
@@ -80,25 +66,34 @@ def _draw(analysis: Analysis, course: _Course, canvas: Canvas) -> tuple[Figure, 
     error = f"RMS error {after}{where}, {percent(perf.solar.rms_relative, '.0f')}"
     charges = [100.0 * charge for charge in course.charge]
     for axes, curves, colour, line, label, band in (
-        (panels[0], course.solar_w, SUN, SUN_LINE, "solar power", error),
-        (panels[1], charges, CHARGE, CHARGE_LINE, "state of charge", "with that error"),
+        (panels[0], course.solar_w, drawing.SUN, drawing.SUN_LINE, "solar power", error),
+        (
+            panels[1],
+            charges,
+            drawing.CHARGE,
+            drawing.CHARGE_LINE,
+            "state of charge",
+            "with that error",
+        ),
     ):
         axes.plot(course.clock_h, curves[0], line, color=colour, label=label)
         if len(curves) > 1:
             style: dict[str, Any] = {"color": colour, "alpha": 0.2, "linewidth": 0, "label": band}
             axes.fill_between(course.clock_h, curves[1], curves[2], **style)
-    panels[0].plot(course.clock_h, course.load_w, LOAD_LINE, color=LOAD, label="load")
+    panels[0].plot(
+        course.clock_h, course.load_w, drawing.LOAD_LINE, color=drawing.LOAD, label="load"
+    )
     panels[0].set(ylabel="power [W]", ylim=(0, None))
     panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
     if course.altitude_m is not None:
-        panels[2].plot(course.clock_h, course.altitude_m, color=LOAD)
+        panels[2].plot(course.clock_h, course.altitude_m, color=drawing.LOAD)
         panels[2].margins(y=0.1)
         panels[2].set(ylabel="altitude [m]")
     first, last = course.ends_h
     nights = [(max(dusk, first), min(dawn, last)) for dusk, dawn in course.nights_h]
     for axes in panels:
-        shade(axes, [(dusk, dawn) for dusk, dawn in nights if dusk < dawn])
-    most = 4 if is_narrow(drawn, (0.0, 0.0)) else 8  # labels along the clock
+        drawing.shade(axes, [(dusk, dawn) for dusk, dawn in nights if dusk < dawn])
+    most = 4 if drawing.is_narrow(drawn, (0.0, 0.0)) else 8  # labels along the clock
     step = 3 * 2 ** max(math.ceil(math.log2((last - first) / (3 * most))), 0)
     ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
     days = [course.day_label(tick // 24) if tick % 24 == 0 else "" for tick in ticks]
@@ -111,7 +106,7 @@ def _draw(analysis: Analysis, course: _Course, canvas: Canvas) -> tuple[Figure, 
 def _add_legend(figure: Figure, panels: Sequence[Axes]) -> Figure:
     """Write the legend below the axes, a column for each curve and its band."""
     power, charge = (axes.get_legend_handles_labels()[0] for axes in panels[:2])
-    add_legend(figure, [*power[:2], *charge, *power[2:]], 3)
+    drawing.add_legend(figure, [*power[:2], *charge, *power[2:]], 3)
     return figure
 
 
@@ -121,9 +116,9 @@ def _nights(perf: Performance, index: int) -> list[tuple[float, float]]:
     return [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in _NIGHTS]
 
 
-@styled
+@drawing.styled
 def plot_cycle(
-    analysis: Analysis, scenario: int | None = None, *, figure: Canvas = DEFAULT
+    analysis: Analysis, scenario: int | None = None, *, figure: drawing.Canvas = DEFAULT
 ) -> Figure:
     """Draw power and state of charge over the day of a scenario, or over its flight.
 
@@ -177,7 +172,7 @@ def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
     ):
         if np.isfinite(hour):
             level = float(np.interp(hour, perf.day.time_h, perf.load_w[index]))
-            axes.plot([hour], [level], "o", color=ink(), markersize=4)
+            axes.plot([hour], [level], "o", color=drawing.ink(), markersize=4)
             shift = -4 if side == "right" else 4
             axes.annotate(name, (hour, level), (shift, 6), textcoords="offset points", ha=side)
 
@@ -199,7 +194,7 @@ def _mark_charge(axes: Axes, perf: Performance, index: int) -> None:
     if excess > 0.0:
         lowest = 100.0 * float(cycle.minimum_state_of_charge[index])
         at_end = lowest * (1.0 - (end - dawn) / excess)
-        axes.plot([dawn, end], [lowest, at_end], ":", color=CHARGE, linewidth=1.0)
+        axes.plot([dawn, end], [lowest, at_end], ":", color=drawing.CHARGE, linewidth=1.0)
     _draw_interval(axes, dawn, end, _EXCESS_PERCENT, text, "top")
 
 
@@ -207,7 +202,7 @@ def _draw_interval(
     axes: Axes, start_h: float, end_h: float, level: float, text: str, side: str
 ) -> None:
     """Draw an arrow over an interval of time, and what it is, on the side with more room."""
-    arrow = {"arrowstyle": "<->", "color": ink(), "shrinkA": 0, "shrinkB": 0}
+    arrow = {"arrowstyle": "<->", "color": drawing.ink(), "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (end_h, level), (start_h, level), arrowprops=arrow)
     to_right = start_h <= sum(axes.get_xlim()) / 2.0
     axes.annotate(
@@ -221,7 +216,7 @@ def _draw_interval(
     )
 
 
-def _plot_limited(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
+def _plot_limited(analysis: Analysis, index: int, canvas: drawing.Canvas) -> Figure:
     """Draw the longest flight from its launch to the empty battery."""
     perf = analysis.performance
     longest = perf.endurances
@@ -240,14 +235,18 @@ def _plot_limited(analysis: Analysis, index: int, canvas: Canvas) -> Figure:
         day_label=lambda day: f"day {day + 1}",
     )
     drawn, panels = _draw(analysis, course, canvas)
-    empty = panels[1].plot([launch + hours], [0.0], "o", color=ink(), markersize=4, label="empty")
+    empty = panels[1].plot(
+        [launch + hours], [0.0], "o", color=drawing.ink(), markersize=4, label="empty"
+    )
     empty[0].set_clip_on(False)
     panels[-1].set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
     return _add_legend(drawn, panels)
 
 
-@styled
-def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_flight(
+    analysis: Analysis, flight: CalendarRun, *, figure: drawing.Canvas = DEFAULT
+) -> Figure:
     """Draw power and state of charge of a replayed flight over local time.
 
     Parameters
@@ -273,6 +272,6 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     drawn, panels = _draw(analysis, course, figure)
     for number, hour in enumerate(flight.full_charge_clock_h):
         label = None if number else "full"
-        panels[1].axvline(hour, color=ink(), linestyle=":", linewidth=1, label=label)
+        panels[1].axvline(hour, color=drawing.ink(), linestyle=":", linewidth=1, label=label)
     panels[1].set_xlabel(f"local time, launched on {date_label(first_day)}")
     return _add_legend(drawn, panels)

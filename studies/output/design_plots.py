@@ -15,18 +15,7 @@ from sizing.results.analysis import Analysis
 from sizing.results.parts import cells_record
 from sizing.validity.ranges import Extrapolation
 from solar.schema import spell
-from studies.output.figures.drawing import (
-    CHARGE,
-    DARK_GREY,
-    GREY,
-    LOAD,
-    SUN,
-    Canvas,
-    add_legend,
-    ink,
-    new_figure,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
 from studies.render.sentences import cells_line
@@ -40,7 +29,7 @@ _MOST_BARS = 15
 _WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
 
 
-@styled
+@drawing.styled
 def plot_sensitivities(
     sensitivities: list[Sensitivity],
     objective: Objective,
@@ -48,7 +37,7 @@ def plot_sensitivities(
     solar: SolarModel,
     *,
     extrapolations: Sequence[Extrapolation] = (),
-    figure: Canvas = DEFAULT,
+    figure: drawing.Canvas = DEFAULT,
 ) -> Figure:
     """Draw the change of the objective by one per cent more of each parameter.
 
@@ -66,7 +55,7 @@ def plot_sensitivities(
         What lies outside the range of a model.
     """
     shown = [s for s in sensitivities if s.value != 0.0][:_MOST_BARS][::-1]
-    drawn, (axes,) = new_figure(
+    drawn, (axes,) = drawing.new_figure(
         canvas=figure,
         title=f"{name}: what one per cent more changes",
         notes=(solar.label, extrapolation_caption(extrapolations)),
@@ -79,18 +68,22 @@ def plot_sensitivities(
     changes = np.array([s.per_percent for s in shown])
     better = changes > 0.0 if objective.maximised else changes < 0.0
     looks: dict[str, Any] = {"edgecolor": "white", "linewidth": 0.0}
-    axes.barh(labels, np.where(better, changes, 0.0), color=CHARGE, label="better", **looks)
+    axes.barh(labels, np.where(better, changes, 0.0), color=drawing.CHARGE, label="better", **looks)
     worse = np.where(better, 0.0, changes)
-    axes.barh(labels, worse, color=SUN, label="worse", hatch="//", **looks)
-    axes.axvline(0.0, color=ink(), linewidth=0.8)
+    axes.barh(labels, worse, color=drawing.SUN, label="worse", hatch="//", **looks)
+    axes.axvline(0.0, color=drawing.ink(), linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
-    add_legend(drawn, axes.get_legend_handles_labels()[0], 2, side="right")
+    drawing.add_legend(drawn, axes.get_legend_handles_labels()[0], 2, side="right")
     return drawn
 
 
-@styled
+@drawing.styled
 def plot_masses(
-    masses_kg: dict[str, float], title: str, *, notes: Sequence[str] = (), figure: Canvas = DEFAULT
+    masses_kg: dict[str, float],
+    title: str,
+    *,
+    notes: Sequence[str] = (),
+    figure: drawing.Canvas = DEFAULT,
 ) -> Figure:
     """Draw the mass budget as horizontal bars, heaviest on top.
 
@@ -104,19 +97,19 @@ def plot_masses(
         Line below the title.
     """
     items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
-    drawn, (axes,) = new_figure(
+    drawn, (axes,) = drawing.new_figure(
         canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), lines=True, grid=""
     )
     names = ["MPPT" if k == "mppt" else k.replace("_", " ") for k, _ in items]
-    bars = axes.barh(names, [v for _, v in items], color=LOAD)
+    bars = axes.barh(names, [v for _, v in items], color=drawing.LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")
     axes.margins(x=0.2)
     return drawn
 
 
-@styled
-def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_flight_envelope(analysis: Analysis, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw the V-n diagram: manoeuvres, gusts and limit loads of the structure.
 
     Parameters
@@ -133,7 +126,7 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
     if structure is None or structure.flight_envelope is None:
         raise ValueError(f"{analysis.aircraft.name} has no rib_wing: its loads are not known")
     envelope = structure.flight_envelope
-    drawn, (axes,) = new_figure(
+    drawn, (axes,) = drawing.new_figure(
         canvas=figure,
         title=f"{analysis.aircraft.name}: flight envelope",
         notes=(f"{float(analysis.performance.design.total_mass_kg):.2f} kg", "CS 23.333"),
@@ -141,27 +134,36 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
     )
     airspeed = np.linspace(0.0, envelope.dive_speed_m_per_s, 400)
     up, down = envelope.manoeuvre(airspeed)
-    axes.fill_between(airspeed, down, up, color=CHARGE, alpha=0.15, linewidth=0)
+    axes.fill_between(airspeed, down, up, color=drawing.CHARGE, alpha=0.15, linewidth=0)
     outline = np.concatenate([up, down[::-1]])
-    axes.plot(np.concatenate([airspeed, airspeed[::-1]]), outline, color=CHARGE, label="manoeuvres")
+    axes.plot(
+        np.concatenate([airspeed, airspeed[::-1]]),
+        outline,
+        color=drawing.CHARGE,
+        label="manoeuvres",
+    )
     speeds, gusts = np.transpose(envelope.gusts)
     for sign, name in ((1.0, "gusts at cruise and dive speed"), (-1.0, "")):
         factors = 1.0 + sign * gusts
         axes.plot(
-            [0.0 * speeds, speeds], [0.0 * speeds + 1.0, factors], ":", color=SUN, linewidth=1.0
+            [0.0 * speeds, speeds],
+            [0.0 * speeds + 1.0, factors],
+            ":",
+            color=drawing.SUN,
+            linewidth=1.0,
         )
-        axes.plot(speeds, factors, "o--", color=SUN, markersize=4, label=name)
+        axes.plot(speeds, factors, "o--", color=drawing.SUN, markersize=4, label=name)
     limits = (envelope.limit_load_factor, -envelope.negative_limit_load_factor)
     for limit, name in zip(limits, ("limit loads of the structure", ""), strict=True):
-        axes.axhline(limit, color=LOAD, linestyle="-.", linewidth=1.2, label=name)
-    axes.axhline(0.0, color=ink(), linewidth=0.8)
-    axes.axhline(1.0, color=ink(), linewidth=0.5, linestyle=":")
+        axes.axhline(limit, color=drawing.LOAD, linestyle="-.", linewidth=1.2, label=name)
+    axes.axhline(0.0, color=drawing.ink(), linewidth=0.8)
+    axes.axhline(1.0, color=drawing.ink(), linewidth=0.5, linestyle=":")
     for name, speed in (
         ("$V_S$", envelope.stall_speed_m_per_s),
         ("$V_C$", envelope.cruise_speed_m_per_s),
         ("$V_D$", envelope.dive_speed_m_per_s),
     ):
-        axes.axvline(speed, color=ink(), linewidth=0.5, linestyle=":")
+        axes.axvline(speed, color=drawing.ink(), linewidth=0.5, linestyle=":")
         axes.annotate(
             f"{name} {speed:.1f}",
             (speed, 0.0),
@@ -175,12 +177,12 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
         xlabel="equivalent airspeed [m/s]",
         ylabel="load factor [-]",
     )
-    add_legend(drawn, axes.get_legend_handles_labels()[0], 3)
+    drawing.add_legend(drawn, axes.get_legend_handles_labels()[0], 3)
     return drawn
 
 
-@styled
-def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_cells(aircraft: Aircraft, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw the wing, and a tail with cells, from above with all cells and keep-outs."""
     from matplotlib.patches import Polygon
     from matplotlib.ticker import MaxNLocator
@@ -194,7 +196,7 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     if tail is not None and layout.tail_cells:
         half, aft_m = tail.horizontal_span_m / 2.0, tail.horizontal_aft_m + tail.horizontal_chord_m
         shapes.append(_corners(-half, half, tail.horizontal_aft_m, aft_m))
-    drawn, (axes,) = new_figure(
+    drawn, (axes,) = drawing.new_figure(
         canvas=figure,
         title=f"{aircraft.name}: solar cells",
         notes=[cells_line(cells_record(aircraft)["solar_cells"])],
@@ -208,18 +210,18 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     ]
     cells = [_corners(c.left_m, c.right_m, c.front_m, c.rear_m) for c in aircraft.placed_cells()]
     surface: dict[str, Any] = {
-        "facecolor": GREY,
-        "edgecolor": ink(),
+        "facecolor": drawing.GREY,
+        "edgecolor": drawing.ink(),
         "linewidth": 0.8,
         "alpha": 0.5,
     }
     hatched: dict[str, Any] = {
         "facecolor": "none",
-        "edgecolor": DARK_GREY,
+        "edgecolor": drawing.DARK_GREY,
         "hatch": "////",
         "linewidth": 0.6,
     }
-    cell: dict[str, Any] = {"facecolor": LOAD, "edgecolor": "white", "linewidth": 0.3}
+    cell: dict[str, Any] = {"facecolor": drawing.LOAD, "edgecolor": "white", "linewidth": 0.3}
     for outlines, style in ((shapes, surface), (kept_out, hatched), (cells, cell)):
         for corners in outlines:
             axes.add_patch(Polygon(corners, **style))

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from sizing.day.metrics import ENDS
 from sizing.program.objectives import Objective
 from solar.schema import spell
+from studies.output import gridded
 from studies.output.cells import (
     draw_cells,
     draw_colour_bar,
@@ -28,31 +29,8 @@ from studies.output.cells import (
     hatch_cells,
     hatch_reasons,
 )
-from studies.output.figures.drawing import (
-    CHARGE,
-    DARK_GREY,
-    GREY,
-    LOAD,
-    SUN,
-    VERMILLION,
-    Canvas,
-    add_legend,
-    ink,
-    new_figure,
-    objective_caption,
-    paper,
-    styled,
-)
+from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import (
-    SIZED,
-    extrapolations_of,
-    failed_count,
-    feasible,
-    flown_caption,
-    reasons_without_result,
-    to_table,
-)
 from studies.render.notes import extrapolation_caption
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.results import MORE_IS_BETTER, pareto_table
@@ -62,8 +40,8 @@ MAXIMUM_PANELS = 12
 _MARKERS = "x+*v1234"
 
 
-@styled
-def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_sweep(data: xr.Dataset, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw a study as lines, contours, panels, parallel coordinates or a tornado.
 
     Parameters
@@ -79,7 +57,7 @@ def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     if data.attrs["sample"] == "one-at-a-time":
         return _tornado_figure(data, figure)
     if not _drawable(data).any():
-        reasons = Counter(reasons_without_result(data).ravel())
+        reasons = Counter(gridded.reasons_without_result(data).ravel())
         why = "; ".join(f"{count} points: {reason}" for reason, count in reasons.most_common())
         raise ValueError(f"no point has a result: there is nothing to draw ({why})")
     axes = [str(name) for name in data["status"].dims]
@@ -102,13 +80,13 @@ def _label(data: xr.Dataset, name: str) -> str:
 def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
     """Return title and notes, as :func:`new_figure` takes them."""
     objective = data.attrs["objective"]
-    failed = failed_count(data)
+    failed = gridded.failed_count(data)
     notes = (
-        f"sized for the {objective_caption(objective)}" if objective else "",
-        flown_caption(data),
+        f"sized for the {drawing.objective_caption(objective)}" if objective else "",
+        gridded.flown_caption(data),
         f"{failed} of {data['status'].size} points failed" if failed else "",
         note,
-        extrapolation_caption(extrapolations_of(data)),
+        extrapolation_caption(gridded.extrapolations_of(data)),
     )
     return {"title": str(data.attrs["title"]), "notes": notes}
 
@@ -125,22 +103,22 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
 
 def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
     """Flag the points with a result, feasible or not."""
-    return np.isin(data["status"].to_numpy(), SIZED if data.attrs["objective"] else ENDS)
+    return np.isin(data["status"].to_numpy(), gridded.SIZED if data.attrs["objective"] else ENDS)
 
 
 # ---- Grids
 
 
-def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+def _line_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     """Draw both variables over a single axis; points without a result break the line."""
     (name,) = (str(n) for n in data["status"].dims)
-    figure, panels = new_figure(
+    figure, panels = drawing.new_figure(
         2, canvas=canvas, **_title_and_notes(data), size_in=(7.0, 5.4), sharex=True
     )
     shown = _drawable(data)
     x = data[name].to_numpy()
     for axes, variable, colour in zip(
-        panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
+        panels, _plotted_variables(data), (drawing.LOAD, drawing.CHARGE), strict=True
     ):
         values = data[variable].to_numpy()
         values = np.where(shown & ~np.isinf(values), values, np.nan)
@@ -148,26 +126,26 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         _mark_extrapolated(axes, x, values, _extrapolated(data))
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
-            axes.axhline(0.0, color=ink(), linewidth=0.8)
-        at_bottom, reasons = axes.get_xaxis_transform(), reasons_without_result(data)
+            axes.axhline(0.0, color=drawing.ink(), linewidth=0.8)
+        at_bottom, reasons = axes.get_xaxis_transform(), gridded.reasons_without_result(data)
         for mark, words in zip(cycle(_MARKERS), sorted(set(reasons) - {""}), strict=False):
             gone = x[reasons == words]
             low = [0.03] * len(gone)
-            axes.plot(gone, low, mark, color=DARK_GREY, transform=at_bottom, label=words)
+            axes.plot(gone, low, mark, color=drawing.DARK_GREY, transform=at_bottom, label=words)
         if axes.get_legend_handles_labels()[0]:
             axes.legend()
     panels[-1].set(xlabel=_label(data, name))
     return figure
 
 
-def _names_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+def _names_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     """Draw both variables by product of a catalogue, or the reason without a result.
 
     Nothing lies between two names.
     """
     (name,) = (str(n) for n in data["status"].dims)
     places = _axis_positions(data, name)
-    figure, panels = new_figure(
+    figure, panels = drawing.new_figure(
         1,
         2,
         canvas=canvas,
@@ -176,9 +154,9 @@ def _names_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         lines=True,
         sharey=True,
     )
-    shown, reasons = _drawable(data), reasons_without_result(data)
+    shown, reasons = _drawable(data), gridded.reasons_without_result(data)
     for axes, variable, colour in zip(
-        panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
+        panels, _plotted_variables(data), (drawing.LOAD, drawing.CHARGE), strict=True
     ):
         values = data[variable].to_numpy()
         values = np.where(shown & ~np.isinf(values), values, np.nan)
@@ -192,11 +170,11 @@ def _names_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     _name_places(panels[0].yaxis, data, name)
     panels[0].set_ylim(len(places) - 0.5, -0.5)
     if panels[0].get_legend_handles_labels()[0]:
-        add_legend(figure, panels[0].get_legend_handles_labels()[0], 1)
+        drawing.add_legend(figure, panels[0].get_legend_handles_labels()[0], 1)
     return figure
 
 
-def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+def _contour_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     """Draw two variables over the first two axes; a third axis makes panels.
 
     Coloured cells are the computed points; contour lines connect feasible neighbours. Limited
@@ -208,7 +186,7 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         raise ValueError(
             f"{names[2]} has {len(third)} values, a chart takes at most {MAXIMUM_PANELS} panels"
         )
-    figure, panels = new_figure(
+    figure, panels = drawing.new_figure(
         2,
         len(third),
         canvas=canvas,
@@ -240,7 +218,7 @@ def _contour_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     for row in rows:
         row[0].set(ylabel=_label(data, names[1]))
     if handles:
-        add_legend(figure, list(handles.values()), 4, side="right")
+        drawing.add_legend(figure, list(handles.values()), 4, side="right")
     return figure
 
 
@@ -269,7 +247,7 @@ def _name_places(axis: Any, data: xr.Dataset, key: str) -> None:
 
 def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
     """Return the values of feasible points, NaN elsewhere."""
-    values = np.where(feasible(data), data[variable].to_numpy(), np.nan)
+    values = np.where(gridded.feasible(data), data[variable].to_numpy(), np.nan)
     return np.where(np.isneginf(values), np.nan, values)
 
 
@@ -280,7 +258,7 @@ def _draw_contours(
     x, y = (_axis_positions(data, name) for name in names)
     values = _shown_values(flat, variable)
     mesh = draw_cells(axes, x, y, values, norm)
-    good = feasible(flat)
+    good = gridded.feasible(flat)
     limited = ~good & _drawable(flat)
     # A battery that is never full would not be fuller if it were larger.
     by_night = limited & (flat["charge_margin"].to_numpy() > 0.0)
@@ -307,16 +285,24 @@ def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -
     """Draw rings around the points outside the range of a model."""
     if np.isfinite(np.where(outside, y, np.nan)).any():
         x, y = np.asarray(x)[outside], np.asarray(y)[outside]
-        axes.plot(x, y, "o", markersize=9, fillstyle="none", color=VERMILLION, label="extrapolated")
+        axes.plot(
+            x,
+            y,
+            "o",
+            markersize=9,
+            fillstyle="none",
+            color=drawing.VERMILLION,
+            label="extrapolated",
+        )
 
 
 # ---- Samples
 
 
-def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+def _parallel_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     """Draw each point as a line over the varied keys and the first variable, its colour."""
     variable = _plotted_variables(data)[0]
-    table = to_table(data).assign(good=feasible(data).ravel())
+    table = gridded.to_table(data).assign(good=gridded.feasible(data).ravel())
     table = table[_drawable(data).ravel() & np.isfinite(table[variable])]
     if table.empty:
         raise ValueError("no point has a result: there is nothing to draw")
@@ -329,7 +315,7 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     note = f"{lost} points without a result left out" if lost else ""
     if _extrapolated(data).any():
         note = "; ".join(filter(None, (note, "dotted: extrapolated")))
-    figure, (axes,) = new_figure(
+    figure, (axes,) = drawing.new_figure(
         canvas=canvas,
         **_title_and_notes(data, note),
         size_in=(2.0 + 1.7 * len(columns), 5.0),
@@ -342,11 +328,11 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     colours = matplotlib.colormaps["viridis"]
     for _, row in table.sort_values(["good", variable]).iterrows():
         heights = ((row[columns] - low) / span).astype(float)
-        colour = colours(norm(row[variable])) if row["good"] else GREY
+        colour = colours(norm(row[variable])) if row["good"] else drawing.GREY
         dash = ":" if row["extrapolations"] else "-"
         axes.plot(range(len(columns)), heights, dash, color=colour, alpha=0.7, linewidth=1)
     for place, name in enumerate(columns):
-        axes.plot([place, place], [0.0, 1.0], color=ink(), linewidth=0.8)
+        axes.plot([place, place], [0.0, 1.0], color=drawing.ink(), linewidth=0.8)
         for height, value in ((-0.04, low[name]), (1.04, high[name])):
             axes.annotate(spell(value, 4), (place, height), ha="center", va="center")
     axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
@@ -359,13 +345,13 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     return figure
 
 
-def _tornado_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
+def _tornado_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     """Draw the range of the first variable over the values of each key, widest on top."""
     odd = [str(name) for name in data.coords if name != "varied" and _has_names(data, str(name))]
     if odd:
         raise ValueError(f"{odd[0]} has names: this chart is one of less and more of numbers")
     variable = _plotted_variables(data)[0]
-    table = to_table(data)
+    table = gridded.to_table(data)
     table["drawable"] = _drawable(data).ravel() & np.isfinite(table[variable])
     base = table[table["varied"] == ""].iloc[0]
     if not base["drawable"]:
@@ -375,7 +361,7 @@ def _tornado_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         for name, rows in table[table["varied"] != ""].groupby("varied", sort=False)
     ]
     bars.sort(key=lambda bar: float(np.ptp([*bar[1][variable], base[variable]])))
-    figure, (axes,) = new_figure(
+    figure, (axes,) = drawing.new_figure(
         canvas=canvas,
         **_title_and_notes(data),
         size_in=(9.0, 1.8 + 0.6 * len(bars)),
@@ -388,7 +374,7 @@ def _tornado_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             at, by = (0.99, place + 0.3), ("axes fraction", "data")
             words = f"{lost} without a result"
             axes.annotate(words, at, xycoords=by, ha="right", fontsize="x-small")
-    axes.axvline(base[variable], color=ink(), linewidth=0.8)
+    axes.axvline(base[variable], color=drawing.ink(), linewidth=0.8)
     labels = [f"{_label(data, name)}\n(file: {spell(base[name], 4)})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels)
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
@@ -396,15 +382,15 @@ def _tornado_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         Patch(label=name, linewidth=0.0, **_bar_style(low=low))
         for name, low in (("less than in the file", True), ("more", False))
     ]
-    add_legend(figure, entries, 2, side="right")
+    drawing.add_legend(figure, entries, 2, side="right")
     axes.use_sticky_edges = False
     axes.margins(x=0.12)
     return figure
 
 
 def _bar_style(*, low: bool) -> dict[str, Any]:
-    colour, hatch = (SUN, "") if low else (LOAD, "//")
-    return {"facecolor": colour, "edgecolor": paper(), "hatch": hatch}
+    colour, hatch = (drawing.SUN, "") if low else (drawing.LOAD, "//")
+    return {"facecolor": colour, "edgecolor": drawing.paper(), "hatch": hatch}
 
 
 def _draw_bar(
@@ -436,8 +422,8 @@ def _draw_bar(
 # ---- Pareto front
 
 
-@styled
-def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -> Figure:
+@drawing.styled
+def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw all feasible points over two variables, and the Pareto front.
 
     Parameters
@@ -458,11 +444,13 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     front = table[table["pareto_front"]]
     count = data["status"].size - len(table)
     note = f"{count} points without a design left out" if count else ""
-    drawn, (axes,) = new_figure(canvas=figure, **_title_and_notes(data, note), size_in=(7.0, 5.0))
+    drawn, (axes,) = drawing.new_figure(
+        canvas=figure, **_title_and_notes(data, note), size_in=(7.0, 5.0)
+    )
     if len(front) < len(table):
-        axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
+        axes.plot(table[x], table[y], "o", color=drawing.DARK_GREY, markersize=4, label="feasible")
     over, up = (front.sort_values([x, y])[name] for name in (x, y))
-    axes.plot(over, up, "s-", color=LOAD, markersize=6, linewidth=1.0, label="Pareto front")
+    axes.plot(over, up, "s-", color=drawing.LOAD, markersize=6, linewidth=1.0, label="Pareto front")
     _mark_extrapolated(axes, table[x], table[y], table["extrapolations"].to_numpy() != "")
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
         axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")

@@ -14,13 +14,7 @@ from numpy.typing import NDArray
 from sizing.parameters import parameter
 from sizing.program.objectives import Objective
 from sizing.results.result import Result
-from studies.output.gridded import (
-    CLIMB,
-    extrapolations_of,
-    feasible,
-    reasons_without_result,
-    to_table,
-)
+from studies.output import gridded
 from studies.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
 from studies.render.notes import extrapolation_blocks
 from studies.render.tables import Column, Line, Table
@@ -52,19 +46,21 @@ class SweepResult(Result):
     @property
     def counts(self) -> dict[str, int]:
         """Number of points by status."""
-        return {str(k): int(v) for k, v in to_table(self.data)["status"].value_counts().items()}
+        return {
+            str(k): int(v) for k, v in gridded.to_table(self.data)["status"].value_counts().items()
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """Return all points and the front, JSON-ready; undefined and infinite numbers are null."""
         about = self.data.attrs
         record: dict[str, Any] = {
             "title": about["title"],
-            **({CLIMB: about[CLIMB]} if CLIMB in about else {}),
+            **({gridded.CLIMB: about[gridded.CLIMB]} if gridded.CLIMB in about else {}),
             "sample": about["sample"],
             "objective": about["objective"] or None,
             "status": self.counts,
-            "extrapolations": extrapolations_of(self.data),
-            "points": to_table(self.data).to_dict("records"),
+            "extrapolations": gridded.extrapolations_of(self.data),
+            "points": gridded.to_table(self.data).to_dict("records"),
         }
         if self.front is not None:
             x, y = self.front
@@ -98,7 +94,9 @@ class SweepResult(Result):
     def _table(self, rows: pd.DataFrame) -> Table:
         """Return a table of rows: varied values, status, and the main results."""
         data, rows, varied = self.data, rows.copy(), self._varied
-        reasons = pd.Series(reasons_without_result(data).ravel(), to_table(data).index)
+        reasons = pd.Series(
+            gridded.reasons_without_result(data).ravel(), gridded.to_table(data).index
+        )
         rows["why"] = reasons.reindex(rows.index)
         if "varied" in data.coords:
             # Each point differs from the file in one key.
@@ -147,9 +145,9 @@ def blocks(result: SweepResult, level: int) -> list[Any]:
     if len(rows) > top:
         more = f"{len(rows) - top} more not shown"
         shown.append(f"{more}: --top N shows more; all with -v and in --out FILE")
-    if CLIMB in result.data.attrs:
-        shown.append(Line(result.data.attrs[CLIMB], "faint"))
-    return [*shown, *extrapolation_blocks(extrapolations_of(result.data), level)]
+    if gridded.CLIMB in result.data.attrs:
+        shown.append(Line(result.data.attrs[gridded.CLIMB], "faint"))
+    return [*shown, *extrapolation_blocks(gridded.extrapolations_of(result.data), level)]
 
 
 def _plain(name: str) -> str:
@@ -185,7 +183,7 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
     """
     objective = data.attrs["objective"]
     column = Objective(objective).column if objective else "excess_time"
-    table = to_table(data).assign(_better=feasible(data).ravel())
+    table = gridded.to_table(data).assign(_better=gridded.feasible(data).ravel())
     upwards = column not in MORE_IS_BETTER
     table = table.sort_values(["_better", column], ascending=[False, upwards], kind="stable")
     words = {True: "least", False: "largest"}[upwards]
@@ -201,7 +199,7 @@ def sorted_by(data: xr.Dataset, key: str) -> tuple[pd.DataFrame, str]:
 
     ``key``: column, least first; with a minus in front largest first.
     """
-    table = to_table(data)
+    table = gridded.to_table(data)
     column = key.removeprefix("-")
     allowed = [str(name) for name in table.columns]
     if column not in allowed:
@@ -241,7 +239,7 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     ``x``, ``y``: numeric columns; more of excess times, margins and payloads is better, less of
     everything else. Points of the front come first, in the order of ``x``.
     """
-    table = to_table(data)[feasible(data).ravel()].copy()
+    table = gridded.to_table(data)[gridded.feasible(data).ravel()].copy()
     allowed = [str(n) for n in table.columns if pd.api.types.is_numeric_dtype(table[n])]
     signs = []
     for name in (x, y):

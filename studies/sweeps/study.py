@@ -27,14 +27,7 @@ from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
 from solar.schema import refusal, spell_ends
 from solar.types import FloatArray, IntArray
-from studies.output.gridded import (
-    CLIMB,
-    SIZED,
-    Labelled,
-    attributes,
-    resize_objective,
-    told_of_cells,
-)
+from studies.output import gridded
 from studies.quantities import ASPECT_RATIO, WINGSPAN
 from studies.study import VARIED, Study
 from studies.sweeps.axes import (
@@ -165,7 +158,7 @@ def prepare(
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
     check_user_models(aircraft, mission)
-    objective = None if resize is None else resize_objective(resize)
+    objective = None if resize is None else gridded.resize_objective(resize)
     configuration = SweepConfiguration(
         plain_data(aircraft),
         plain_data(mission),
@@ -185,13 +178,15 @@ def prepare(
     except ValueError as error:
         raise _error("", str(error)) from None
     title = f"Trade study of {aircraft.name} on {mission.name}"
-    about = attributes(title, aircraft, mission, solar)
-    if varies_climb(configuration.keys) or (CLIMB in about and _ALTITUDE in configuration.keys):
-        about[CLIMB] = "with climbs"
+    about = gridded.attributes(title, aircraft, mission, solar)
+    if varies_climb(configuration.keys) or (
+        gridded.CLIMB in about and _ALTITUDE in configuration.keys
+    ):
+        about[gridded.CLIMB] = "with climbs"
     sized, function = objective is not None, simulate_points
     if sized:  # the optimiser takes a seventh of a second to import
         from studies.sweeps.sized import size_points as function
-    with_result = SIZED if sized else ENDS
+    with_result = gridded.SIZED if sized else ENDS
     return Study(
         function,
         configuration,
@@ -209,7 +204,7 @@ def prepare(
             "objective": "" if objective is None else objective.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        extrapolated=lambda columns: told_of_cells(columns, with_result, "points"),
+        extrapolated=lambda columns: gridded.told_of_cells(columns, with_result, "points"),
         order=_order(axes, table),
         unit="points",
     )
@@ -342,17 +337,17 @@ def _point_time_s(
 
 def _coordinates(
     axes: Sequence[Axis], sample: SampleName, table: FloatArray, varied: IntArray
-) -> dict[str, Labelled]:
+) -> dict[str, gridded.Labelled]:
     """Return the varied keys as coordinates: a dimension each in a grid, else along samples."""
     coordinates, names = {}, axis_names(axes)
     for name, axis, drawn in zip(names, axes, table.T, strict=True):
         dims, places = ((name,), axis.values) if sample == "grid" else (("sample",), drawn)
         values = np.array([shown_value(axis, place) for place in places])
         about = {"units": unit_of(axis.key), "long_name": axis.key}
-        coordinates[name] = Labelled(dims, values, about)
+        coordinates[name] = gridded.Labelled(dims, values, about)
     if sample == "one-at-a-time":
         words = np.array([names[i] if i >= 0 else "" for i in varied])
-        coordinates[VARIED] = Labelled(
+        coordinates[VARIED] = gridded.Labelled(
             ("sample",), words, {"long_name": "what differs from the file"}
         )
     return coordinates

@@ -78,7 +78,8 @@ def missing_sections(function):
         "NoReturn",
     )
     decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
-    returns = returns and "styled" not in decorators  # which says what figures return
+    # What figures return is said by their style.
+    returns = returns and not {"styled", "drawing.styled"}.intersection(decorators)
     wanted = {"Parameters": "Parameters"} | ({"Returns": "Returns|Yields"} if returns else {})
     return [
         name
