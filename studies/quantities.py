@@ -59,7 +59,9 @@ class Quantity(Column):
         return self.unit or "1", self.meaning or self.label
 
     def fact(self, value: Any, form: str = "") -> tuple[str, str]:
-        """Return label, and value with its unit; ``form``: in place of the quantity's."""
+        """Return label, and value, or several, with the unit; ``form``: in place of its own."""
+        if isinstance(value, Mapping):
+            return self.label, ", ".join(self.fact(each, form)[1] for each in value.values())
         column = replace(self, form=form or self.form)
         text, unit = column.text(value), unit_text(column.shown_unit)
         bare = isinstance(value, str) or not unit or column.form == CLOCK

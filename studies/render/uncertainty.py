@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from sizing.results.numbers import percentiles
 from studies import quantities as q
 from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import hours, percent, required
+from studies.render.numbers import percent, required
 from studies.render.tables import ALL, Line, Table, facts
 
 if TYPE_CHECKING:
@@ -30,12 +31,11 @@ def headline(analysis: UncertaintyAnalysis) -> str:
 def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
     """Return probabilities, spread, and what the excess time depends on."""
     mission, inputs = analysis.mission, analysis.inputs
-    rows = [("probability of perpetual flight", analysis.probability_perpetual.text())]
-    if analysis.required_h > 0.0:
-        label = f"probability of {required(analysis.required_h)}"
-        rows.append((label, analysis.probability_required.text()))
-    rows.append(("excess time with the files' values", hours(analysis.nominal_excess_time_h)))
-    rows += _spread_rows(analysis)
+    perpetual, sufficient, nominal = q.of_part("uncertainty")
+    sufficient = replace(sufficient, label=f"probability of {required(analysis.required_h)}")
+    probabilities = (perpetual, sufficient) if analysis.required_h > 0.0 else (perpetual,)
+    rows = q.facts_of((*probabilities, nominal), analysis)
+    rows += _lobe_rows(analysis) or q.facts_of(q.of_part("scatter"), analysis)
     climbs = f"; {mission.climb_label}" if mission.climb else ""
     text = (
         f"{analysis.solar.label}{climbs}; seed {analysis.seed}. P90 is exceeded in 90 % of draws."
@@ -51,30 +51,20 @@ def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
     ]
 
 
-def _spread_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
-    """Return the spread of excess time, endurance and state of charge; of each lobe by itself."""
-    scattered, lobes = analysis.scattered(), analysis.lobes
-    if not lobes:
-        return [
-            ("excess time: P90, P50, P10 of draws", _three(q.EXCESS_TIME, scattered)),
-            *(
-                (quantity.label, _three(quantity, scattered))
-                for quantity in (q.ENDURANCE, q.MINIMUM_CHARGE)
-            ),
-        ]
+def _lobe_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
+    """Return the spread of perpetual and limited draws by themselves; nothing without lobes."""
     rows = []
-    for name, varied in (("perpetual", q.MINIMUM_CHARGE), ("limited", q.ENDURANCE)):
-        chosen = lobes[name]
-        within = {quantity: values[chosen[: len(values)]] for quantity, values in scattered.items()}
+    for name, chosen in analysis.lobes.items():
         share = f"{name}, {percent(float(np.mean(chosen)))} of draws"
-        rows.append((f"{share}: excess time, P90, P50, P10", _three(q.EXCESS_TIME, within)))
-        rows.append((f"{share}: {varied.label}", _three(varied, within)))
+        varied = q.MINIMUM_CHARGE if name == "perpetual" else q.ENDURANCE
+        for quantity, words in (
+            (q.EXCESS_TIME, "excess time, P90, P50, P10"),
+            (varied, varied.label),
+        ):
+            values = analysis.scattered()[quantity.name]
+            within = percentiles(values[chosen[: len(values)]])
+            rows.append((f"{share}: {words}", quantity.fact(within)[1]))
     return rows
-
-
-def _three(quantity: q.Quantity, values: dict[str, Any]) -> str:
-    ends = percentiles(values[quantity.name]).values()
-    return ", ".join(quantity.fact(value)[1] for value in ends)
 
 
 def input_table(analysis: UncertaintyAnalysis, most: int) -> Table:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sizing.results.numbers import PERCENTILES
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import hours
 from studies.render.parts import part_tables
 from studies.render.tables import ALL, Line, Table, facts
 
@@ -49,14 +47,14 @@ def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
 
 def _weather_tables(analysis: WeatherAnalysis) -> list[Table]:
     """Return the years, where there are several whole ones, months, and windows of days."""
-    tables = []
+    tables, hours_of = [], q.ENDURANCE.fact
     closed = "days days_that_close clear_sky_days_that_close"
     if analysis.year_to_year is not None:
         years = [
             year
             | {
                 "year": f"{year['year']}{'' if year['whole'] else ' (part)'}",
-                "endurance_of_years": ", ".join(hours(year["endurance_h"][p]) for p in PERCENTILES),
+                "endurance_of_years": hours_of(year["endurance_h"])[1],
             }
             for year in analysis.years
         ]

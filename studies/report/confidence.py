@@ -8,7 +8,7 @@ factor.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from math import isnan
 from typing import NamedTuple
@@ -182,10 +182,10 @@ _NOT_FLYING_H = -24.0  # what lacks where no design closes
 
 
 class _Quantity(NamedTuple):
-    """A quantity that is moved: words, its unit, value of the files, and ends of its range.
+    """A quantity that is moved: words, unit, value of the files, and ends of its range.
 
-    ``worse`` is the end at which nothing flies, ``better`` the other one; ``changed`` gives
-    aircraft, mission and the factor on the sun at a value.
+    ``worse`` is the end at which nothing flies, ``better`` the other one. ``key``: of the parameter
+    that is moved, by ``scale``; none of the sun.
     """
 
     label: str
@@ -193,7 +193,8 @@ class _Quantity(NamedTuple):
     value: float
     worse: float
     better: float
-    changed: Callable[[float], tuple[Aircraft, Mission, float]]
+    key: str = ""
+    scale: float = 1.0
 
 
 def margin_table(subject: Subject) -> Table | None:
@@ -214,11 +215,13 @@ def margin_table(subject: Subject) -> Table | None:
         """Return the excess time beyond what is required with one quantity at a value."""
         if value == quantities[number].value:
             return now_h
-        aircraft, mission, factor = quantities[number].changed(value)
+        moved, (aircraft, mission) = quantities[number], (subject.aircraft, subject.mission)
+        if moved.key:
+            aircraft, mission = with_parameter(aircraft, mission, moved.key, moved.scale * value)
         try:
             if mission.ceiling_m > mission.altitude_m:
                 design_of(aircraft, mission.at_altitude(mission.ceiling_m))
-            light = day.scaled(factor)
+            light = day if moved.key else day.scaled(moved.scale * value)
             cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
         except ImpossibleDesignError:
             return _NOT_FLYING_H
@@ -259,23 +262,16 @@ def margin_table(subject: Subject) -> Table | None:
 
 def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
     """Return the quantities that are moved: sun, battery, propulsion, loads, payload."""
-
-    def of(key: str) -> Callable[[float], tuple[Aircraft, Mission, float]]:
-        return lambda value: (*with_parameter(aircraft, mission, key, value), 1.0)
-
-    battery = aircraft.battery.specific_energy_wh_per_kg
-    extra, avionics = mission.turbulence.all_day, aircraft.power.avionics_w
+    battery, avionics = aircraft.battery.specific_energy_wh_per_kg, aircraft.power.avionics_w
+    extra, payload, percent = 100.0 * mission.turbulence.all_day, mission.payload.mass_kg, 0.01
     return [
-        _Quantity("solar power, relative to the model", "%", 100.0, 0.0, 400.0,
-                  lambda value: (aircraft, mission, value / 100.0)),
-        _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery,
-                  4.0 * battery, of("battery.specific_energy_wh_per_kg")),
-        _Quantity("propulsion power, beyond level flight", "%", 100.0 * extra, 400.0,
-                  -90.0, lambda value: of("mission.turbulence.all_day")(value / 100.0)),
-        _Quantity("avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0,
-                  of("power.avionics_w")),
-        _Quantity("payload mass", "kg", mission.payload.mass_kg,
-                  mission.payload.mass_kg + 50.0, 0.0, of("mission.payload.mass_kg")),
+        _Quantity("solar power, relative to the model", "%", 100.0, 0.0, 400.0, "", percent),
+        _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery, 4.0 * battery,
+                  "battery.specific_energy_wh_per_kg"),
+        _Quantity("propulsion power, beyond level flight", "%", extra, 400.0, -90.0,
+                  "mission.turbulence.all_day", percent),
+        _Quantity("avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0, "power.avionics_w"),
+        _Quantity("payload mass", "kg", payload, payload + 50.0, 0.0, "mission.payload.mass_kg"),
     ]  # fmt: skip
 
 
