@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
@@ -212,27 +212,25 @@ class SolarModules(CatalogueRecord, SolarCell):
     # Of genasun-gvb-8-board in sizing/data/catalogues/mppts.yaml, the board that `init` writes.
     mppt_mass_kg_per_w: NonNegativeReal = 0.108 / 118.0
 
+    @classmethod
+    def completed(cls, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return data with the values of the layout, then of the catalogue's cell and board."""
+        return super().completed(data if data.get("layout") is None else with_layout_values(data))
+
     @model_validator(mode="wrap")
     @classmethod
-    def _with_layout(
-        cls, data: Any, handler: ModelWrapValidatorHandler[SolarModules]
-    ) -> SolarModules:
-        if not isinstance(data, Mapping) or data.get("layout") is None:
-            return handler(data)
-        data, new = with_layout_values(data)
-        record = handler(data)
-        assert record.layout is not None
-        strings = record.layout.strings
-        if strings is not None and strings.mppt.mass_kg is not None:
-            if "mppt_mass_kg_per_w" in data:
-                text = "leave it out: modules.layout.strings.mppt.mass_kg gives it"
-                raise wrong_value("mppt_mass_kg_per_w", text)
-            rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
-            new |= {"mppt_mass_kg_per_w"}
-            mass_kg = strings.mppts(record.layout.count) * strings.mppt.mass_kg
-            data = {**data, "mppt_mass_kg_per_w": mass_kg / rated_w}
-            record = handler(data)
-        record.__pydantic_fields_set__.difference_update(new)
+    def _with_mppts(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        record, key = handler(data), "mppt_mass_kg_per_w"
+        layout = None if record is data else record.layout
+        if layout is None or layout.strings is None or layout.strings.mppt.mass_kg is None:
+            return record
+        if key in data:
+            text = "leave it out: modules.layout.strings.mppt.mass_kg gives it"
+            raise wrong_value(key, text)
+        rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
+        mass_kg = layout.strings.mppts(layout.count) * layout.strings.mppt.mass_kg
+        record = handler({**data, key: mass_kg / rated_w})
+        record.__pydantic_fields_set__.discard(key)
         return record
 
     @model_validator(mode="after")

@@ -16,6 +16,7 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    ModelWrapValidatorHandler,
     Strict,
     model_validator,
 )
@@ -213,6 +214,28 @@ class Record(BaseModel, metaclass=_Described):
         copied = super().__deepcopy__(memo)
         object.__setattr__(copied, "__dict__", _declared(copied))
         return copied
+
+
+class CompletedRecord(Record):
+    """Record that takes values from others where it is not given them.
+
+    What is taken does not count as given, so that a changed copy takes it anew.
+    """
+
+    @classmethod
+    def completed(cls, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return data with what they lack; wrong data are left to the validation."""
+        return data
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _complete(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        if not isinstance(data, Mapping):
+            return handler(data)
+        values = cls.completed(data)
+        record = handler(values)
+        record.__pydantic_fields_set__.difference_update(values.keys() - data.keys())
+        return record
 
 
 class FileRecord(Record):

@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import (
     Field,
-    ModelWrapValidatorHandler,
     PrivateAttr,
     SerializationInfo,
     Strict,
@@ -31,11 +30,11 @@ from sizing.aerodynamics.polar_table import (
 )
 from sizing.smooth import Value
 from solar.schema import (
+    CompletedRecord,
     Fraction,
     LiftCoefficient,
     NonNegativeReal,
     PositiveReal,
-    Record,
     Text,
     refusal,
     significant,
@@ -64,7 +63,7 @@ class DragBuildUp(NamedTuple):
         return sum(self[1:], self[0])
 
 
-class WingPolar(Record):
+class WingPolar(CompletedRecord):
     """Drag of an aircraft from its airfoil's polar, its tail and its fuselage.
 
     ``C_D = calibration (c_d(c_l, Re) + C_L^2 / (pi e AR) + C_D,tail + C_D,fuselage + C_D,other)``
@@ -113,18 +112,10 @@ class WingPolar(Record):
     wing_aspect_ratio: PositiveReal | None = None
     wing_kinematic_viscosity_m2_per_s: PositiveReal = 1.5e-5
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _take_wing_values(
-        cls, data: Any, handler: ModelWrapValidatorHandler[WingPolar]
-    ) -> WingPolar:
-        """Take values from polars of a wing unless given, without counting them as given."""
-        new = {key: value for key, value in _wing_values(data).items() if key not in data}
-        if not new:
-            return handler(data)
-        record = handler({**data, **new})
-        record.__pydantic_fields_set__.difference_update(new)
-        return record
+    def completed(cls, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return data with the values of polars of a wing."""
+        return {**_wing_values(data), **data}
 
     @model_validator(mode="after")
     def _check_wing(self) -> WingPolar:
@@ -257,9 +248,9 @@ class WingPolar(Record):
         return profile, induced, other
 
 
-def _wing_values(data: Any) -> dict[str, float]:
+def _wing_values(data: Mapping[str, Any]) -> dict[str, float]:
     """Return the keys given by polars of a wing; empty without readable ones."""
-    airfoil = data.get("airfoil") if isinstance(data, Mapping) else None
+    airfoil = data.get("airfoil")
     if not isinstance(airfoil, str) or not is_table_path(airfoil):
         return {}
     keys = ("wing_chord_m", "wing_aspect_ratio", "wing_kinematic_viscosity_m2_per_s")

@@ -156,15 +156,10 @@ class Battery(CatalogueRecord):
     voltage: BatteryVoltage | None = None
     pack: BatteryPack | None = None
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _with_pack(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
-        if not isinstance(data, Mapping) or data.get("pack") is None:
-            return handler(data)
-        data, new = with_pack_values(data)
-        record = handler(data)
-        record.__pydantic_fields_set__.difference_update(new)
-        return record
+    def completed(cls, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return data with the values of the pack, then of the catalogue's cell."""
+        return super().completed(data if data.get("pack") is None else with_pack_values(data))
 
     @model_validator(mode="wrap")
     @classmethod

@@ -72,18 +72,18 @@ class BatteryPack(Record):
         return self.count * self.cell_mass_kg / cell_mass_fraction
 
 
-def with_pack_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
-    """Return a battery's data with the values by its pack, and the added keys.
+def with_pack_values(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a battery's data with the values by its pack.
 
     Wrong data are left to the validation of the records.
     """
     raw = data["pack"]
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, BatteryPack) else raw
     if not isinstance(raw, Mapping):
-        return {"mass_kg": 1.0, **data}, set()
+        return {"mass_kg": 1.0, **data}
     voltage_values = _cells_in_series(data, raw)
     if any(not is_positive(n) or n > MOST_CELLS or n % 1 for n in voltage_values.values()):
-        return {"mass_kg": 1.0, **data, "pack": None}, set()
+        return {"mass_kg": 1.0, **data, "pack": None}
     pack = {**_entry_values(data), **voltage_values, **raw}
     mass_kg, share = data.get("mass_kg"), data.get("cell_mass_fraction", 1.0)
     series, cell_kg = pack.get("cells_in_series"), pack.get("cell_mass_kg")
@@ -97,15 +97,14 @@ def with_pack_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[st
     except ValidationError:
         record = None
     if record is None or unit is None or not (mass_kg is None or is_positive(mass_kg)):
-        return {"mass_kg": 1.0, **data, "pack": pack}, set()
+        return {"mass_kg": 1.0, **data, "pack": pack}
     if mass_kg is not None and abs(mass_kg / unit - record.cells_in_parallel) > _ROUNDED:
         below = max(int(mass_kg / unit), 1)
         numbers = [record.cells_in_parallel] if "cells_in_parallel" in raw else [below, below + 1]
         allowed = " or ".join(f"{spell(n * unit, 4)} kg ({series} × {n})" for n in numbers)
         raise wrong_value("mass_kg", f"must be that of whole cells, {allowed}", got=mass_kg)
     mass = {"mass_kg": record.mass_kg(share)}
-    values = {**data, **mass, "pack": pack, **_usable_energy_values(data, record)}
-    return values, set(values) - set(data)
+    return {**data, **mass, "pack": pack, **_usable_energy_values(data, record)}
 
 
 def _usable_energy_values(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:

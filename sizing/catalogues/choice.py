@@ -8,9 +8,7 @@ from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal, Self, TypeVar
-
-from pydantic import ModelWrapValidatorHandler, model_validator
+from typing import Any, ClassVar, Literal, TypeVar
 
 from missions.files.errors import InputError, file_error, printable, shortened
 from missions.files.texts import read_text
@@ -24,7 +22,7 @@ from sizing.catalogues.entries import (
     MpptEntry,
     PropellerEntry,
 )
-from solar.schema import Record, spell, wrong_value
+from solar.schema import CompletedRecord, Record, spell, wrong_value
 
 Kind = Literal["cells", "batteries", "motors", "propellers", "mppts"]
 
@@ -137,30 +135,20 @@ _FOLLOWS_FROM = {
 }
 
 
-class CatalogueRecord(Record):
-    """Record with keys that name entries of catalogues."""
+class CatalogueRecord(CompletedRecord):
+    """Record with keys that name entries of catalogues, whose values it takes."""
 
     _entries: ClassVar[Mapping[str, Kind]]
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _from_catalogue(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Validate a record's data with the values of its entry.
-
-        The data have precedence. The entry's values do not count as given, so that a copy of the
-        record with another entry takes the other's values.
-        """
+    def completed(cls, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return data with the values of the named entries."""
         new: dict[str, Any] = {}
         for key, kind in cls._entries.items():
-            name = data.get(key) if isinstance(data, Mapping) else None
+            name = data.get(key)
             if isinstance(name, str | int) and not isinstance(name, bool):
-                parameters = entry_of_key(key, kind, str(name)).parameters(data)
-                new |= {name: value for name, value in parameters.items() if name not in data}
-        if not new:
-            return handler(data)
-        record = handler({**data, **new})
-        record.__pydantic_fields_set__.difference_update(new)
-        return record
+                new |= entry_of_key(key, kind, str(name)).parameters(data)
+        return new | dict(data)
 
 
 def entry_of_key(key: str, kind: Kind, name: str) -> Entry:

@@ -18,30 +18,29 @@ _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
 _HALF_A_CELL = 0.5  # tolerance of a given area, in cells
 
 
-def with_layout_values(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
-    """Return the modules' data with the area of the layout's cells, and the added keys.
+def with_layout_values(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the modules' data with the area of the layout's cells.
 
     Wrong data are left to the validation of the records.
     """
     raw = data["layout"]
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, Record) else raw
     if not isinstance(raw, Mapping):
-        return data, set()
+        return data
     board = known_entry("mppts", data, "mppt_board")
     layout = _with_entry(raw, known_entry("cells", data, "cell"), board)
     try:
         cells = CellLayout.model_validate(layout)
     except ValidationError:
-        return {"area_m2": 0.0, **data, "layout": layout}, set()
+        return {"area_m2": 0.0, **data, "layout": layout}
     area = data.get("area_m2")
     if "area_m2" in data and not (area == 0.0 or is_positive(area)):
-        return {**data, "layout": layout}, set()
+        return {**data, "layout": layout}
     if area is not None and abs(area / cells.area_of_a_cell_m2 - cells.count) >= _HALF_A_CELL:
         text = f"must be that of the {cells.count} cells of modules.layout, "
         text += f"{spell(cells.area_m2, 4)} m², or left out"
         raise wrong_value("area_m2", text, got=area)
-    values = {**data, "layout": layout, "area_m2": cells.area_m2}
-    return values, set(values) - set(data)
+    return {**data, "layout": layout, "area_m2": cells.area_m2}
 
 
 def _with_entry(
