@@ -43,13 +43,7 @@ from sizing.mass_budget import ImpossibleDesignError, with_total_mass
 from sizing.parameters import design_keys
 from solar.names import ATTITUDE_MODELS
 from solar.schema import spell
-from studies.cli.options import (
-    CaseOptions,
-    MassOptions,
-    ModelOptions,
-    PlaceOptions,
-    RequirementOptions,
-)
+from studies.cli import options as kinds
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
@@ -304,7 +298,7 @@ def _with_whole_key(override: str) -> str:
     return f"{design_keys().get(key, key)}{equals}{value}"
 
 
-def load(options: CaseOptions) -> Case:
+def load(options: kinds.Case) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
     A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
@@ -313,7 +307,7 @@ def load(options: CaseOptions) -> Case:
     """
     aircraft, mission = options.aircraft, options.mission
     solar = SolarModel()
-    if isinstance(options, ModelOptions):
+    if isinstance(options, kinds.Model):
         solar = SolarModel(options.model, options.correction)
     is_default = _is_default("mission")
     is_folder = os.path.isdir(aircraft)  # noqa: PTH112 - takes any text for a path
@@ -354,19 +348,19 @@ def load(options: CaseOptions) -> Case:
     return _with_values(case, options)
 
 
-def _with_values(case: Case, options: CaseOptions) -> Case:
+def _with_values(case: Case, options: kinds.Case) -> Case:
     """Return the case with what options give in place of the files' values."""
     values: dict[str, Any] = {}
-    if isinstance(options, PlaceOptions):
+    if isinstance(options, kinds.Place):
         if options.latitude is not None:
             values["latitude_deg"] = options.latitude
         if options.day is not None:
             values["dates"] = {"on": date_code(options.day)}
         values |= {"launch": None} if values else {}  # which is at the mission's place and day
-    if isinstance(options, RequirementOptions) and options.required_h is not None:
+    if isinstance(options, kinds.Requirement) and options.required_h is not None:
         values["required_excess_time_h"] = options.required_h
     case = case.with_mission(**values) if values else case
-    if isinstance(options, MassOptions) and options.mass_kg is not None:
+    if isinstance(options, kinds.Mass) and options.mass_kg is not None:
         case = case.with_total_mass(options.mass_kg)
     return case
 

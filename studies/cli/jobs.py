@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from missions.files.writing import OutputError
-from studies.cli.options import EXIT_FAILED, WorkOptions
+from studies.cli.options import EXIT_FAILED, Work
 from studies.cli.start import let_dask_in
 from studies.cli.telling import progress_of, tell_error
 from studies.engine.chunk_store import ChunkStore
@@ -22,7 +22,7 @@ from studies.study import Study
 
 
 @contextmanager
-def completed(study: Study, options: WorkOptions) -> Iterator[Gridded]:
+def completed(study: Study, options: Work) -> Iterator[Gridded]:
     """Compute a study; inside the context its result is to be written and printed.
 
     After it the parts go. A signal ends the command with 128 plus its number and the way to go on;

@@ -20,7 +20,7 @@ from studies.output.formats import (
 )
 
 if TYPE_CHECKING:
-    from studies.cli.files import Case
+    from studies.cli import files
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -39,7 +39,7 @@ def json_option(text: str = "Print JSON instead of tables.") -> Any:
     return option(text, "--json")
 
 
-class CaseOptions(CommandOptions):
+class Case(CommandOptions):
     """What a command is asked about: an aircraft on a mission."""
 
     aircraft: str = argument(required=True, type=click.Path(), metavar="AIRCRAFT")
@@ -52,13 +52,13 @@ class CaseOptions(CommandOptions):
         multiple=True,
     )
 
-    def load(self) -> Case:
+    def load(self) -> files.Case:
         """Return the case of the options; what is wrong with its files is told together."""
         from studies.cli import files  # not for help
 
         return files.load(self)
 
-    def load_flyable(self) -> Case:
+    def load_flyable(self) -> files.Case:
         """Return a case whose aircraft can fly the mission's path and climbs."""
         case = self.load()
         case.require_path()
@@ -66,7 +66,7 @@ class CaseOptions(CommandOptions):
         return case
 
 
-class ModelOptions(CaseOptions):
+class Model(Case):
     """A case whose solar power model can be chosen."""
 
     model: ModelName = option(
@@ -83,19 +83,19 @@ class ModelOptions(CaseOptions):
     )
 
 
-class JsonOptions(CaseOptions):
+class Json(Case):
     """A case whose result may be printed as JSON."""
 
     as_json: bool = json_option()
 
 
-class LevelOptions(JsonOptions):
+class Level(Json):
     """A case of whose result a summary is printed, or all of it."""
 
     verbose: bool = option("Print all of the result, not a summary.", "-v")
 
 
-class MassOptions(CaseOptions):
+class Mass(Case):
     """A case whose total mass may be known."""
 
     mass_kg: float | None = option(
@@ -107,7 +107,7 @@ class MassOptions(CaseOptions):
     )
 
 
-class PlaceOptions(CaseOptions):
+class Place(Case):
     """Where and when instead of the mission's own; days of the year."""
 
     latitude: float | None = option(
@@ -141,7 +141,7 @@ class PlaceOptions(CaseOptions):
             raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
 
 
-class RequirementOptions(CaseOptions):
+class Requirement(Case):
     """A case whose required excess time can be chosen."""
 
     required_h: float | None = option(
@@ -152,7 +152,7 @@ class RequirementOptions(CaseOptions):
     )
 
 
-class WorkOptions(CommandOptions):
+class Work(CommandOptions):
     """Where a command computes in chunks, and what it keeps of them."""
 
     out_file: str | None
@@ -196,12 +196,12 @@ class WorkOptions(CommandOptions):
             fork_from(module)
 
 
-def resize_option(text: str, name: str = "--resize", **settings: Any) -> Any:
+def resize(text: str, name: str = "--resize", **settings: Any) -> Any:
     """Return the option of an objective that cells and points are sized for."""
     return option(text, name, type=click.Choice(RESIZE_NAMES), **settings)
 
 
-def out_option(contents: str) -> Any:
+def out(contents: str) -> Any:
     """Return option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
     return option(text, "--out", type=OutputFolder())
@@ -212,7 +212,7 @@ def _written(text: str, *spelled: str, kind: OutputFile, **settings: Any) -> Any
     return option(f"{text} ({', '.join(kind.formats)}).", *spelled, type=kind, **settings)
 
 
-def table_option(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
+def table(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
     """Return option ``--table FILE`` of commands that write a table.
 
     ``older``: what the option was called when CSV was all that it wrote.
@@ -221,28 +221,28 @@ def table_option(contents: str, name: str = "--table", *, older: str = "--csv") 
     return _written(f"Write {contents}", name, older, kind=kind, metavar="FILE")
 
 
-def grid_option(contents: str) -> Any:
+def grid(contents: str) -> Any:
     """Return option ``--out FILE`` of commands whose result lies on a grid."""
     return _written(f"Write {contents}", "--out", kind=OutputFile(*GRID_FORMATS))
 
 
-def plot_option(text: str) -> Any:
+def plot(text: str) -> Any:
     """Return option ``--plot FILE`` of commands that draw."""
     return _written(text, "--plot", kind=OutputFile(*IMAGE_FORMATS))
 
 
-def report_option() -> Any:
+def report() -> Any:
     """Return option ``--report`` of commands whose results a page may show."""
     text = "Also write a report, .html or .pdf; see docs/report.md."
     return option(text, "--report", type=click.Path(), metavar="FILE")
 
 
-def weather_option(text: str) -> Any:
+def weather(text: str) -> Any:
     """Return option ``--weather FILE``."""
     return option(text, "--weather", type=click.Path(), metavar="FILE")
 
 
-class DrawnOptions(CommandOptions):
+class Drawn(CommandOptions):
     """How figures of a command look, refused where none is asked for: it draws on request."""
 
     size_in: tuple[float, float | None] | None = option(

@@ -7,22 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from studies.cli import options
 from studies.cli.command import command, option
-from studies.cli.options import (
-    EXIT_FAILED,
-    DrawnOptions,
-    JsonOptions,
-    LevelOptions,
-    MassOptions,
-    ModelOptions,
-    PlaceOptions,
-    WorkOptions,
-    grid_option,
-    plot_option,
-    resize_option,
-    table_option,
-    weather_option,
-)
 from studies.cli.values import RealRange, grid, latitude_deg
 
 if TYPE_CHECKING:
@@ -35,17 +21,17 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
     "How long it flies, there and then.",
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
 )
-class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOptions):
+class Analyse(options.Model, options.Level, options.Mass, options.Place, options.Drawn):
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
 
-    weather_file: str | None = weather_option(
+    weather_file: str | None = options.weather(
         "Fly through a weather record: EPW, TMY2, TMY3, PVGIS, SAM, BSRN, POWER, ERA5 or plain CSV."
     )
-    table_file: str | None = table_option("the cycle over time, or the days of the weather record")
-    table_years: str | None = table_option(
+    table_file: str | None = options.table("the cycle over time, or the days of the weather record")
+    table_years: str | None = options.table(
         "the years of the weather record, a row a year", "--table-years", older="--csv-years"
     )
-    plot_file: str | None = plot_option("Draw the cycle, or the weather record")
+    plot_file: str | None = options.plot("Draw the cycle, or the weather record")
 
     def refuse(self) -> None:
         """Refuse what does not go together."""
@@ -126,7 +112,7 @@ def _next_step(case: Case, *, perpetual: bool) -> str:
     "Where and when it flies perpetually.",
     "solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png",
 )
-class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
+class Map(options.Model, options.Level, options.Mass, options.Work, options.Drawn):
     """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
     Latitude against season; of the mission the air and the load count, not its latitudes and
@@ -145,9 +131,9 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         type=grid(1.0, 365.0, whole=True),
     )
     endurance: bool = option("Also the longest flight of each cell (slow); not with --resize.")
-    objective: str | None = resize_option("Size the aircraft anew in every cell for it.")
-    out_file: str | None = grid_option("all cells")
-    plot_file: str | None = plot_option("Draw the map")
+    objective: str | None = options.resize("Size the aircraft anew in every cell for it.")
+    out_file: str | None = options.grid("all cells")
+    plot_file: str | None = options.plot("Draw the map")
 
     def refuse(self) -> None:
         """Refuse what does not go together."""
@@ -195,7 +181,7 @@ class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     "How high it flies perpetually.",
     "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png",
 )
-class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
+class Ceiling(options.Model, options.Level, options.Drawn):
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
 
     highest_m: float | None = option(
@@ -212,8 +198,8 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
         default=250.0,
         metavar="METRES",
     )
-    table_file: str | None = table_option("the altitudes")
-    plot_file: str | None = plot_option("Draw them")
+    table_file: str | None = options.table("the altitudes")
+    plot_file: str | None = options.plot("Draw them")
 
     def run(self) -> None:
         """Find the highest altitude of perpetual flight, and tell it."""
@@ -238,14 +224,14 @@ class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
         plot = figure_of("studies.ceiling:plot_ceiling", result, figure=self.figure)
         deliver(case, self, result, table=("altitudes", result.to_frame), plot=plot)
         if result.search.highest is None:
-            sys.exit(EXIT_FAILED)
+            sys.exit(options.EXIT_FAILED)
 
 
 @command(
     "How often it holds its place in the wind.",
     "solar-uav station my-aircraft.yaml -m my-mission.yaml --latitudes 0:60:5 --plot station.png",
 )
-class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
+class Station(options.Model, options.Level, options.Work, options.Drawn):
     """Tell how much of the time AIRCRAFT (name, file or folder) holds its place, by month.
 
     Latitude against month, altitude against month at the mission's latitude, or latitude against
@@ -262,8 +248,8 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
         "is flown in each month.",
         type=grid(-500.0, 32000.0),
     )
-    out_file: str | None = grid_option("all cells")
-    plot_file: str | None = plot_option("Draw them")
+    out_file: str | None = options.grid("all cells")
+    plot_file: str | None = options.plot("Draw them")
 
     def run(self) -> None:
         """Compute the time on station of each month, and tell it."""
@@ -295,7 +281,7 @@ class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     "How likely it flies perpetually when inputs scatter.",
     "solar-uav uncertainty atlantiksolar-as2 --samples 1024",
 )
-class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
+class Uncertainty(options.Model, options.Level, options.Drawn):
     """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
 
     samples: int = option(
@@ -309,8 +295,8 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     no_model_error: bool = option(
         "Leave out the error of the solar power model, which is an input by itself."
     )
-    table_file: str | None = table_option("the draws")
-    plot_file: str | None = plot_option("Draw them")
+    table_file: str | None = options.table("the draws")
+    plot_file: str | None = options.plot("Draw them")
 
     def run(self) -> None:
         """Draw uncertain inputs, and tell what becomes of the flight."""
@@ -333,7 +319,7 @@ class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     "A page on a design, to be read or printed.",
     "solar-uav report atlantiksolar-as2 -m rafz-july --out report.html",
 )
-class Report(ModelOptions, JsonOptions, MassOptions):
+class Report(options.Model, options.Json, options.Mass):
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
 
     out_file: str = option(
@@ -346,7 +332,9 @@ class Report(ModelOptions, JsonOptions, MassOptions):
     with_pdf: bool = option("Also print it, beside the page, as PDF.", "--pdf")
     project: str | None = option("Project, for the head.", metavar="TEXT")
     author: str | None = option("Author, for the head.", metavar="TEXT")
-    weather_file: str | None = weather_option("Also fly through a weather record, as analyse does.")
+    weather_file: str | None = options.weather(
+        "Also fly through a weather record, as analyse does."
+    )
     uncertainty: bool | None = option(
         "Whether inputs scatter.  [default: if aircraft or mission has uncertain inputs]",
         "--uncertainty/--no-uncertainty",

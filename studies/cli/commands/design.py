@@ -11,24 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from sizing.program.objectives import OBJECTIVE_NAMES, Objective
+from studies.cli import options
 from studies.cli.command import check_outputs, command, option
-from studies.cli.options import (
-    EXIT_FAILED,
-    DrawnOptions,
-    LevelOptions,
-    MassOptions,
-    ModelOptions,
-    PlaceOptions,
-    RequirementOptions,
-    WorkOptions,
-    grid_option,
-    mission_option,
-    out_option,
-    plot_option,
-    report_option,
-    resize_option,
-    weather_option,
-)
 from studies.cli.values import Parsed, RealRange
 
 if TYPE_CHECKING:
@@ -55,10 +39,12 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
     "solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2",
     "solar-uav size atlantiksolar-design -m mission.yaml --weather FILE --survive 0.9",
 )
-class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOptions, DrawnOptions):
+class Size(
+    options.Model, options.Level, options.Mass, options.Place, options.Requirement, options.Drawn
+):
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
 
-    mission: str | None = mission_option(None)
+    mission: str | None = options.mission_option(None)
     objective: str = option(
         "Masses and wingspan become as small as the mission's required excess "
         "time allows; max_excess_time ends at the bounds of the design space; the last two search "
@@ -66,8 +52,8 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         type=click.Choice(OBJECTIVE_NAMES),
         default="min_mass",
     )
-    out_dir: str | None = out_option("figures")
-    report_file: str | None = report_option()
+    out_dir: str | None = options.out("figures")
+    report_file: str | None = options.report()
     with_sensitivities: bool = option(
         "Tell how the optimum changes with each technology parameter.", "--sensitivities"
     )
@@ -93,7 +79,7 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         type=RealRange(0.0, 100.0, unit="the interval from 0 to 100", above=True, below=True),
         metavar="PERCENTILE",
     )
-    weather_file: str | None = weather_option(
+    weather_file: str | None = options.weather(
         "Size for the days of a weather record on the mission's dates, instead of clear ones; "
         "with --survive."
     )
@@ -194,7 +180,7 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
             next_step=self._next_step(study),
         )
         if not study.feasible:
-            sys.exit(EXIT_FAILED)
+            sys.exit(options.EXIT_FAILED)
 
     def _refuse_unsizable(self, case: Case) -> None:
         """Refuse an aircraft or a mission that cannot be sized so."""
@@ -275,9 +261,9 @@ class Size(ModelOptions, LevelOptions, MassOptions, PlaceOptions, RequirementOpt
         return "ease what holds it back; docs/sizing-answers.md, Infeasible, says how to read it"
 
 
-def _refuse_given(options: Mapping[str, bool], why: str) -> None:
+def _refuse_given(given: Mapping[str, bool], why: str) -> None:
     """Refuse the first of some options that is given; its name stands for the braces."""
-    for name, is_set in options.items():
+    for name, is_set in given.items():
         if is_set:
             raise click.UsageError(why.format(name))
 
@@ -286,7 +272,7 @@ def _refuse_given(options: Mapping[str, bool], why: str) -> None:
     "Trade study: vary keys, judge or size.",
     "solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5",
 )
-class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
+class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Drawn):
     """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged.
 
     The exit code is 1 if any point could not be computed.
@@ -301,7 +287,7 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         multiple=True,
         required=True,
     )
-    objective: str | None = resize_option(
+    objective: str | None = options.resize(
         "Size each point for it; varied design variables are held."
     )
     cover: bool | None = option(
@@ -321,8 +307,8 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
         default=64,
     )
     seed: int = option("For drawing.", type=click.IntRange(0), default=0)
-    out_file: str | None = grid_option("all points")
-    plot_file: str | None = plot_option("Draw the study")
+    out_file: str | None = options.grid("all points")
+    plot_file: str | None = options.plot("Draw the study")
     pareto: tuple[str, str] | None = option(
         "Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
         "for which no other is better in both.",
@@ -377,7 +363,7 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
             except ValueError as error:
                 # The points are worth keeping even where there is nothing to draw.
                 tell_error(f"solar-uav: no chart: {error}")
-                sys.exit(EXIT_FAILED)
+                sys.exit(options.EXIT_FAILED)
 
     def _prepared(self, case: Case) -> Study:
         """Return points ready to be computed; refuse wrong ones by the option."""
@@ -426,7 +412,7 @@ class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     "Sliders for a design, on a local page.",
     "solar-uav explore atlantiksolar-design -m central-europe-summer",
 )
-class Explore(ModelOptions):
+class Explore(options.Model):
     """Explore AIRCRAFT (name, file or folder) with sliders, on a page of this machine."""
 
     port: int = option(
@@ -459,7 +445,7 @@ class Explore(ModelOptions):
         except OSError as error:
             reason = f"cannot listen on {ADDRESS}:{self.port}: {error.strerror}; try --port 0"
             tell_error(f"solar-uav: {reason}")
-            sys.exit(EXIT_FAILED)
+            sys.exit(options.EXIT_FAILED)
 
         def tell(address: str) -> None:
             click.echo(address)  # which flushes, so that a program that started us can read it
@@ -473,7 +459,7 @@ class Explore(ModelOptions):
     "solar-uav export atlantiksolar-design --out wing.avl",
     "solar-uav export sized -m rafz-july --out design.tex --out design.xlsx",
 )
-class Export(ModelOptions):
+class Export(options.Model):
     """Write AIRCRAFT (name, file or folder) for other tools: its geometry, or its numbers."""
 
     out_files: tuple[str, ...] = option(
@@ -523,4 +509,4 @@ class Export(ModelOptions):
             reason = trouble.message if isinstance(trouble, click.BadParameter) else str(trouble)
             tell_error(f"solar-uav: {path} is not written: {reason}")
         if troubles:
-            sys.exit(EXIT_FAILED)
+            sys.exit(options.EXIT_FAILED)

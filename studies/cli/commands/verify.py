@@ -9,20 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from studies.cli import options
 from studies.cli.command import argument, command, option
-from studies.cli.options import (
-    EXIT_FAILED,
-    DrawnOptions,
-    LevelOptions,
-    RequirementOptions,
-    json_option,
-    mission_option,
-    out_option,
-    plot_option,
-    report_option,
-    resize_option,
-    table_option,
-)
 from studies.cli.values import Parsed, RealRange, names_of
 
 if TYPE_CHECKING:
@@ -41,7 +29,7 @@ _SAMPLES = "samples.csv"  # file of a folder of results
     "All solar power models side by side.",
     "solar-uav compare atlantiksolar-design --objective min_mass --table models.csv",
 )
-class Compare(LevelOptions, RequirementOptions, DrawnOptions):
+class Compare(options.Level, options.Requirement, options.Drawn):
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
 
     models: tuple[ModelName, ...] | None = option(
@@ -54,15 +42,15 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
         type=names_of(CORRECTION_NAMES),
         metavar="C,C,...",
     )
-    objective: str = resize_option(
+    objective: str = options.resize(
         "What a parametric aircraft is sized for with every model.",
         "--objective",
         default="min_wingspan",
     )
     no_design: bool = option("Compare predictions only, size nothing.")
-    out_dir: str | None = out_option("figure")
-    table_file: str | None = table_option("the table")
-    plot_file: str | None = plot_option("Draw the figure")
+    out_dir: str | None = options.out("figure")
+    table_file: str | None = options.table("the table")
+    plot_file: str | None = options.plot("Draw the figure")
 
     def refuse(self) -> None:
         """Refuse what does not go together."""
@@ -106,14 +94,14 @@ class Compare(LevelOptions, RequirementOptions, DrawnOptions):
         deliver(case, self, compared, table=table, plot=plot, folder=folder)
         sized = [of_model.built for of_model in compared.cases if of_model.built is not None]
         if sized and all(built.judged is None for built in sized):
-            sys.exit(EXIT_FAILED)
+            sys.exit(options.EXIT_FAILED)
 
 
 @command(
     "The solar power models against a flight log.",
     "solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified",
 )
-class Verify(LevelOptions, DrawnOptions):
+class Verify(options.Level, options.Drawn):
     """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
 
     log_file: str = argument(metavar="LOG", type=click.Path())
@@ -154,7 +142,7 @@ class Verify(LevelOptions, DrawnOptions):
         multiple=True,
         metavar="NAME",
     )
-    mission: str | None = mission_option("rafz-28h")
+    mission: str | None = options.mission_option("rafz-28h")
     windows: tuple[Window, ...] = option(
         "Period in solar hours, e.g. 5.71:5.79, on every day, or 2015-07-01@5.71:5.79 on one. "
         "May be repeated.",
@@ -184,8 +172,8 @@ class Verify(LevelOptions, DrawnOptions):
         default=0.0,
         show_default=False,
     )
-    out_dir: str | None = out_option("samples and figures")
-    report_file: str | None = report_option()
+    out_dir: str | None = options.out("samples and figures")
+    report_file: str | None = options.report()
 
     def run(self) -> None:
         """Compare the models with a flight, write what was found, and tell it."""
@@ -237,14 +225,14 @@ class Verify(LevelOptions, DrawnOptions):
     "The four models on the morning they were published with.",
     "solar-uav reproduce-report --out reproduced",
 )
-class ReproduceReport(DrawnOptions):
+class ReproduceReport(options.Drawn):
     """Fly the verification morning of Oettershagen's report on solar power models.
 
     All four models, beside the report's own numbers and the power measured in flight.
     """
 
-    as_json: bool = json_option("Print JSON.")
-    out_dir: str | None = out_option("figure and table")
+    as_json: bool = options.json_option("Print JSON.")
+    out_dir: str | None = options.out("figure and table")
 
     def run(self) -> None:
         """Fly the morning of the report with all four models."""
