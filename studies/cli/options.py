@@ -11,13 +11,8 @@ from sizing.program.objectives import RESIZE_NAMES
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import CommandOptions, argument, option
 from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange, latitude_deg
+from studies.output import formats
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
-from studies.output.formats import (
-    GRID_FORMATS,
-    IMAGE_FORMATS,
-    PLAIN_TABLE,
-    TABLE_FORMATS,
-)
 
 if TYPE_CHECKING:
     from studies.cli import files
@@ -217,18 +212,18 @@ def table(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
 
     ``older``: what the option was called when CSV was all that it wrote.
     """
-    kind = OutputFile(*TABLE_FORMATS, without_ending=PLAIN_TABLE)
+    kind = OutputFile(*formats.TABLE_FORMATS, without_ending=formats.PLAIN_TABLE)
     return _written(f"Write {contents}", name, older, kind=kind, metavar="FILE")
 
 
 def grid(contents: str) -> Any:
     """Return option ``--out FILE`` of commands whose result lies on a grid."""
-    return _written(f"Write {contents}", "--out", kind=OutputFile(*GRID_FORMATS))
+    return _written(f"Write {contents}", "--out", kind=OutputFile(*formats.GRID_FORMATS))
 
 
 def plot(text: str) -> Any:
     """Return option ``--plot FILE`` of commands that draw."""
-    return _written(text, "--plot", kind=OutputFile(*IMAGE_FORMATS))
+    return _written(text, "--plot", kind=OutputFile(*formats.IMAGE_FORMATS))
 
 
 def report() -> Any:

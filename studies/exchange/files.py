@@ -12,13 +12,7 @@ from sizing.aircraft import Aircraft
 from sizing.results.analysis import Analysis, analyse
 from solar.names import CorrectionName, ModelName
 from studies.exchange.airplane import airplane_text, missing_library
-from studies.output.formats import (
-    format_of,
-    missing_writer,
-    table_bytes,
-    workbook_bytes,
-    wrong_ending,
-)
+from studies.output import formats
 from studies.render.design_sheet import DesignSheet, Entry, design_sheet
 from studies.render.tables import UNLIMITED
 
@@ -30,7 +24,7 @@ DESIGN_FORMATS = (*GEOMETRY_FORMATS, *_TABLE_FORMATS)
 
 def design_format(path: str) -> str | None:
     """Return the format of a file name, None if it cannot be written."""
-    return format_of(path, DESIGN_FORMATS)
+    return formats.format_of(path, DESIGN_FORMATS)
 
 
 def missing_for(path: str) -> str | None:
@@ -38,7 +32,7 @@ def missing_for(path: str) -> str | None:
     if design_format(path) in ("avl", "vspscript"):
         missing = missing_library()
         return None if missing is None else f".{design_format(path)} {missing}"
-    return missing_writer(design_format(path))
+    return formats.missing_writer(design_format(path))
 
 
 def export_design(
@@ -74,7 +68,7 @@ def export_design(
     """
     name = os.fspath(path)
     if design_format(name) is None:
-        raise ValueError(wrong_ending(name, DESIGN_FORMATS))
+        raise ValueError(formats.wrong_ending(name, DESIGN_FORMATS))
     missing = missing_for(name)
     if missing is not None:
         raise ImportError(missing)
@@ -98,8 +92,8 @@ def design_bytes(analysis: Analysis, path: str) -> bytes:
             "scenarios": analysis.to_frame(),
             "cycle": analysis.trajectory(),
         }
-        return workbook_bytes(tables)
-    return table_bytes(sheet.to_frame(), path)
+        return formats.workbook_bytes(tables)
+    return formats.table_bytes(sheet.to_frame(), path)
 
 
 # ---- LaTeX, with the package booktabs

@@ -9,13 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import t
 
-from missions.air import (
-    MAXIMUM_ALTITUDE_M,
-    MINIMUM_ALTITUDE_M,
-    ZERO_CELSIUS_K,
-    air_at,
-    standard_air,
-)
+from missions import air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import ImpossibleDesignError, design_of
@@ -154,9 +148,9 @@ def _estimate_level_power(forward: Forward, daylight: IntArray) -> Estimate:
     if len(slots) > 1:
         slow = np.abs(np.gradient(mean_m, mean_s)) <= _FASTEST_CLIMB_M_PER_S
         use &= slow[np.searchsorted(slots, slot)]
-    height_m = np.clip(log.altitude_m[use], MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
-    kelvin = forward.of(np.flatnonzero(use)).ambient_c()[0] + ZERO_CELSIUS_K
-    density = air_at(kelvin, standard_air(height_m).pressure_pa).density_kg_per_m3
+    height_m = np.clip(log.altitude_m[use], air.MINIMUM_ALTITUDE_M, air.MAXIMUM_ALTITUDE_M)
+    kelvin = forward.of(np.flatnonzero(use)).ambient_c()[0] + air.ZERO_CELSIUS_K
+    density = air.air_at(kelvin, air.standard_air(height_m).pressure_pa).density_kg_per_m3
     mean_density = float(mission.air_state().density_kg_per_m3)
     rising = np.sqrt(mean_density / density) * (1.0 + mission.turbulence.all_day)
     try:

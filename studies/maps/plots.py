@@ -18,14 +18,7 @@ from matplotlib.figure import Figure
 from missions.dates import MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission.scenarios import latitude_label
 from sizing.program.objectives import Objective
-from studies.output.cells import (
-    cell_edges,
-    draw_cells,
-    draw_colour_bar,
-    draw_level_lines,
-    finite_range,
-    hatch_reasons,
-)
+from studies.output import cells
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.output.gridded import SIZED, OnGrid, extrapolations_of, flown_caption
@@ -56,7 +49,7 @@ def plot_map(data: OnGrid, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     shades: ScalarMappable | None = None
     if min(shown_h.shape) == 1 or np.isnan(shown_h).any():
         # Beside a cell without a result the bands end at the centres of its neighbours.
-        edges = cell_edges(days), cell_edges(latitudes)
+        edges = cells.cell_edges(days), cells.cell_edges(latitudes)
         shades = axes.pcolormesh(*edges, shown_h, cmap=colour_map, norm=norm)
     if min(shown_h.shape) > 1:
         shades = axes.contourf(
@@ -109,15 +102,15 @@ def plot_resized_map(data: OnGrid, *, figure: drawing.Canvas = DEFAULT) -> Figur
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     sized, about = np.isin(data["status"].to_numpy(), SIZED), data[name].attrs
     values = np.where(sized, data[name].to_numpy(), np.nan)
-    norm = finite_range(values)
-    draw_colour_bar(
+    norm = cells.finite_range(values)
+    cells.draw_colour_bar(
         drawn,
-        draw_cells(axes, days, latitudes, values, norm),
+        cells.draw_cells(axes, days, latitudes, values, norm),
         axes,
         f"{about['long_name']} [{about['units']}]",
         unlimited=bool(np.isposinf(values).any()),
     )
-    draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
+    cells.draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
     _finish(drawn, axes, data)
     return drawn
 
@@ -137,7 +130,7 @@ def _map_axes(canvas: drawing.Canvas, data: OnGrid, what: str) -> tuple[Figure, 
 def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
     """Add hatches with their legend, months along the axis of days, and latitudes."""
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
-    entries = hatch_reasons(axes, days, latitudes, data)
+    entries = cells.hatch_reasons(axes, days, latitudes, data)
     if entries:
         drawing.add_legend(figure, entries, 3, side="right")
     if sum(days.min() <= start <= days.max() for start in MONTH_STARTS) > 1:

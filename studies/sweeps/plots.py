@@ -20,15 +20,7 @@ from numpy.typing import NDArray
 from sizing.day.metrics import ENDS
 from sizing.program.objectives import Objective
 from solar.schema import spell
-from studies.output import gridded
-from studies.output.cells import (
-    draw_cells,
-    draw_colour_bar,
-    draw_level_lines,
-    finite_range,
-    hatch_cells,
-    hatch_reasons,
-)
+from studies.output import cells, gridded
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.render.notes import extrapolation_caption
@@ -200,7 +192,7 @@ def _contour_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     handles: dict[str, Any] = {}
     for row, variable in zip(rows, _plotted_variables(data), strict=True):
         every = _shown_values(data, variable)
-        norm = finite_range(every)
+        norm = cells.finite_range(every)
         for axes, value in zip(row, third, strict=True):
             part = data if value is None else data.isel({names[2]: list(third).index(value)})
             mesh, entries = _draw_contours(axes, part, names[:2], variable, norm)
@@ -209,7 +201,7 @@ def _contour_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
                 value_text = value if isinstance(value, str) else spell(value)
                 axes.set_title(f"{_label(data, names[2])} = {value_text}", fontsize="medium")
         unlimited = bool(np.isposinf(every).any())
-        draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
+        cells.draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
     for axes in panels:
         _name_places(axes.xaxis, data, names[0])
         _name_places(axes.yaxis, data, names[1])
@@ -257,19 +249,19 @@ def _draw_contours(
     flat = data.transpose(*names[::-1])
     x, y = (_axis_positions(data, name) for name in names)
     values = _shown_values(flat, variable)
-    mesh = draw_cells(axes, x, y, values, norm)
+    mesh = cells.draw_cells(axes, x, y, values, norm)
     good = gridded.feasible(flat)
     limited = ~good & _drawable(flat)
     # A battery that is never full would not be fuller if it were larger.
     by_night = limited & (flat["charge_margin"].to_numpy() > 0.0)
     why = np.where(by_night, 2, np.where(limited, 1, 0))
-    entries = hatch_cells(axes, x, y, why, {1: "", 2: "--"}, _LIMITED)
-    entries += hatch_reasons(axes, x, y, flat)
-    entries += hatch_cells(
+    entries = cells.hatch_cells(axes, x, y, why, {1: "", 2: "--"}, _LIMITED)
+    entries += cells.hatch_reasons(axes, x, y, flat)
+    entries += cells.hatch_cells(
         axes, x, y, _extrapolated(flat) & good, {True: "."}, {True: "extrapolated"}
     )
     if not any(_has_names(data, name) for name in names):
-        draw_level_lines(axes, x, y, values, norm)
+        cells.draw_level_lines(axes, x, y, values, norm)
     return mesh, entries
 
 

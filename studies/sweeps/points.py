@@ -15,20 +15,13 @@ from missions.files.texts import texts_as_read
 from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.mission import Mission
+from sizing import mass_budget
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.heights import ClimbLimitError, climb_limits
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import MASS_BUDGET, design_requirements
-from sizing.mass_budget import (
-    ImpossibleDesignError,
-    closed_design,
-    design_of_total_mass,
-    measured_design,
-    operating_trouble,
-    with_total_mass,
-)
 from sizing.parameters import MISSION_PREFIX
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective, SizingStatus
@@ -154,7 +147,7 @@ def _reason_not_to_fly(
     """Return requirement and reason if an aircraft cannot climb, or hold the path in wind."""
     if mission.climb is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         try:
-            climb_limits(aircraft, measured_design(aircraft, mission))
+            climb_limits(aircraft, mass_budget.measured_design(aircraft, mission))
         except ClimbLimitError as error:
             return "climb", str(error)
     (trouble,) = solar.path_troubles(aircraft, mission)
@@ -209,8 +202,8 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
         if isinstance(aircraft.airframe, MeasuredAirframe):
             if known_kg is not None:
                 try:
-                    aircraft = with_total_mass(aircraft, mission, known_kg)
-                except ImpossibleDesignError as error:
+                    aircraft = mass_budget.with_total_mass(aircraft, mission, known_kg)
+                except mass_budget.ImpossibleDesignError as error:
                     row = {"status": Status.infeasible, "violated_requirement": "parts"}
                     rows |= dict.fromkeys(numbers, row | {"message": str(error)})
                     continue
@@ -225,7 +218,9 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
         day = solar_day(aircraft, mission, configuration.solar)
         closed = (aircraft, mission, variables)
         design = (
-            closed_design(*closed) if known_kg is None else design_of_total_mass(*closed, known_kg)
+            mass_budget.closed_design(*closed)
+            if known_kg is None
+            else mass_budget.design_of_total_mass(*closed, known_kg)
         )
         result = performance(aircraft, mission, configuration.solar, day=day, design=design)
         violations = _violations(aircraft, mission, result, known_kg)
@@ -237,7 +232,7 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
             if not np.isfinite(result.design.total_mass_kg[place]):
                 chosen = variables.chosen().items()
                 point = DesignVariables(**{name: float(value[place]) for name, value in chosen})
-                if trouble := operating_trouble(aircraft, mission, point):
+                if trouble := mass_budget.operating_trouble(aircraft, mission, point):
                     row |= {"violated_requirement": "operating_point", "message": trouble}
             rows[number] = row | ({"extrapolations": texts[place]} if simulated else {})
     return columns_of(configuration, rows)
@@ -311,7 +306,7 @@ def _row_of_design(
 ) -> dict[str, Any]:
     """Return the row of a design."""
     design = result.design
-    row: dict[str, Any] = {q.variable: _value_at(q.of(design), place) for q in CHOSEN}
+    row: dict[str, Any] = {each.variable: _value_at(each.of(design), place) for each in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
     every = {name: float(violation.amount[place]) for name, violation in violations.items()}
     amounts = {name: amount for name, amount in every.items() if amount > _ROUNDING}
@@ -335,7 +330,7 @@ def _row_of_design(
     return row | {
         "status": Status(int(cycle.status[place][worst])),
         TOTAL_MASS.variable: _value_at(TOTAL_MASS.of(design), place),
-        **{q.variable: float(q.of(result)[place][worst]) for q in (*REACHED, LOAD)},
+        **{each.variable: float(each.of(result)[place][worst]) for each in (*REACHED, LOAD)},
         ENDURANCE.variable: _value_at(endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),
