@@ -32,7 +32,7 @@ from sizing.propulsion.operating_point import (
     Propulsor,
     bus_power_w,
     operating_point,
-    propeller_state,
+    shafts_at,
 )
 from sizing.propulsion.part_masses import (
     GEAR_EXPONENT,
@@ -367,10 +367,8 @@ class OperatingPointPropulsion(Record):
         NaN outside the propeller's data.
         """
         thrust_w = thrust_power_w / self.propulsors
-        turns, shaft_w = propeller_state(
-            self.propulsor, thrust_w / airspeed_m_per_s, airspeed_m_per_s, air
-        )
-        return turns, shaft_w, shaft_w / thrust_w
+        shaft = shafts_at(self.propulsor, thrust_w / airspeed_m_per_s, airspeed_m_per_s, air)
+        return shaft.rotation_per_s, shaft.power_w, shaft.power_w / thrust_w
 
     def in_flight(
         self,

@@ -225,31 +225,23 @@ def bus_power_w(
     Voltages broadcast with the other arguments, but do not enter the search for the rotation. NaN
     outside the propeller's data.
     """
-    motor = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air).motor
+    motor = shafts_at(propulsor, thrust_n, airspeed_m_per_s, air).motor
     inlet_v, _ = _inlet(propulsor, motor, bus_v)
     power_w = propulsor.controller.input_power_w(motor, inlet_v)
     return np.asarray(power_w / _wiring_efficiency(inlet_v, bus_v))
 
 
-def propeller_state(
+def shafts_at(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
-) -> tuple[FloatArray, FloatArray]:
-    """Return rotation [1/s] and shaft power [W] at thrusts; NaN outside the propeller's data."""
-    shaft = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
-    return shaft.rotation_per_s, shaft.power_w
-
-
-def _shafts_of(
-    propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
-) -> _Shaft:
-    """Return shafts of the broadcast shape of the arguments."""
+) -> Shaft:
+    """Return shafts of the broadcast shape of the arguments; NaN outside the propeller's data."""
     arrays = np.broadcast_arrays(
         *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, *air))
     )
-    return _Shaft(*_in_chunks(_shafts, propulsor, arrays))
+    return Shaft(*_in_chunks(_shafts, propulsor, arrays))
 
 
-class _Shaft(NamedTuple):
+class Shaft(NamedTuple):
     """State of propeller shaft and motor at a thrust, independent of the bus voltage."""
 
     rotation_per_s: FloatArray
@@ -267,7 +259,7 @@ class _Shaft(NamedTuple):
         return MotorState(self.motor_current_a, self.motor_voltage_v)
 
 
-def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> _Shaft:
+def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> Shaft:
     """Return shafts and motor at thrusts, in one dimension."""
     propeller, gear = propulsor.propeller, propulsor.gear
     n, reason = _rotation(propeller, thrust, v, air)
@@ -276,7 +268,7 @@ def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -
     torque = shaft_w / (2.0 * np.pi * n)
     motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
     motor = propulsor.motor.state(motor_rpm, motor_torque)
-    return _Shaft(n, shaft_w, torque, motor_rpm, motor_torque, *motor, reason)
+    return Shaft(n, shaft_w, torque, motor_rpm, motor_torque, *motor, reason)
 
 
 def _points_in_row(
