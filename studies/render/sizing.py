@@ -77,7 +77,7 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
             *part_blocks(study.optimum, cells=study.cells is not None),
             requirement_table(study.margins),
         ]
-    return [*shown, *_confidence(study, level), *_builds(study, level)]
+    return [*shown, *_builds(study, level), *_confidence(study, level)]
 
 
 def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
