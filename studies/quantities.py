@@ -15,7 +15,7 @@ from typing import Any
 from sizing.data_rows import data_rows
 from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance
-from sizing.results.measures import MEASURES, OF_SCENARIO
+from sizing.results.measures import MEASURES
 from studies.render.tables import ALL, CLOCK, UNLIMITED, Column, Table
 
 
@@ -159,9 +159,7 @@ WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA = group(
 PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS, WING_AREA = group(
     "payload_mass_kg payload_power_w total_mass_kg wing_area_m2"
 )
-AIRSPEED, BATTERY_ENERGY, PROPULSION_POWER, WING_LOADING = group(
-    "airspeed_m_per_s battery_energy_wh propulsion_power_w wing_loading_kg_per_m2"
-)
+AIRSPEED, BATTERY_ENERGY = group("airspeed_m_per_s battery_energy_wh")
 EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE, BEST_LAUNCH = group(
     "excess_time_h charge_margin_h minimum_state_of_charge endurance_h best_launch_h"
 )
@@ -174,8 +172,6 @@ BELOW_ZERO = "An excess time below 0 is the time of the day without enough power
 
 # ---- Groups: what is made of quantities
 
-# Measures of a scenario.
-SCENARIO = tuple(TABLE[key] for key in OF_SCENARIO)
 # Facts of an analysis: of its flight, and of its aircraft.
 IN_FLIGHT = (
     EXCESS_TIME,

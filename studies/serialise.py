@@ -192,7 +192,12 @@ RECORDS = {
     "DragShares": "+ parasitic total",
     "Extrapolation": "quantity label unit value + text",
     "PowerBudget": """
-        *every_w bus_w efficiencies assumed_efficiency=assumed
+        aerodynamic_w=watts.aerodynamic_w propeller_loss_w=watts.propeller_loss_w
+        gearbox_loss_w=watts.gearbox_loss_w motor_loss_w=watts.motor_loss_w
+        controller_loss_w=watts.controller_loss_w wiring_loss_w=watts.wiring_loss_w
+        propulsion_w=watts.propulsion_w turbulence_w=watts.turbulence_w avionics_w=watts.avionics_w
+        payload_w=watts.payload_w supply_loss_w=watts.supply_loss_w heater_w=watts.heater_w
+        bus_w efficiencies assumed_efficiency=assumed
         operating_point=point:OperatingPoint
         """,
     "OperatingPoint": "+ -reason",

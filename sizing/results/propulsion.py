@@ -24,17 +24,6 @@ from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
 
-_ROWS = (
-    "aerodynamic_w",
-    *(f"{link}_loss_w" for link in reversed(LINKS)),
-    "propulsion_w",
-    "turbulence_w",
-    "avionics_w",
-    "payload_w",
-    "supply_loss_w",
-    "heater_w",
-)
-
 
 @dataclass(frozen=True)
 class PowerBudget:
@@ -55,11 +44,6 @@ class PowerBudget:
     def bus_w(self) -> float:
         """Sum of the rows [W]."""
         return sum(self.watts.values())
-
-    @property
-    def every_w(self) -> dict[str, float | None]:
-        """Rows by their keys [W]; None for what is not known of a measured aircraft."""
-        return {key: self.watts.get(key) for key in _ROWS}
 
 
 def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerBudget:

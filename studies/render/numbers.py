@@ -75,8 +75,3 @@ def clock_of_day(hour: float) -> str:
     """Return the clock of an hour counted on from the first midnight, with its day."""
     days = int(hour // 24.0)
     return f"{clock_label(hour % 24.0)}" + (f" on day {days + 1}" if days else "")
-
-
-def counted(number: int, noun: str) -> str:
-    """Return a number of things, the noun in its number."""
-    return f"{number} {noun}{'s' if number > 1 else ''}"
