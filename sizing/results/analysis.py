@@ -140,6 +140,8 @@ class Analysis(DesignResult):
         Total mass that :attr:`relaxations` keep [kg].
     """
 
+    renderer = "studies.render.analysis"
+
     aircraft: Aircraft
     mission: Mission
     performance: Performance

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,27 +16,36 @@ def data_frame(data: Any, columns: list[str] | None = None) -> pd.DataFrame:
     return pd.DataFrame(data, columns=columns)
 
 
-RENDERER, SERIALISER = "studies.render.results", "studies.serialise"
+TABLES, SERIALISER = "studies.render.tables", "studies.serialise"
 
 
 class Result:
     """A result: plain numbers, which the layer above renders and serialises.
 
-    Results know of it no more than the names :data:`RENDERER` and :data:`SERIALISER`, by which it
-    is imported when somebody looks at a result.
+    Results know of it no more than names of modules, by which it is imported when somebody looks at
+    a result. ``renderer``: module with ``headline`` and ``blocks`` of the result; that of its class
+    by default.
     """
+
+    renderer: ClassVar[str] = ""
+
+    def _render(self) -> Any:
+        return import_module(self.renderer or type(self).__module__)
 
     def headline(self) -> str:
         """Return the result in one line."""
-        return str(import_module(RENDERER).headline(self))
+        return str(self._render().headline(self))
 
     def summary(self) -> Any:
         """Return the :class:`studies.Summary` of the result that fits a screen."""
         return self.at_level(1)
 
     def at_level(self, level: int) -> Any:
-        """Return a :class:`studies.Summary` of the result: short at level 1, all of it at 2."""
-        return import_module(RENDERER).render(self, level)
+        """Return a :class:`studies.Summary` of the result: short at level 1, all of it at 2.
+
+        A quantity is shown from its importance on.
+        """
+        return import_module(TABLES).Summary(tuple(self._render().blocks(self, level)))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole result, JSON-ready; null where a number is unlimited or not defined."""

@@ -110,6 +110,8 @@ class SizingStudy(DesignResult):
         Best design of each class of building, where asked for.
     """
 
+    renderer = "studies.render.sizing"
+
     aircraft: Aircraft
     mission: Mission
     solar: SolarModel

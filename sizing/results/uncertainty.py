@@ -67,6 +67,8 @@ class UncertaintyAnalysis(Result):
         What the draws take from outside the range of a model.
     """
 
+    renderer = "studies.render.uncertainty"
+
     aircraft: Aircraft
     mission: Mission
     solar: SolarModel

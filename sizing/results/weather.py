@@ -72,6 +72,8 @@ class WeatherAnalysis(Result):
         What was changed to fly the mission at the record's site.
     """
 
+    renderer = "studies.render.weather"
+
     aircraft: Aircraft
     performance: WeatherPerformance
     notes: tuple[str, ...] = ()
