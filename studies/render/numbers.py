@@ -27,9 +27,7 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
     """Return the value of an objective with its unit; an excess time may be unlimited."""
     if value is None or math.isnan(value):
         return MISSING
-    return (
-        UNLIMITED if math.isinf(value) else f"{value:{digits}} {unit_text(objective.unit)}".rstrip()
-    )
+    return amount(value, objective.unit, digits)
 
 
 # How numbers with a unit are written in sentences.
@@ -40,6 +38,8 @@ _FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "h": ".2f"} | dict.fromkeys(
 
 def amount(value: float, unit: str = "", form: str = "") -> str:
     """Return a number with its unit, with the digits that people read of it, or in another form."""
+    if not math.isfinite(value):
+        return UNLIMITED if value > 0.0 else "none"
     digits = form or _FORMS.get(unit, "g")
     return f"{format(float(value), digits)} {unit_text(unit)}".rstrip()
 
@@ -62,7 +62,7 @@ def percent(share: float, form: str = ".1f") -> str:
 
 def hours(value: float) -> str:
     """Return hours with two decimals."""
-    return UNLIMITED if math.isinf(value) else amount(value, "h")
+    return amount(value, "h")
 
 
 def date_and_clock(clock_h: float, first_day: int) -> str:

@@ -25,34 +25,21 @@ _SENSITIVITIES = 15  # of the whole; JSON and CSV have them all
 def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
     """Return the margins as a table."""
     columns = q.group("requirement value limit margin")
-    rows = tuple(
-        (
-            f"{row.label}{' (recommended)' if row.recommended else ''}",
-            _margin_value_text(row),
-            amount(row.limit, row.unit, ".5g"),
-            _margin_text(row)
-            if row.recommended or row.margin >= -ROW_TOLERANCE
-            else f"{_margin_text(row)}, violated",
+    rows = []
+    for row in margins:
+        margin = amount(row.margin, row.unit, "+.2f")
+        if row.relative and np.isfinite(row.margin):
+            margin = percent(row.margin, "+.1f")
+        missed = not row.recommended and row.margin < -ROW_TOLERANCE
+        rows.append(
+            (
+                f"{row.label}{' (recommended)' if row.recommended else ''}",
+                amount(round(row.value, 3), row.unit, ".4g"),
+                amount(row.limit, row.unit, ".5g"),
+                f"{margin}, violated" if missed else margin,
+            )
         )
-        for row in margins
-    )
-    return Table("margins of the requirements", columns, rows)
-
-
-def _margin_value_text(row: RequirementMargin) -> str:
-    """Return the value of a requirement with its unit."""
-    if not np.isfinite(row.value):
-        return UNLIMITED if row.value > 0.0 else "none"
-    return amount(round(row.value, 3), row.unit, ".4g")
-
-
-def _margin_text(row: RequirementMargin) -> str:
-    """Return the margin of a requirement, in per cent of its limit or in its unit."""
-    if not np.isfinite(row.margin):
-        return UNLIMITED if row.margin > 0.0 else "none"
-    if row.relative:
-        return percent(row.margin, "+.1f")
-    return amount(row.margin, row.unit, "+.2f")
+    return Table("margins of the requirements", columns, tuple(rows))
 
 
 def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:

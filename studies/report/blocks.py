@@ -100,15 +100,11 @@ Block: TypeAlias = "SummaryBlock | Figure | Bars | Listing"
 
 @dataclass(frozen=True)
 class Section:
-    """A section under a heading: blocks of a summary, and what only a page has.
-
-    ``untitled``: title of tables that have none.
-    """
+    """A section under a heading, also that of tables without a title of their own."""
 
     key: str
     title: str
     blocks: Sequence[Block]
-    untitled: str = ""
 
     def shown(self) -> list[tuple[str, Any]]:
         """Return kind and content of what is shown: items and indented lines are one list."""
@@ -116,9 +112,7 @@ class Section:
         for block in self.blocks:
             if isinstance(block, Table | tuple):
                 tables = (block,) if isinstance(block, Table) else block
-                shown.append(
-                    ("tables", [replace(t, title=t.title or self.untitled) for t in tables])
-                )
+                shown.append(("tables", [replace(t, title=t.title or self.title) for t in tables]))
             elif not isinstance(block, str | Line):
                 shown.append((type(block).__name__.lower(), block))
             else:

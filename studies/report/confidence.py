@@ -66,14 +66,11 @@ def belief_section(subject: Subject) -> Section:
 def _published_errors() -> Table:
     columns = (
         Column("model"),
-        Column("average", "mean error", "%", "+.2f"),
-        Column("rms", "RMS error", "%", ".2f"),
-        Column("scatter", "RMS without the mean", "%", ".2f"),
+        Column("average", "mean error", form="+.2%"),
+        Column("rms", "RMS error", form=".2%"),
+        Column("scatter", "RMS without the mean", form=".2%"),
     )
-    rows = [
-        (model, 100.0 * error.average, 100.0 * error.rms, 100.0 * error.scatter)
-        for model, error in MODELS.items()
-    ]
+    rows = [(model, error.average, error.rms, error.scatter) for model, error in MODELS.items()]
     note = (
         "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "
         "sunrise to 9.72 h (Oettershagen, High-Fidelity Solar Power Income Modeling, table 3)"

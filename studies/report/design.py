@@ -16,13 +16,13 @@ from studies.render.numbers import percent, required, with_unit
 from studies.render.parts import power_rows
 from studies.render.sentences import (
     cross_check_line,
+    limits_line,
     loss_line,
     wind_rows,
 )
 from studies.render.sizing import record_blocks
 from studies.render.sizing_tables import requirement_table
 from studies.render.tables import Line, Table, facts
-from studies.render.words import constraint_words
 from studies.report.blocks import Bars, Block, Section
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import Drawing
@@ -103,6 +103,8 @@ def sizing_section(subject: Subject) -> Section | None:
         return None
     objective = Objective(sizing["objective"]["name"])
     blocks: list[Block] = [*_objective_lines(sizing, objective)]
+    if active := sizing["active_constraints"]:
+        blocks.append(limits_line(active, subject.aircraft, keys=True))
     cells = sizing.get("whole_cells")
     blocks += [] if cells is None else [loss_line(cells, objective)]
     blocks += record_blocks(sizing, objective)
@@ -120,16 +122,13 @@ def sizing_section(subject: Subject) -> Section | None:
 
 
 def _objective_lines(sizing: Mapping[str, Any], objective: Objective) -> Iterator[str]:
-    """Yield objective, limits and reliability of a record in sentences."""
+    """Yield objective and reliability of a record in sentences."""
     value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
     extreme = "largest" if objective.maximised else "smallest"
     text = f"Sized for the {extreme} {objective.label}: {with_unit(value, '.4g', objective)}"
     if required_h:
         text += f", with {required(required_h)} required in every scenario"
     yield f"{text} ({sizing['status'].replace('_', ' ')})."
-    if sizing["active_constraints"]:
-        words = "; ".join(str(constraint_words(name)) for name in sizing["active_constraints"])
-        yield f"Limited by (most important first): {words}."
     if (reliability := sizing.get("reliability")) is not None:
         achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
         yield f"Reliability: {achieved} of {reliability['samples']} draws; required {least}."

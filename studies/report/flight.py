@@ -207,7 +207,7 @@ def uncertainty_section(subject: Subject) -> Section | None:
     drawing = page_figure(plot, caption, title=title, description=words, key="scatter")
     first, *others = uncertainty.at_level(ALL).blocks
     blocks = [first, drawing, *others]
-    return Section("uncertainty", "Uncertain inputs", blocks, "probability and spread")
+    return Section("uncertainty", "Uncertain inputs", blocks)
 
 
 def weather_section(subject: Subject) -> Section | None:
@@ -220,7 +220,7 @@ def weather_section(subject: Subject) -> Section | None:
     title, words = "Flight through the weather record", f"{weather.headline()}. {caption}"
     drawing = page_figure(plot, caption, title=title, description=words, key="weather")
     first, *others = weather.at_level(ALL).blocks
-    return Section("weather", "Weather", [first, drawing, *others], "flight through the record")
+    return Section("weather", "Weather", [first, drawing, *others])
 
 
 def verification_section(subject: Subject) -> Section | None:
@@ -234,4 +234,4 @@ def verification_section(subject: Subject) -> Section | None:
     for name, draw in figures(verification, figure=page_options(_WIDTH_IN + 0.4)):
         key, caption = f"log-{name}", f"Measured and modelled power: {name}."
         blocks.append(page_figure(draw(), caption, title=f"Log and models, {name}", key=key))
-    return Section("verification", "Models against the flight log", blocks, "errors")
+    return Section("verification", "Models against the flight log", blocks)
