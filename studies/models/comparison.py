@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -270,10 +271,8 @@ def compare(
     for latitude in latitudes:
         flags[latitude] = perpetual_flags(aircraft, mission, latitude, every)
         advance()
-    predictions = predict(
-        lambda day: performance(aircraft, mission, day=day, keep_trajectory=False),
-        {solar: sun.day(solar) for solar in every},
-    )
+    simulate = partial(performance, aircraft, mission, keep_trajectory=False)
+    predictions = {solar: predict(simulate, solar, sun.day(solar)) for solar in every}
     truth_wh = predictions[reference].mean_solar_energy_wh
     cases = {}
     for solar, prediction in predictions.items():
@@ -333,12 +332,8 @@ def _size_with_model(
     )
     if result.design is None:
         return Built(result, None)
-    variables = result.design.variables
-    judged = predict(
-        lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
-        {reference: sun.day(reference)},
-    )
-    return Built(result, judged[reference])
+    judged = partial(performance_of_designs, aircraft, mission, result.design.variables, reference)
+    return Built(result, predict(judged, reference, sun.day(reference)))
 
 
 def _notes(

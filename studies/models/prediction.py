@@ -10,7 +10,7 @@ import numpy as np
 
 from missions.dates import date_code
 from sizing.day.light import SolarDay, SolarModel
-from sizing.day.metrics import SUFFICIENT, Cycle, Status
+from sizing.day.metrics import SUFFICIENT, Status
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
@@ -175,77 +175,41 @@ def _season(season: Season) -> dict[str, Any]:
     }
 
 
-def predict(
-    simulate: Callable[[SolarDay], Performance], days: Mapping[SolarModel, SolarDay]
-) -> dict[SolarModel, Prediction]:
-    """Predict an aircraft's worst scenario under the sun of each model.
+def predict(simulate: Callable[..., Performance], solar: SolarModel, day: SolarDay) -> Prediction:
+    """Predict an aircraft's worst scenario under the sun of a model.
 
-    ``simulate``: function that returns the performance under the sun of scenarios, called for all
-    models together. ``days``: sun of the same scenarios by each model.
+    ``simulate``: function of ``day`` that returns the performance. ``day``: sun of scenarios by the
+    model.
     """
-    count = len(days)
-    results = simulate(SolarDay.joined(list(days.values())))
-    cycle, highest_m = results.cycle, results.maximum_altitude_m
-    worst = np.argmin(cycle.excess_time_h.reshape(count, -1), axis=-1)
-    places = worst + np.arange(count) * (len(cycle.excess_time_h) // count)
-    alone = [sun.at([place]) for sun, place in zip(days.values(), worst, strict=True)]
-    scaled = [
-        sun.scaled(1.0 + sign * solar.rms_relative)
-        for sign in (-1.0, 1.0)
-        for solar, sun in zip(days, alone, strict=True)
-    ]
-    low_h, high_h = simulate(SolarDay.joined(scaled)).cycle.excess_time_h.reshape(2, count)
-    hours, launch_h = np.full(count, np.inf), np.zeros(count)
-    limited = np.flatnonzero(~cycle.perpetual[places])
-    if limited.size:
-        longest = simulate(SolarDay.joined([alone[number] for number in limited])).endurances
-        hours[limited], launch_h[limited] = longest.endurance_h, longest.launch_h
-    solar_wh = np.asarray(cycle.energy_budget.solar_wh)
-    mean_wh = solar_wh.reshape(count, -1).mean(axis=-1)
-    return {
-        solar: _prediction(
-            day,
-            cycle,
-            (int(worst[i]), int(places[i])),
-            (float(launch_h[i]), float(hours[i])),
-            excess_time_low_h=float(low_h[i]),
-            excess_time_high_h=float(high_h[i]),
-            mean_solar_energy_wh=float(mean_wh[i]),
-            maximum_altitude_m=None if highest_m is None else float(highest_m[places[i]]),
-        )
-        for i, (solar, day) in enumerate(days.items())
-    }
-
-
-def _prediction(
-    day: SolarDay,
-    cycle: Cycle,
-    at: tuple[int, int],
-    flight_h: tuple[float, float],
-    **others: Any,
-) -> Prediction:
-    """Return a model's prediction.
-
-    ``at``: index of the worst scenario in ``day``, and in ``cycle``. ``flight_h``: launch and
-    length of the longest flight.
-    """
-    worst, place = at
-    morning_h = float(cycle.equal_power_morning_h[place])
+    result = simulate(day=day)
+    cycle, worst = result.cycle, int(np.argmin(result.cycle.excess_time_h))
+    alone = day.at([worst])
+    errors = [alone.scaled(1.0 + sign * solar.rms_relative) for sign in (-1.0, 1.0)]
+    low_h, high_h = simulate(day=SolarDay.joined(errors)).cycle.excess_time_h.tolist()
+    launch_h, endurance_h = 0.0, np.inf
+    if not cycle.perpetual[worst]:
+        longest = simulate(day=alone).endurances
+        launch_h, endurance_h = float(longest.launch_h[0]), float(longest.endurance_h[0])
+    morning_h = float(cycle.equal_power_morning_h[worst])
+    solar_wh, highest_m = np.asarray(cycle.energy_budget.solar_wh), result.maximum_altitude_m
     return Prediction(
         scenario=day.scenarios.label(worst),
         latitude_deg=float(day.scenarios.latitude_deg[worst]),
         day_of_year=int(day.scenarios.day_of_year[worst]),
         several_scenarios=len(day.scenarios) > 1,
-        status=Status(int(cycle.status[place])),
-        excess_time_h=float(cycle.excess_time_h[place]),
-        minimum_state_of_charge=float(cycle.minimum_state_of_charge[place]),
-        charge_margin_h=float(cycle.charge_margin_h[place]),
-        endurance_h=flight_h[1],
-        nights=nights_survived(*flight_h, morning_h),
+        status=Status(int(cycle.status[worst])),
+        excess_time_h=float(cycle.excess_time_h[worst]),
+        excess_time_low_h=low_h,
+        excess_time_high_h=high_h,
+        minimum_state_of_charge=float(cycle.minimum_state_of_charge[worst]),
+        charge_margin_h=float(cycle.charge_margin_h[worst]),
+        endurance_h=endurance_h,
+        nights=nights_survived(launch_h, endurance_h, morning_h),
         polar_day=float(day.sunset_h[worst] - day.sunrise_h[worst]) >= 24.0,
         power_exceeds_load=bool(np.isfinite(morning_h)),
-        solar_energy_wh=float(cycle.energy_budget.solar_wh[place]),
-        **others,
+        solar_energy_wh=float(solar_wh[worst]),
+        mean_solar_energy_wh=float(solar_wh.mean()),
+        maximum_altitude_m=None if highest_m is None else float(highest_m[worst]),
     )
 
 
