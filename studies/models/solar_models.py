@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.light import SolarDay, SolarModel, Sunlight
+from sizing.day.light import SolarModel, Sunlight
 from sizing.performance import performance
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 
@@ -88,7 +89,5 @@ def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel,
     """Return by model true for perpetual flight in every scenario."""
     sun = Sunlight(aircraft, mission)
     every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
-    together = SolarDay.joined([sun.day(solar) for solar in every])
-    results = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
-    by_model = np.reshape(results.cycle.sufficient, (len(every), -1))
-    return {solar: bool(np.all(flags)) for solar, flags in zip(every, by_model, strict=True)}
+    simulate = partial(performance, aircraft, mission, keep_trajectory=False)
+    return {s: bool(np.all(simulate(day=sun.day(s)).cycle.sufficient)) for s in every}
