@@ -133,19 +133,8 @@ def table_of(
 ) -> Table:
     """Return a table of records or objects, a row each, with a column for each key."""
     columns = group(keys) if isinstance(keys, str) else tuple(keys)
-    return Table(
-        title,
-        columns,
-        tuple(
-            tuple(
-                row[column.name] if isinstance(row, Mapping) else getattr(row, column.name)
-                for column in columns
-            )
-            for row in rows
-        ),
-        tuple(notes),
-        sections=tuple(sections),
-    )
+    cells = tuple(tuple(reach(row, column.name) for column in columns) for row in rows)
+    return Table(title, columns, cells, tuple(notes), sections=tuple(sections))
 
 
 def text_of(key: str, value: Any, form: str = "") -> str:
@@ -156,16 +145,12 @@ def text_of(key: str, value: Any, form: str = "") -> str:
 WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA = group(
     "wingspan_m aspect_ratio battery_mass_kg module_area_m2"
 )
-PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS, WING_AREA = group(
-    "payload_mass_kg payload_power_w total_mass_kg wing_area_m2"
-)
+PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS = group("payload_mass_kg payload_power_w total_mass_kg")
 AIRSPEED, BATTERY_ENERGY = group("airspeed_m_per_s battery_energy_wh")
-EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE, BEST_LAUNCH = group(
-    "excess_time_h charge_margin_h minimum_state_of_charge endurance_h best_launch_h"
+EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE = group(
+    "excess_time_h charge_margin_h minimum_state_of_charge endurance_h"
 )
-SUNRISE, SUNSET, EQUAL_POWER_MORNING, EQUAL_POWER_EVENING, FULL_CHARGE = group(
-    "sunrise_h sunset_h equal_power_morning_h equal_power_evening_h full_charge_h"
-)
+BEST_LAUNCH, FULL_CHARGE = group("best_launch_h full_charge_h")
 LOAD, SOLAR_ENERGY, MAXIMUM_ALTITUDE = group("power_out_w solar_energy_wh maximum_altitude_m")
 # Where a negative excess time is shown.
 BELOW_ZERO = "An excess time below 0 is the time of the day without enough power."
@@ -173,20 +158,11 @@ BELOW_ZERO = "An excess time below 0 is the time of the day without enough power
 # ---- Groups: what is made of quantities
 
 # Facts of an analysis: of its flight, and of its aircraft.
-IN_FLIGHT = (
-    EXCESS_TIME,
-    CHARGE_MARGIN,
-    ENDURANCE,
-    BEST_LAUNCH,
-    MINIMUM_CHARGE,
-    FULL_CHARGE,
-    SUNRISE,
-    SUNSET,
-    EQUAL_POWER_MORNING,
-    EQUAL_POWER_EVENING,
+IN_FLIGHT = group(
+    "excess_time_h charge_margin_h endurance_h best_launch_h minimum_state_of_charge full_charge_h "
+    "sunrise_h sunset_h equal_power_morning_h equal_power_evening_h"
 )
 OF_AIRCRAFT = (TOTAL_MASS, BATTERY_ENERGY, AIRSPEED)
-ENOUGH = (EXCESS_TIME, MINIMUM_CHARGE)
 # What a sized design reaches in its worst scenario, and in each.
 REACHED = (EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE)
 # Variables of a map, of trade studies and of maps of sized designs.

@@ -36,6 +36,11 @@ _GROUPS = {
         battery.specific_energy_wh_per_kg battery.charge_efficiency battery.discharge_efficiency
         """,
 }
+# What is known without a structure and a polar.
+_OF_MEASURED = """
+    total_mass_kg battery_energy_wh wing_area_m2 chord_m module_coverage wing_loading_kg_per_m2
+    airspeed_m_per_s propulsion_power_w load_w cruise_discharge_rate_per_h
+    """
 
 
 @dataclass(frozen=True)
@@ -121,14 +126,14 @@ def _masses(analysis: Analysis) -> dict[q.Quantity, float]:
 def _values(analysis: Analysis) -> dict[str, Any]:
     """Return quantities of flight and design by their keys, more for a parametric aircraft."""
     aircraft, design = analysis.aircraft, analysis.design
-    of_design = (*q.CHOSEN, q.TOTAL_MASS, q.WING_AREA, q.AIRSPEED, q.BATTERY_ENERGY)
-    values = analysis.scenario() | {each.name: each.of(design) for each in of_design}
-    values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
-    every = set(QUANTITIES)
-    if not isinstance(aircraft.airframe, ParametricAirframe):
-        every = {"module_coverage", "wing_loading_kg_per_m2", "propulsion_power_w", "chord_m"}
-        every |= {"load_w", "cruise_discharge_rate_per_h"}
+    measured = not isinstance(aircraft.airframe, ParametricAirframe)
     flight = DesignInFlight(aircraft, design)
-    values |= {key: of(flight) for key, of in QUANTITIES.items() if key in every}
+    values = analysis.scenario() | {each.name: each.of(design) for each in q.CHOSEN}
+    values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
+    values |= {
+        key: of(flight)
+        for key, of in QUANTITIES.items()
+        if not measured or key in _OF_MEASURED.split()
+    }
     technology = _GROUPS["technology"].split()
     return values | {key: parameter_value(aircraft, None, key) for key in technology}

@@ -84,7 +84,8 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     optimum = study.optimum
     assert optimum is not None
     clear = "clear-sky " if study.survival is not None else ""
-    excess, charge = (quantity.fact(optimum.value_in_worst(quantity.name)) for quantity in q.ENOUGH)
+    excess = q.EXCESS_TIME.fact(optimum.excess_time_h)
+    charge = q.MINIMUM_CHARGE.fact(optimum.minimum_state_of_charge)
     where = f"{clear}{q.EXCESS_TIME.label}, {optimum.worst_scenario.label}"
     flight, objective = study.mission.flight, study.objective
     values = study.design_values()
