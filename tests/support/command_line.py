@@ -55,6 +55,11 @@ class Outcome(NamedTuple):
     out: str
     err: str
 
+    def good(self):
+        """The outcome itself, of a command that had nothing to say of mistakes."""
+        assert (self.code, self.err) == (0, "")
+        return self
+
     def json(self):
         """Standard output as strict JSON: NaN and Infinity are refused."""
 

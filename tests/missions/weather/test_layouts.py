@@ -1,6 +1,6 @@
 import gzip
 import re
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -38,15 +38,39 @@ def same_light(found, record, tolerance=ROUNDED):
         assert getattr(found, name).sum() * found.interval_s == pytest.approx(whole, rel=tolerance)
 
 
-def test_epw_is_read_in_latin_1_with_the_start_of_its_hours(tmp_path):
-    record = clear_record(3)
-    found = load_weather(write_epw(tmp_path / "a.epw", record))
-    assert found.layout == "EPW"
-    assert found.site == Site("Zürich", 46.8, 6.9, 491.0, 1.0)
-    assert found.start_s == pytest.approx(record.start_s)
-    assert found.temperature_c == pytest.approx(15.0)
-    assert found.wind_m_per_s == pytest.approx(3.0)
-    same_light(found, record)
+SAM_COLUMNS = [
+    "Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd",
+    "Year,Month,Day,Hour,Minute,GHI,DNI,DHI,Temperature,Wind Speed",
+    "yr,mo,day,hr,global,beam,diffuse,dry bulb,wspd",
+]
+ZONES = [(5.5, 77.2), (5.75, 85.3), (-3.5, -52.7), (12.75, -176.5)]
+PLACES = [Site("There", 28.6, east_deg, 200.0, offset_h) for offset_h, east_deg in ZONES]
+MINUTES = {"first": "2016-06-01", "interval_s": 60.0, "site": replace(SITE, utc_offset_h=0.0)}
+
+
+@pytest.mark.parametrize(
+    ("write", "options", "record", "layout", "name"),
+    [
+        (write_epw, {}, {}, "EPW", "Zürich"),  # in Latin-1
+        *((write_sam, {"columns": columns}, {}, "SAM", "Here") for columns in SAM_COLUMNS),
+        (write_bsrn, {}, MINUTES, "BSRN", "Somewhere"),
+        *((write_epw, {}, {"site": site}, "EPW", "Zürich") for site in PLACES),
+        *((write_psm, {}, {"site": s, "interval_s": 1800.0}, "NSRDB PSM", "") for s in PLACES),
+    ],
+)
+def test_layouts_are_read_with_the_start_of_their_intervals(
+    tmp_path, write, options, record, layout, name
+):
+    made = clear_record(2, **record)
+    found = load_weather(write(tmp_path / "a.txt", made, **options))
+    assert (found.layout, found.site.name) == (layout, name)
+    assert astuple(found.site)[1:] == pytest.approx(astuple(made.site)[1:])
+    assert found.start_s == pytest.approx(made.start_s)
+    same_light(found, made)
+    assert abs(minutes_behind_the_sun(found)) < 1.0
+    if write is not write_bsrn:  # of which they are not read
+        assert found.temperature_c == pytest.approx(15.0)
+        assert found.wind_m_per_s == pytest.approx(3.0)
 
 
 def test_months_of_several_years_become_one_typical_year(tmp_path):
@@ -129,24 +153,6 @@ def test_one_or_two_of_the_three_kinds_of_light_suffice(tmp_path):
         assert abs(minutes_behind_the_sun(found)) < 2.0
 
 
-@pytest.mark.parametrize(
-    "columns",
-    [
-        "Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd",
-        "Year,Month,Day,Hour,Minute,GHI,DNI,DHI,Temperature,Wind Speed",
-        "yr,mo,day,hr,global,beam,diffuse,dry bulb,wspd",
-    ],
-)
-def test_the_layout_of_the_system_advisor_model(tmp_path, columns):
-    record = clear_record(3)
-    found = load_weather(write_sam(tmp_path / "a.csv", record, columns))
-    assert (found.layout, found.site) == ("SAM", Site("Here", 46.8, 6.9, 491.0, 1.0))
-    assert found.start_s == pytest.approx(record.start_s)
-    same_light(found, record)
-    assert (found.temperature_c.max(), found.wind_m_per_s.max()) == (15.0, 3.0)
-    assert abs(minutes_behind_the_sun(found)) < 1.0
-
-
 def test_pvgis_hourly_takes_the_beam_back_to_its_normal(tmp_path):
     site = Site("", 45.0, 8.0, 250.0, 0.0)
     record = clear_record(3, site=site)
@@ -155,15 +161,6 @@ def test_pvgis_hourly_takes_the_beam_back_to_its_normal(tmp_path):
     # Instants at the half hour.
     assert found.start_s == pytest.approx(record.start_s)
     same_light(found, record, 0.03)  # hourly means divided by the sun's height at the half hour
-
-
-def test_bsrn_minutes(tmp_path):
-    site = Site("Somewhere", 46.8, 6.9, 491.0, 0.0)
-    record = clear_record(2, first="2016-06-01", interval_s=60.0, site=site)
-    found = load_weather(write_bsrn(tmp_path / "a.dat", record))
-    assert (found.layout, found.site.name) == ("BSRN", "Somewhere")
-    assert found.start_s == pytest.approx(record.start_s)
-    same_light(found, record)
 
 
 @pytest.mark.parametrize(
@@ -252,20 +249,6 @@ def test_mistakes_in_files_are_told_without_a_warning(tmp_path, write, old, new,
     with pytest.raises(InputError, match=message):
         load_weather(path)
     assert not recwarn.list
-
-
-@pytest.mark.parametrize("write", [write_epw, write_psm])
-@pytest.mark.parametrize(
-    ("offset_h", "longitude_deg"), [(5.5, 77.2), (5.75, 85.3), (-3.5, -52.7), (12.75, -176.5)]
-)
-def test_time_zones_of_parts_of_an_hour(tmp_path, write, offset_h, longitude_deg):
-    site = Site("There", 28.6, longitude_deg, 200.0, offset_h)
-    record = clear_record(2, site=site, interval_s=1800.0 if write is write_psm else 3600.0)
-    found = load_weather(write(tmp_path / "a.csv", record))
-    assert found.site.utc_offset_h == offset_h
-    assert found.start_s == pytest.approx(record.start_s)
-    same_light(found, record)
-    assert found.layout == ("NSRDB PSM" if write is write_psm else "EPW")
 
 
 @pytest.mark.parametrize(

@@ -165,8 +165,8 @@ def stepwise_flight_h(solar, load, store, node, days):
     return inf
 
 
-def rough_days(count):
-    """Suns that clouds break into pieces, and loads with thermals [W]."""
+def rough_days(limit, count=12):
+    """Suns that clouds break into pieces, loads with thermals [W], and their batteries."""
     rng = np.random.default_rng(11)
     clear = np.stack(
         [
@@ -176,19 +176,18 @@ def rough_days(count):
     )
     clouds = rng.uniform(0.0, 1.0, clear.shape) ** 0.5
     load = rng.uniform(15.0, 45.0, (count, 1)) * (1.0 + rng.uniform(0.0, 1.0, clear.shape))
-    return clear * clouds, load
+    energies = np.random.default_rng(12).uniform(50.0, 1500.0, count)
+    return clear * clouds, load, Store.of(battery(1.0, limit), energies)
 
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 def test_flights_over_broken_days_are_those_marched_step_by_step(limit):
-    solar, load = rough_days(12)
-    energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
+    solar, load, store = rough_days(limit)
     nodes = np.arange(24)
-    store = Store.of(battery(1.0, limit), energies)
     launches = np.repeat(HOURLY[nodes][:, np.newaxis], len(solar), axis=1)
     found = flight_time_h(HOURLY, solar, load, store, launches)
     ends = 0
-    for i, energy in enumerate(energies):
+    for i, energy in enumerate(store.battery_energy_wh):
         one = Store.of(battery(1.0, limit), energy)
         for node in nodes:
             expected = stepwise_flight_h(solar[i], load[i], one, int(node), 20)
@@ -203,9 +202,7 @@ def test_flights_over_broken_days_are_those_marched_step_by_step(limit):
 
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 def test_no_tried_launch_flies_longer_on_broken_days(limit):
-    solar, load = rough_days(12)
-    energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
-    store = Store.of(battery(1.0, limit), energies)
+    solar, load, store = rough_days(limit)
     launches = np.linspace(0.0, 24.0, 900, endpoint=False)[:, np.newaxis] + np.zeros(len(solar))
     tried = flight_time_h(HOURLY, solar, load, store, launches).max(axis=0)
     found = longest_flight(HOURLY, solar, load, store)

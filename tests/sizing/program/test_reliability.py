@@ -22,10 +22,12 @@ def with_inputs(**inputs):
     return load_aircraft("atlantiksolar-design", {"uncertainty": {"inputs": inputs}})
 
 
-@pytest.fixture(autouse=True)
-def _few_draws(monkeypatch):
-    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
-    monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 4000)
+@pytest.fixture(autouse=True, scope="module")
+def _few_draws():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
+        patch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 4000)
+        yield
 
 
 UNIFORM = {"distribution": "uniform", "low": 2.0, "high": 4.0}
@@ -37,10 +39,7 @@ def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSIO
 
 @pytest.fixture(scope="module")
 def reliable():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
-        patch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 4000)
-        return sized(0.9)
+    return sized(0.9)
 
 
 def test_other_draws_and_the_analysis_of_the_sized_aircraft_confirm_it(reliable):
@@ -186,7 +185,6 @@ def reached(name, changed, mission, points):
     return float(np.mean(flown.excess_time_h >= mission.required_excess_time_h))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changed", "span_m", "required_h"),
     [

@@ -26,11 +26,8 @@ MAX_EXCESS, MIN_SPAN, MIN_MASS = (
 )
 
 
-def table_limited():
-    measured = AS2.battery.charge_limit
-    plane = DESIGN
-    battery = plane.battery.model_copy(update={"charge_limit": measured})
-    return plane.model_copy(update={"battery": battery})
+TABLE = {"charge_limit": AS2.battery.charge_limit}
+TABLE_LIMITED = DESIGN.model_copy(update={"battery": DESIGN.battery.model_copy(update=TABLE)})
 
 
 class Case(NamedTuple):
@@ -49,12 +46,12 @@ CASES = {
     "rule, one day, excess": Case(DESIGN, mission(), MAX_EXCESS),
     "rule, range, span": Case(DESIGN, RANGE, MIN_SPAN, 6.0),
     "table, payload, mass": Case(
-        table_limited(), mission(payload={"mass_kg": 0.4, "power_w": 3.0}), MIN_MASS, 6.0
+        TABLE_LIMITED, mission(payload={"mass_kg": 0.4, "power_w": 3.0}), MIN_MASS, 6.0
     ),
     "rule, wind, mass": Case(DESIGN, mission(wind_m_per_s=9.0), MIN_MASS, 5.0),
     "no limit, free ratio, excess": Case(SKY_SAILOR, mission(), MAX_EXCESS),
     "no limit, free ratio, span": Case(SKY_SAILOR, mission(dates={"on": "06-10"}), MIN_SPAN, 2.0),
-    "table, range, excess": Case(table_limited(), RANGE, MAX_EXCESS),
+    "table, range, excess": Case(TABLE_LIMITED, RANGE, MAX_EXCESS),
     "rule, thermals, corrected, span": Case(
         DESIGN,
         mission(turbulence={"all_day": 0.05, "thermal": 0.3}),

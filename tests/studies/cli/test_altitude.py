@@ -24,8 +24,7 @@ def climb(tmp_path):
 
 
 def test_ceiling_writes_table_and_figure(run, tmp_path):
-    outcome = run("ceiling", AS2, "--step", "4000", "--csv", "a.csv", "--plot", "a.png")
-    assert outcome.code == 0
+    outcome = run("ceiling", AS2, "--step", "4000", "--csv", "a.csv", "--plot", "a.png").good()
     assert "perpetual flight up to" in outcome.out
     table = pd.read_csv(tmp_path / "a.csv")
     assert list(table["altitude_m"]) == [536.0, 4000.0, 8000.0, 12000.0, 16000.0, 20000.0]
@@ -68,9 +67,7 @@ def test_analyse_uses_the_climb(run, climb, tmp_path):
     printed = run("analyse", AS2, "-m", climb, "-v", "--plot", "c.png", "--csv", "c.csv").out
     for text in ("highest altitude", "3536 m", "gliding in the evening", "gained by climbing"):
         assert text in printed
-    outcome = run("analyse", AS2, "-m", climb, "--json")
-    assert outcome.code == 0
-    record = outcome.json()
+    record = run("analyse", AS2, "-m", climb, "--json").good().json()
     said = record["climb"]
     assert said["maximum_altitude_m"] == pytest.approx(3536.0)
     assert said["gliding_h"] > 1.0
@@ -101,16 +98,14 @@ def test_analyse_uses_the_climb(run, climb, tmp_path):
     ],
 )
 def test_commands_tell_that_the_flight_climbs(run, climb, tmp_path, words, said):
-    outcome = run(*words[:1], AS2, "-m", climb, *words[1:], "--plot", "climbs.svg")
-    assert outcome.code == 0
+    outcome = run(*words[:1], AS2, "-m", climb, *words[1:], "--plot", "climbs.svg").good()
     assert said in " ".join(outcome.out.split())
     assert "climbs" in (tmp_path / "climbs.svg").read_text()
 
 
 def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
     given = ("size", "atlantiksolar-design", "-m", climb, "--objective", "min_wingspan")
-    outcome = run(*given, "--out", "sized")
-    assert outcome.code == 0
+    outcome = run(*given, "--out", "sized").good()
     said = " ".join(outcome.out.split())
     assert "highest altitude 3536 m" in said
     assert "in level flight at 536 m: wingspan" in said
@@ -138,11 +133,9 @@ def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
 def test_resized_maps_and_sweeps_climb(run, climb, tmp_path):
     where = ("--latitudes", "40:50:10", "--days", "172:173:1")
     sized = ("atlantiksolar-design", "-m", climb)
-    outcome = run("map", *sized, *where, "--resize", "min_mass", "--json")
-    assert outcome.code == 0
+    run("map", *sized, *where, "--resize", "min_mass", "--json").good()
     heights = "mission.climb.ceiling_m=536,3536"
-    swept = run("sweep", *sized, "--vary", heights, "--resize", "min_mass", "--out", "swept.csv")
-    assert swept.code == 0
+    run("sweep", *sized, "--vary", heights, "--resize", "min_mass", "--out", "swept.csv").good()
     rows = pd.read_csv(tmp_path / "swept.csv", comment="#")
     level, high = rows["total_mass"]
     assert high < 0.95 * level

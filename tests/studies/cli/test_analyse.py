@@ -14,9 +14,7 @@ ANALYSE_KEYS = {
 
 
 def test_analysis_as_json(run):
-    outcome = run("analyse", AS2, "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-    record = outcome.json()
+    record = run("analyse", AS2, "--json").good().json()
     assert record.keys() >= ANALYSE_KEYS
     assert record["status"] == "perpetual"
     assert (record["model"], record["correction"]) == ("CAM", "none")
@@ -75,8 +73,7 @@ def test_a_mission_is_moved_in_one_way(run, mission, options, overrides):
     ids=lambda command: command[0],
 )
 def test_every_result_says_whose_it_is(run, command):
-    outcome = run(*command)
-    assert outcome.code == 0
+    outcome = run(*command).good()
     first, *others = outcome.out.splitlines()
     assert first.startswith(f"{command[1]} on rafz-july (default mission)")
     assert not [line for line in others if command[1] in line and "rafz-july" in line]
@@ -97,9 +94,9 @@ def test_every_result_says_whose_it_is(run, command):
 @pytest.mark.parametrize("correction", ["none", "loiter"])
 def test_polar_night_leaves_the_endurance_of_the_battery(run, tmp_path, model, correction):
     place = ("--latitude", "70", "--date", "12-21", "--model", model, "--correction", correction)
-    outcome = run("analyse", AS2, *place, "--plot", "a.png", "--csv", "a.csv", "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-    record = outcome.json()
+    record = (
+        run("analyse", AS2, *place, "--plot", "a.png", "--csv", "a.csv", "--json").good().json()
+    )
     assert record["status"] == "limited"
     assert record["solar_energy_wh"] == 0.0
     assert record["excess_time_h"] == pytest.approx(-24.0)
@@ -115,17 +112,14 @@ def test_polar_night_leaves_the_endurance_of_the_battery(run, tmp_path, model, c
 def test_a_polar_night_among_other_days(run):
     band = "mission.latitude_deg={from_deg: 50, to_deg: 80}"
     days = "mission.dates={from: 12-01, to: 12-31}"
-    outcome = run("analyse", AS2, "--set", band, "--set", days, "--json")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("analyse", AS2, "--set", band, "--set", days, "--json").good()
     assert {s["latitude_deg"] for s in outcome.json()["scenarios"] if not s["sunrise_h"]} == {80.0}
 
 
 def test_climbing_in_polar_night_gains_nothing(run):
     place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
     climb = ("--set", "mission.climb={ceiling_m: 2000}")
-    outcome = run("analyse", DESIGN, *place, *climb, "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-    record = outcome.json()
+    record = run("analyse", DESIGN, *place, *climb, "--json").good().json()
     assert record["excess_time_h"] == pytest.approx(-24.0)
     assert record["climb"]["gliding_h"] == 0.0
     assert record["climb"]["gain_in_excess_time_h"] == pytest.approx(0.0, abs=1e-9)
@@ -150,8 +144,7 @@ def test_climbing_in_polar_night_gains_nothing(run):
 def test_options_change_the_result(run, option, key, larger):
     before = run("analyse", AS2, "--json").json()
     options = [option] if option.startswith("--") else ["--set", option]
-    outcome = run("analyse", AS2, *options, "--json")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("analyse", AS2, *options, "--json").good()
     assert (outcome.json()[key] > before[key]) is larger
 
 
@@ -183,8 +176,7 @@ def test_trajectory_as_csv(run, tmp_path):
     [("a.png", b"\x89PNG\r\n\x1a\n"), ("a.PDF", b"%PDF-"), ("a.svg", b"<?xml")],
 )
 def test_figures(run, tmp_path, name, signature):
-    outcome = run("analyse", AS2, "--plot", name)
-    assert (outcome.code, outcome.err) == (0, "")
+    run("analyse", AS2, "--plot", name).good()
     assert (tmp_path / name).read_bytes().startswith(signature)
     assert files(tmp_path) == {name}
 

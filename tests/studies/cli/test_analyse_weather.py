@@ -13,8 +13,7 @@ AS2 = "atlantiksolar-as2"
 def test_a_record_is_flown_through_and_told(run, tmp_path):
     path = write_plain(tmp_path / "clear.csv", clear_record(6, first="2001-07-14"))
     table, figure = tmp_path / "days.csv", tmp_path / "days.png"
-    done = run("analyse", AS2, "--weather", path, "--csv", table, "--plot", figure)
-    assert done.code == 0
+    done = run("analyse", AS2, "--weather", path, "--csv", table, "--plot", figure).good()
     assert "6 of 6 days close" in done.out
     assert "(default mission)" in done.out
     rows = list(csv.DictReader(io.StringIO(table.read_text())))

@@ -34,11 +34,9 @@ def test_garbage_is_looked_for_from_the_first_file_on():
 
 
 def test_starters_validate_analyse_and_size(run, tmp_path):
-    outcome = run("init", "heron")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("init", "heron").good()
     assert files(tmp_path) == {"heron.yaml", "heron-mission.yaml"}
-    outcome = run("validate", "heron.yaml", "heron-mission.yaml")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("validate", "heron.yaml", "heron-mission.yaml").good()
     assert outcome.out == "heron.yaml: valid aircraft\nheron-mission.yaml: valid mission\n"
     mission = ("-m", "heron-mission.yaml", "--json")
     assert run("analyse", "heron.yaml", *mission).json()["aircraft"] == "heron"
@@ -131,8 +129,7 @@ def test_validation_reports_every_file(run, tmp_path):
 
 
 def test_list(run):
-    outcome = run("list")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("list").good()
     shipped = run("list", "--json").json()
     assert shipped.keys() == {"aircraft", "mission", "weather"}
     assert {AS2, DESIGN, "sky-sailor"} <= shipped["aircraft"].keys()
@@ -146,8 +143,7 @@ def test_list(run):
 
 @pytest.mark.parametrize("kind", ["cells", "batteries", "motors"])
 def test_list_of_a_catalogue(run, kind):
-    outcome = run("list", f"--{kind}")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("list", f"--{kind}").good()
     record = run("list", f"--{kind}", "--json").json()
     for name, one in record.items():
         assert name in outcome.out
@@ -158,8 +154,7 @@ def test_list_of_a_catalogue(run, kind):
 def test_show_prints_files_to_start_from(run, tmp_path):
     shipped = run("list", "--json").json()
     for name in (*shipped["aircraft"], *shipped["mission"]):
-        outcome = run("show", name)
-        assert (outcome.code, outcome.err) == (0, "")
+        outcome = run("show", name).good()
         (tmp_path / f"{name}-copy.yaml").write_text(outcome.out, encoding="utf-8")
         assert run("validate", f"{name}-copy.yaml").code == 0
 
@@ -272,19 +267,16 @@ def test_size_takes_place_and_day_as_analyse_does(run):
 def test_version_and_helps(run):
     assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
     for command in cli.cli.list_commands(click.Context(cli.cli)):
-        page = run(command, "-h")
-        assert (page.code, page.err) == (0, "")
+        page = run(command, "-h").good()
         assert re.match(rf"Usage: .*solar-uav {command} ", page.out)
 
 
 @pytest.mark.parametrize("command", [("analyse", AS2), ("size", DESIGN, "-m", "rafz-july")])
 def test_brackets_and_dollars_in_a_name(run, command):
-    outcome = run(*command, "--set", "name='[/]a[red]'")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run(*command, "--set", "name='[/]a[red]'").good()
     assert "[/]a[red]" in outcome.out
     if command[0] == "analyse":
-        outcome = run(*command, "--set", "name='$x^{2$'", "--plot", "a.png")
-        assert (outcome.code, outcome.err) == (0, "")
+        run(*command, "--set", "name='$x^{2$'", "--plot", "a.png").good()
 
 
 @pytest.mark.parametrize("name", ["", "a\nb", 5000 * "a"])

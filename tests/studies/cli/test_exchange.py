@@ -23,8 +23,7 @@ def leave_out(library, monkeypatch):
 
 def test_export_of_numbers(run, tmp_path):
     names = ("d.tex", "d.csv", "d.py")
-    done = run("export", DESIGN, *(word for name in names for word in ("--out", name)))
-    assert (done.code, done.err) == (0, "")
+    done = run("export", DESIGN, *(word for name in names for word in ("--out", name))).good()
     assert [line.rpartition(" ")[2] for line in done.out.splitlines()] == list(names)
     assert files(tmp_path) == set(names)
     table = pd.read_csv(tmp_path / "d.csv").set_index("key")["value"]
@@ -62,8 +61,7 @@ def test_export_of_several_files_writes_those_that_it_can(run, tmp_path, monkeyp
 def test_export_for_avl_and_openvsp(run, tmp_path):
     pytest.importorskip("aerosandbox")
     names = ("w.avl", "w.vspscript", "w.py")
-    made = run("export", "sky-sailor", *(word for name in names for word in ("--out", name)))
-    assert made.code == 0
+    run("export", "sky-sailor", *(word for name in names for word in ("--out", name))).good()
     assert files(tmp_path) == set(names)
     texts = [(tmp_path / name).read_text(encoding="utf-8") for name in names]
     assert all("(areas 0.0679 and 0.00873 m²," in text for text in texts)

@@ -35,8 +35,7 @@ CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
 def test_commands_tell_of_the_wind_once(run, command, count):
-    told = run(*command, "-v")
-    assert told.code == 0
+    told = run(*command, "-v").good()
     text = " ".join(told.out.split())
     assert text.count(HEAD) == 1
     assert text.count("range of flight that holds its place in the wind, from 50 m/s") == 1

@@ -22,9 +22,7 @@ SIZED_FILES = {
 
 
 def test_sizing_as_json(run):
-    outcome = run("size", DESIGN, "-m", "rafz-july", *LONGEST, "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-    record = outcome.json()
+    record = run("size", DESIGN, "-m", "rafz-july", *LONGEST, "--json").good().json()
     assert record.keys() >= SIZE_KEYS
     assert record["status"] == "optimal"
     assert sum(record["masses_kg"].values()) == pytest.approx(record["total_mass_kg"], rel=1e-6)
@@ -47,8 +45,7 @@ def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run):
 
 def test_files_of_a_sizing(run, tmp_path):
     folder = tmp_path / "new" / "design"
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder))
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder)).good()
     assert files(folder) == SIZED_FILES
     assert files(folder.parent) == {"design"}
     record = outcome.json()
@@ -71,17 +68,14 @@ def test_excess_time_without_end_is_null_and_told_in_words(run, tmp_path):
     place = ("--set", "mission.latitude_deg=90", "--set", "mission.dates={on: 06-21}")
     asked = ("size", DESIGN, "-m", "rafz-july", *LONGEST, *place)
     asked += ("--sensitivities", "--cross-check")
-    outcome = run(*asked, "--json", "--out", "pole")
-    assert (outcome.code, outcome.err) == (0, "")
-    record = outcome.json()
+    record = run(*asked, "--json", "--out", "pole").good().json()
     assert record["status"] == "optimal"
     assert record["objective"]["value"] is None
     assert record["sensitivities"] == []
     assert record["cross_check"]["cross_checked"]
     assert record["cross_check"]["advantage"] == 0.0
     assert files(tmp_path / "pole") == SIZED_FILES
-    text = run(*asked, "-v")
-    assert (text.code, text.err) == (0, "")
+    text = run(*asked, "-v").good()
     assert "unlimited excess time" in text.out
     assert re.search(r"\b(inf|nan)\b", text.out) is None
 
@@ -109,14 +103,11 @@ def test_infeasible_sizing_says_why_and_writes_nothing(run, tmp_path, override, 
 def test_wing_covered_whole_is_written_and_read_again(run):
     whole = ("--set", "airframe.maximum_module_coverage=1")
     asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan", *whole)
-    outcome = run(*asked, "--out", "whole")
-    assert (outcome.code, outcome.err) == (0, "")
-    again = run("analyse", "whole/aircraft.yaml", "-m", "rafz-july")
-    assert (again.code, again.err) == (0, "")
+    outcome = run(*asked, "--out", "whole").good()
+    run("analyse", "whole/aircraft.yaml", "-m", "rafz-july").good()
     # So is the report of one in a wind too strong for the path.
     windy = ("--set", "mission.wind_m_per_s=9", "--report", "r.html")
-    outcome = run("size", DESIGN, "-m", "rafz-july", *windy)
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *windy).good()
     assert outcome.out.endswith("written to r.html\n")
 
 

@@ -21,8 +21,7 @@ def test_terminal_json_and_files_say_the_same(run, tmp_path):
     share = np.array(record["share_on_station"])
     assert share.shape == (2, 12)
     assert share.max() > 0.5
-    outcome = run(*call, "--out", "a.csv", "--plot", "a.png")
-    assert outcome.code == 0
+    outcome = run(*call, "--out", "a.csv", "--plot", "a.png").good()
     assert f"up to {100.0 * share.max():.0f} % of the time" in " ".join(outcome.out.split())
     with xr.open_dataset(tmp_path / "a.nc") as data:
         assert np.array_equal(data["share"].to_numpy(), share)
@@ -82,8 +81,7 @@ def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(run, tmp_pat
     assert alone == pytest.approx(flown["excess_time_h"], abs=1e-6)
     shown = run("map", "atlantiksolar-as2", *where, *cells)
     assert "too windy for the path" in shown.out
-    every = run("map", "atlantiksolar-as2", *where, "--latitudes", "60:70:10", "--days", "1:31:30")
-    assert every.code == 0
+    run("map", "atlantiksolar-as2", *where, "--latitudes", "60:70:10", "--days", "1:31:30").good()
     # The mission's own place is none of the cells, however windy it is.
     windy = [*where, "--set", "mission.latitude_deg=60", "--set", "mission.dates.on=01-01"]
     assert run("analyse", "atlantiksolar-as2", *windy).code == 2
@@ -104,8 +102,7 @@ def test_cells_of_designs_too_windy_for_the_path_say_so(run, tmp_path):
     where += ["--set", "mission.flight_path.airspeed_m_per_s=8.6"]
     sized = ("map", DESIGN, "--resize", "min_mass", *where, "--latitudes", "30:40:10")
     out = tmp_path / "m.nc"
-    shown = run(*sized, "--days", "152:182:30", "--out", str(out))
-    assert shown.code == 0
+    shown = run(*sized, "--days", "152:182:30", "--out", str(out)).good()
     assert "too windy for the path" in shown.out
     assert "failed" not in shown.out + shown.err
     with xr.open_dataset(out) as data:
@@ -121,8 +118,7 @@ def test_cells_of_designs_too_windy_for_the_path_say_so(run, tmp_path):
     assert alone["least_total_mass_kg"][1] == pytest.approx(mass, rel=1e-3)
     assert "too_windy_days" not in alone
     # Nothing but windy cells is a result as well.
-    every = run(*sized[:-2], "--latitudes", "40:50:10", "--days", "152:153:1", "--json")
-    assert every.code == 0
+    every = run(*sized[:-2], "--latitudes", "40:50:10", "--days", "152:153:1", "--json").good()
     assert every.json()["too_windy_days"] == [2, 2]
     assert every.json()["failed_days"] == [0, 0]
 
@@ -141,8 +137,7 @@ def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(run, tm
 
 @pytest.mark.slow
 def test_an_aircraft_climbs_in_the_winds_that_it_holds(run):
-    unheld = run("analyse", DESIGN, *HOLDING, *CEILING)  # the jet stream at 12 km
-    assert unheld.code == 0
+    unheld = run("analyse", DESIGN, *HOLDING, *CEILING)  # the jet stream at 12 km.good()
     assert "nowhere" in unheld.out
     climbs = ("--set", "mission.altitude_m=18000", *CEILING)
     analysed = run("analyse", DESIGN, *HOLDING, *climbs, "--json").json()

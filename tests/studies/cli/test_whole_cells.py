@@ -30,8 +30,7 @@ def test_record_has_cells_and_loss(run):
 @pytest.mark.slow
 def test_folder_has_the_figure_and_a_file_that_flies_the_same(run, tmp_path):
     folder = tmp_path / "sized"
-    outcome = run(*SIZE, *CELLS, "--out", str(folder), "--report", str(tmp_path / "page.html"))
-    assert outcome.code == 0
+    run(*SIZE, *CELLS, "--out", str(folder), "--report", str(tmp_path / "page.html")).good()
     assert "cells.png" in files(folder)
     record = json.loads((folder / "results.json").read_text())
     flown = run("analyse", str(folder), "--json").json()
@@ -48,8 +47,7 @@ def test_analysis_of_a_file_with_cells_tells_them(run):
     voltage = (
         "battery.voltage={cells_in_series: 6, state_of_charge: [0, 1], cell_voltage_v: [3, 4.2]}"
     )
-    outcome = run("analyse", "atlantiksolar-design", *CELLS, "--set", voltage, "-v")
-    assert outcome.code == 0
+    outcome = run("analyse", "atlantiksolar-design", *CELLS, "--set", voltage, "-v").good()
     text = " ".join(outcome.out.split())
     assert "solar cells: 88, each half of the wing 2 rows of 22" in text
     for fact in ("cells in series 6", "cells in parallel 10", "empty 18.0 V", "full 25.2 V"):

@@ -155,8 +155,7 @@ def edge(axis, value, side):
 def test_a_map_as_a_table_has_a_row_for_each_cell(run, tmp_path):
     call = ["map", "atlantiksolar-as2", "--latitudes", "-80:80:40", "--days", "1:365:91"]
     for name in ("map.csv", "map.nc"):
-        answer = run(*call, "--out", str(tmp_path / name))
-        assert answer.code == 0
+        run(*call, "--out", str(tmp_path / name)).good()
     table = pd.read_csv(tmp_path / "map.csv", comment="#")
     configuration = json.loads((tmp_path / "map.csv").read_text().splitlines()[0].removeprefix("#"))
     assert json.loads(configuration["aircraft"])["name"] == "atlantiksolar-as2"
@@ -174,9 +173,7 @@ def test_resized_map_tells_an_excess_time_without_end(run, tmp_path):
     picture = tmp_path / "map.png"
     where = ["--latitudes", "90:90:1", "--days", "172:177:5"]
     command = ["map", "atlantiksolar-design", *where, "--resize", "max_excess_time"]
-    answer = run(*command, "--json", "--plot", str(picture))
-    assert answer.code == 0
-    record = answer.json()
+    record = run(*command, "--json", "--plot", str(picture)).good().json()
     assert record["infeasible_days"] == [0]
     assert record["least_excess_time_h"] == [None]
     assert picture.read_bytes().startswith(b"\x89PNG")

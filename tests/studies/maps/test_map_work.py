@@ -62,8 +62,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     monkeypatch.setattr(map_cells, "_cells", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
-    answer = run("map", *SMALL, "--out", "again.nc", "--work", "map.nc.parts")
-    assert answer.code == 0
+    run("map", *SMALL, "--out", "again.nc", "--work", "map.nc.parts").good()
     xr.testing.assert_identical(first, xr.load_dataset(tmp_path / "again.nc", engine="h5netcdf"))
     assert not (tmp_path / "map.nc.parts").exists()
 
@@ -211,8 +210,7 @@ def test_sized_map_follows_cf_and_survives_its_file(sized, tmp_path):
 
 def test_table_counts_the_cross_checked_designs(run):
     asked = ["atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"]
-    answer = run("map", *asked, "--latitudes", "0:75:75", "--days", "172:355:183")
-    assert answer.code == 0
+    answer = run("map", *asked, "--latitudes", "0:75:75", "--days", "172:355:183").good()
     degree = "\N{DEGREE SIGN}"
     lines = answer.out.splitlines()
     rows = {row.split(degree)[0]: row.split() for row in lines if degree in row[:5]}

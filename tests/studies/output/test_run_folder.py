@@ -33,9 +33,8 @@ def contents(folder):
     ids=" ".join,
 )
 def test_the_folder_of_a_sizing_gives_the_excess_time_of_the_sizing(run, tmp_path, options):
-    outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "a/design", "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-    sized = outcome.json()
+    asked = ("size", DESIGN, "-m", "rafz-july", *options, "--out", "a/design", "--json")
+    sized = run(*asked).good().json()
     folder = tmp_path / "a" / "design"
     assert contents(folder)[1] == sized
     assert run("validate", "a/design/aircraft.yaml", "a/design/mission.yaml").code == 0
@@ -101,8 +100,7 @@ def test_files_of_ones_own_go_with_the_folder(run, tmp_path, monkeypatch):
     )
     chosen = ("--set", "modules.cell=cell.yaml", "--set", "battery.cell=samsung-35e")
     asked = ("size", DESIGN, "-m", "rafz-july", "--set", aerodynamics, *chosen)
-    sized = run(*asked, "--out", "design", "--json")
-    assert (sized.code, sized.err) == (0, "")
+    sized = run(*asked, "--out", "design", "--json").good()
     taken = {one["key"]: one for one in sized.json()["from_catalogues"]}
     assert taken["modules.efficiency_stc"]["source"] == "measured by us"
     (tmp_path / "mine.csv").unlink()
@@ -132,8 +130,7 @@ def test_files_of_ones_own_go_with_the_folder(run, tmp_path, monkeypatch):
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
 def test_every_folder_is_complete(run, tmp_path, arguments, own):
-    outcome = run(*arguments, "--out", "results", "--json")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run(*arguments, "--out", "results", "--json").good()
     assert files(tmp_path / "results") == COMMON | own
     assert contents(tmp_path / "results")[1] == outcome.json()
     flown = run("analyse", "results", "--json").json()
@@ -174,8 +171,7 @@ def test_a_table_beside_the_aircraft_is_found_from_anywhere(run, tmp_path, monke
         "design_reynolds: 200000}"
     )
     (folder / "craft.yaml").write_text(craft[:start] + aerodynamics + craft[end:])
-    outcome = run("analyse", "mine/craft.yaml", "--json")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run("analyse", "mine/craft.yaml", "--json").good()
     monkeypatch.chdir(folder)
     assert run("analyse", "craft.yaml", "--json").json() == outcome.json()
     assert run("validate", "craft.yaml").code == 0

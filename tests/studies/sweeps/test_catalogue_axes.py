@@ -75,8 +75,9 @@ def test_one_key_at_a_time_starts_from_the_files_own():
 def test_names_on_the_command_line(run, tmp_path):
     vary = ("--vary", "battery.cell=samsung-35e,amprius-450")
     calls = ("sweep", "atlantiksolar-design", "-m", "rafz-july", "--resize", "min_mass", *vary)
-    outcome = run(*calls, "--out", "found.csv", "--plot", "found.png", "--sort", "battery_cell")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = run(
+        *calls, "--out", "found.csv", "--plot", "found.png", "--sort", "battery_cell"
+    ).good()
     assert "amprius-450" in outcome.out
     assert (tmp_path / "found.png").stat().st_size > 1_000
     table = pd.read_csv(tmp_path / "found.csv", comment="#")
