@@ -19,13 +19,7 @@ from sizing.day.metrics import ENDS, Status
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective
-from sizing.validity.checks import (
-    at_highest,
-    charge_rate_check,
-    correction_check,
-    design_checks,
-    wind_check,
-)
+from sizing.validity import checks as validity
 from sizing.validity.extrapolations import add_effects, collect_extrapolations
 from sizing.validity.ranges import Check, Extrapolation
 from solar.types import FloatArray
@@ -97,7 +91,7 @@ def _metrics_of(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
     if "wind" in configuration.keys:
         columns["wind"] = _known_winds(mission, scenarios)
     most_w = result.solar_power_w.max(axis=-1)
-    for check in charge_rate_check(configuration.aircraft, mission, result.design, most_w):
+    for check in validity.charge_rate_check(configuration.aircraft, mission, result.design, most_w):
         columns["charge_rate"] = check.value
     return columns
 
@@ -137,13 +131,13 @@ def extrapolations_of_cells(
     design, calm, in_wind = design_of(aircraft, mission), mission, list[Check]()
     if "wind" in columns:  # the wind of each cell replaces the mission's
         calm, winds = mission.in_wind(0.0), columns["wind"][known]
-        in_wind += wind_check(design, mission.wind_to_beat_m_per_s(winds))
-    of_design = list(design_checks(aircraft, calm, design, solar))
+        in_wind += validity.wind_check(design, mission.wind_to_beat_m_per_s(winds))
+    of_design = list(validity.design_checks(aircraft, calm, design, solar))
     if MAXIMUM_ALTITUDE.variable in columns:
         highest_m = columns[MAXIMUM_ALTITUDE.variable][known]
-        of_design = at_highest(of_design, aircraft, calm, solar, highest_m)
+        of_design = validity.at_highest(of_design, aircraft, calm, solar, highest_m)
     scenarios = scenarios_of(cells[known])
-    checks = [*in_wind, *of_design, *correction_check(scenarios, solar, mission)]
+    checks = [*in_wind, *of_design, *validity.correction_check(scenarios, solar, mission)]
     if "charge_rate" in columns:
         checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
     extrapolations = collect_extrapolations(checks, of=int(known.sum()), what="cells")

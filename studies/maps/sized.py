@@ -18,12 +18,7 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.program import cells as cell_sizing
 from sizing.program.cells import CellSizings
 from sizing.program.objectives import SizingStatus
-from sizing.validity.checks import (
-    charge_rate_check,
-    charge_rate_is_open,
-    correction_check,
-    design_checks,
-)
+from sizing.validity import checks as validity
 from sizing.validity.extrapolations import cell_texts
 from solar.types import FloatArray
 from studies.maps.cells import MapConfiguration, scenarios_of
@@ -103,12 +98,12 @@ def _extrapolations_of_cells(
     sized = np.isin(sizings.status, SIZED)
     design = parametric_design(aircraft, mission, sizings.variables, sizings.total_mass_kg)
     checks = [
-        *design_checks(aircraft, mission, design, solar),
-        *correction_check(scenarios, solar, mission),
+        *validity.design_checks(aircraft, mission, design, solar),
+        *validity.correction_check(scenarios, solar, mission),
     ]
-    if charge_rate_is_open(aircraft):
+    if validity.charge_rate_is_open(aircraft):
         day = solar_day(aircraft, mission, solar, scenarios=scenarios)
         peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * sizings.variables.module_area_m2
-        checks += charge_rate_check(aircraft, mission, design, peak_w)
+        checks += validity.charge_rate_check(aircraft, mission, design, peak_w)
     texts = cell_texts(checks, len(scenarios))
     return [text if there else "" for text, there in zip(texts, sized, strict=True)]
