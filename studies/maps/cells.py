@@ -26,10 +26,6 @@ from solar.types import FloatArray
 from studies.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from studies.study import merged
 
-# Cells simulated at once: their arrays over one day take some 10 MB each.
-_CELLS_AT_ONCE = 4096
-_CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels
-
 
 @dataclass(frozen=True)
 class MapConfiguration:
@@ -53,17 +49,9 @@ def scenarios_of(cells: FloatArray) -> Scenarios:
 def fixed_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
     """Compute metrics of cells, columns of :func:`studies.maps.study.feasibility_map`.
 
-    Cells do not depend on each other: a map may be computed in parts of any size.
+    Cells do not depend on each other; where the wind is too strong for the model's path, they are
+    blank.
     """
-    climbs = configuration.mission.climb is not None
-    at_once = _CLIMBING_AT_ONCE if climbs else _CELLS_AT_ONCE
-    starts = range(0, len(cells), at_once)
-    parts = [_cells(configuration, cells[i : i + at_once]) for i in starts]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
-def _cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
-    """Compute metrics of cells; blank where the wind is too strong for the model's path."""
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     troubles = solar.path_troubles(aircraft, mission, scenarios_of(cells))
     able = np.array([trouble is None for trouble in troubles])

@@ -55,7 +55,6 @@ def test_parts_of_a_map_are_the_map_to_the_last_digit():
 def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch):
     latitudes, days = np.linspace(-66.0, 66.0, 5), np.arange(1, 366, 30)
     whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
-    monkeypatch.setattr("studies.maps.cells._CELLS_AT_ONCE", 50)
     monkeypatch.setattr("sizing.day.cycle.CELLS_AT_ONCE", 7)
     monkeypatch.setattr("sizing.day.flight._AT_ONCE", 100)
     monkeypatch.setattr("solar.horizontal_models._POINTS_AT_ONCE", 333)

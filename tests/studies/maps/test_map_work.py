@@ -59,7 +59,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     def refuse(*arguments):
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(map_cells, "_cells", refuse)
+    monkeypatch.setattr(map_cells, "_metrics_of", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
     run("map", *SMALL, "--out", "again.nc", "--work", "map.nc.parts").good()
@@ -67,7 +67,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     assert not (tmp_path / "map.nc.parts").exists()
 
 
-cells_of = map_cells._cells
+cells_of = map_cells._metrics_of
 
 
 def failing(configuration, cells):
@@ -77,7 +77,7 @@ def failing(configuration, cells):
 
 
 def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(map_cells, "_cells", failing)
+    monkeypatch.setattr(map_cells, "_metrics_of", failing)
     answer = run("map", *SMALL, "--out", "map.nc", "--workers", "1", "--json")
     assert answer.code == 1
     said = "1 of 60 cells failed; the first: FloatingPointError: not today"
@@ -108,7 +108,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypa
 
 
 def test_where_every_cell_fails_there_is_no_file(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(map_cells, "_cells", failing)
+    monkeypatch.setattr(map_cells, "_metrics_of", failing)
     cell = ("--latitudes", "44", "--days", "81", "--workers", "1")
     answer = run("map", "atlantiksolar-as2", *cell, "--out", "map.nc")
     assert answer.code == 1
@@ -288,7 +288,7 @@ def test_python_names_what_a_model_needs():
 
 
 def test_python_warns_of_failed_cells_and_raises_where_all_failed(monkeypatch):
-    monkeypatch.setattr(map_cells, "_cells", failing)
+    monkeypatch.setattr(map_cells, "_metrics_of", failing)
     with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
         data = feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[81])
     assert data["status"].values[:, 0].tolist()[1] == Status.failed
