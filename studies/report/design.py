@@ -107,7 +107,6 @@ def sizing_section(subject: Subject) -> Section | None:
         blocks.append(limits_line(active, subject.aircraft, keys=True))
     cells = sizing.get("whole_cells")
     blocks += [] if cells is None else [loss_line(cells, objective)]
-    blocks += record_blocks(sizing, objective)
     if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Line("The sensitivities were not computed.", "faint"))
     record = sizing.get("cross_check")
@@ -118,7 +117,7 @@ def sizing_section(subject: Subject) -> Section | None:
         blocks.append(Line(line, "good" if check.cross_checked else "warning"))
     elif not objective.of_range:
         blocks.append(Line("The optimum was not cross-checked.", "faint"))
-    return Section("sizing", "Sizing", blocks)
+    return Section("sizing", "Sizing", [*blocks, *record_blocks(sizing, objective)])
 
 
 def _objective_lines(sizing: Mapping[str, Any], objective: Objective) -> Iterator[str]:

@@ -39,8 +39,10 @@ def test_folder_has_the_figure_and_a_file_that_flies_the_same(run, tmp_path):
     page = (tmp_path / "page.html").read_text()
     assert "Loss by whole cells" in page
     assert f"{record['whole_cells']['chosen']['cells']} solar cells; horizontal tail" in page
-    # Every cell is drawn, in the wide and the narrow drawing.
-    assert page.count('class="module"') >= 2 * record["whole_cells"]["chosen"]["cells"]
+    # Every cell is drawn.
+    _, _, views = page.partition('aria-labelledby="views-drawn')
+    drawn = views.partition("</svg>")[0]
+    assert drawn.count("<path") >= record["whole_cells"]["chosen"]["cells"]
 
 
 def test_analysis_of_a_file_with_cells_tells_them(run):
