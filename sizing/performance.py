@@ -88,16 +88,47 @@ class Performance:
 
     def of_designs(self, designs: int | slice | BoolArray) -> Performance:
         """Return the flights of a part of a batch of designs; of one without an axis for it."""
-        energy_wh = np.broadcast_to(self.store.battery_energy_wh, self.cycle.status.shape)
+        shape = self.cycle.status.shape
+        energy_wh = np.broadcast_to(self.store.battery_energy_wh, shape)
+        elements = np.arange(self.cycle.status.size).reshape(shape)[designs].ravel()
         return replace(
             self,
             design=picked(self.design, designs),
+            levels=None if self.levels is None else self.levels.select(elements),
             solar_power_w=self.solar_power_w[designs],
             load_w=self.load_w[designs],
             nominal_load_w=self.nominal_load_w[designs],
             store=replace(self.store, battery_energy_wh=energy_wh[designs]),
             cycle=self.cycle.mapped(lambda values: values[designs]),
             altitude_m=None if self.altitude_m is None else self.altitude_m[designs],
+            program_excess_h=None
+            if self.program_excess_h is None
+            else self.program_excess_h[designs],
+        )
+
+    def reshaped(self, shape: tuple[int, int]) -> Performance:
+        """Return flights of designs that are each in a scenario as a batch in several.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Number of designs, each of which follows itself so often, and of their scenarios.
+
+        Returns
+        -------
+        Performance
+        """
+        store, altitude_m, program_h = self.store, self.altitude_m, self.program_excess_h
+        return replace(
+            self,
+            design=picked(self.design, slice(None, None, shape[1])),
+            solar_power_w=self.solar_power_w.reshape(*shape, -1),
+            load_w=self.load_w.reshape(*shape, -1),
+            nominal_load_w=self.nominal_load_w.reshape(shape),
+            store=replace(store, battery_energy_wh=store.battery_energy_wh.reshape(shape)),
+            cycle=self.cycle.reshaped(shape),
+            altitude_m=None if altitude_m is None else altitude_m.reshape(*shape, -1),
+            program_excess_h=None if program_h is None else program_h.reshape(shape),
         )
 
     def replaced_in(self, scenarios: BoolArray, other: Performance) -> Performance:

@@ -21,11 +21,11 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from sizing.design import DesignVariables, picked, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
-from sizing.program.climbing import Profile, simulate
+from sizing.program.climbing import Profile, fly_along, heights_along, simulate
 from sizing.program.corrections import neighbours
 from sizing.program.cross_check import random_factors
 from sizing.program.objectives import Objective, refuse_range
@@ -38,7 +38,7 @@ from sizing.program.result import (
     merit_of,
     objective_value,
 )
-from sizing.program.search import Search
+from sizing.program.search import Flights, Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import lagrange
@@ -203,10 +203,17 @@ class _Cells:
         rounds = {cell: search.rounds() for cell, search in searches.items()}
         needed = {cell: next(steps) for cell, steps in rounds.items()}
         while needed:
-            near = {cell: neighbours(searches[cell].task, it) for cell, it in needed.items()}
+            near = {
+                cell: neighbours(searches[cell].task, it.values)
+                for cell, it in needed.items()
+                if it.best_in is None
+            }
             profiles = {cell: searches[cell].profiles for cell in near}
+            best = {cell: it for cell, it in needed.items() if cell not in near}
+            flights = self._simulated(near, profiles, keep=True) if near else {}
+            flights |= self._best(best) if best else {}
             needed = {}
-            for cell, perf in self._simulated(near, profiles, keep=True).items():
+            for cell, perf in flights.items():
                 with suppress(StopIteration):
                     needed[cell] = rounds[cell].send(perf)
         for cell, search in searches.items():
@@ -231,51 +238,70 @@ class _Cells:
         ``of_others``: along those of another design, as far as each can.
         """
         first = self.tasks[0]
-        mission = first.mission  # whose flights are no batch of pairs
-        if mission.climb is not None or mission.holds_station or first.window_h is not None:
+        if first.window_h is not None:  # whose days are no batch
             return {
-                cell: simulate(self.tasks[cell], values, profiles[cell], of_others=of_others)
+                cell: simulate(self.tasks[cell], values, profiles[cell])
                 for cell, values in designs.items()
             }
         cells = np.repeat(list(designs), [len(values) for values in designs.values()])
-        perf = self.performance(list(chain.from_iterable(designs.values())), cells, keep=keep)
+        places = cells[:, np.newaxis] * first.count + np.arange(first.count)
+        heights_m = None
+        if first.mission.climb is not None:
+            along = [heights_along(self.tasks[cell], profiles[cell]) for cell in designs]
+            count = [len(values) for values in designs.values()]
+            heights_m = np.concatenate(
+                [np.tile(rows, (n, 1)) for rows, n in zip(along, count, strict=True)]
+            )
+        every = list(chain.from_iterable(designs.values()))
+        perf = self._fly(every, cells, places, heights_m, keep=keep, of_others=of_others)
         flights: dict[int, Performance] = {}
         for cell in designs:
             task, of_cell = self.tasks[cell], perf.of_designs(cells == cell)
             flights[cell] = replace(of_cell, mission=task.mission, day=task.day)
         return flights
 
-    def performance(
-        self, designs: Sequence[Values], cells: IntArray, *, keep: bool = False
+    def _fly(
+        self,
+        designs: Sequence[Values],
+        cells: IntArray,
+        places: IntArray,
+        heights_m: FloatArray | None = None,
+        *,
+        keep: bool = False,
+        of_others: bool = False,
     ) -> Performance:
-        """Simulate designs in the scenarios of their cells, which are the last axis of a batch."""
-        first, each, names = self.tasks[0], self.tasks[0].count, set(_PAYLOADS)
+        """Simulate designs of cells, each in its ``places``: scenarios of all cells."""
+        first, shape = self.tasks[0], places.shape
+        names = {*_PAYLOADS, *first.design_variables(designs[0]).chosen()}
         pairs = list(zip(cells.tolist(), designs, strict=True))
         chosen = [self.tasks[c].held | self.tasks[c].design_variables(d).chosen() for c, d in pairs]
-        names |= first.design_variables(designs[0]).chosen().keys()
         columns = {name: np.array([values[name] for values in chosen]) for name in names}
-        places = cells[:, np.newaxis] * each + np.arange(each)
-        variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, each))
-        perf = fly(
+        variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, shape[1]))
+        aircraft, mission, day = (
             first.simulated_aircraft,
             first.mission,
-            first.solar,
-            closed_design(first.simulated_aircraft, first.mission, variables),
             self.day.at(places.ravel()),
-            keep_trajectory=keep,
-            paired=True,
         )
-        shape = len(cells), each
-        store = perf.store
-        return replace(
-            perf,
-            design=picked(perf.design, slice(None, None, each)),
-            solar_power_w=perf.solar_power_w.reshape(*shape, -1),
-            load_w=perf.load_w.reshape(*shape, -1),
-            nominal_load_w=perf.nominal_load_w.reshape(shape),
-            store=replace(store, battery_energy_wh=store.battery_energy_wh.reshape(shape)),
-            cycle=perf.cycle.reshaped(shape),
+        design = closed_design(aircraft, mission, variables)
+        case = aircraft, mission, first.solar, design, day
+        perf = (
+            fly(*case, keep_trajectory=keep, paired=True)
+            if heights_m is None
+            else fly_along(*case, heights_m, paired=True, of_others=of_others)
         )
+        return perf.reshaped(shape)
+
+    def _best(self, needed: Mapping[int, Flights]) -> dict[int, Performance]:
+        """Simulate designs along their best heights, each in scenarios of its cell."""
+        pairs = [
+            (cell, it.values, cell * self.tasks[cell].count + number)
+            for cell, it in needed.items()
+            if it.best_in is not None
+            for number in it.best_in.tolist()
+        ]
+        cells, designs, places = (list(column) for column in zip(*pairs, strict=True))
+        perf = self._fly(designs, np.array(cells), np.array(places)[:, np.newaxis], keep=True)
+        return {cell: perf.of_designs(np.array(cells) == cell) for cell in needed}
 
     def _checked(self, kept: IntArray, merits: FloatArray, seed: int) -> NDArray[np.bool_]:
         """Return whether no random neighbour of a design is better by more than the tolerance.

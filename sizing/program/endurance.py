@@ -55,7 +55,7 @@ def longest_flight_of_all(
     repeated = mission.model_copy(update={"flight": None})
     day = solar_day(aircraft, repeated, solar)
     task = SizingTask(aircraft, repeated, Objective.max_excess_time, solar, day, required_h)
-    search = Search(task).run()
+    search = Search(task, in_the_dark=True).run()
     best, report = None, search.report
     while (longest := _longest_of(task, search)) is not None:
         gained_h = longest.hours - (0.0 if best is None else best.hours)

@@ -11,12 +11,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Generator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
-from sizing.design import NO_FLIGHT_W, picked, variables_of
+from sizing.design import NO_FLIGHT_W, variables_of
+from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, simulate
 from sizing.program.corrections import (
@@ -33,7 +36,7 @@ from sizing.program.start import most_promising
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import FIRST_MARGIN
 from sizing.program.variables import TOTAL_MASS
-from solar.types import FloatArray
+from solar.types import FloatArray, IntArray
 
 MOST_BLOCKS = 3  # scenarios in the program: those that hold a design back are few
 _MOST_ROUNDS = 12  # a search that has not ended by then goes to and fro
@@ -45,6 +48,16 @@ _NEAR = 0.15  # relative change of a design within which its linearisation holds
 # of a step that turns back.
 _REACH = 0.5
 _LEAST_REACH = 1e-3
+
+
+class Flights(NamedTuple):
+    """What a search asks of the simulator: flights of a design and its neighbours.
+
+    ``best_in``: instead the design alone in some scenarios, along its best heights.
+    """
+
+    values: Values
+    best_in: IntArray | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +122,7 @@ class Search:
     ``first``: values to start from; those of the most promising design of a grid where there are
     none. ``scenarios``: what is known of those that are or were in the program. ``warm``: solution
     for a similar task, whose multipliers the first program starts from. ``active_set``: solver that
-    is tried first.
+    is tried first. ``in_the_dark``: whether the nearest design is looked for where there is no sun.
     """
 
     task: SizingTask
@@ -118,6 +131,7 @@ class Search:
     scenarios: dict[int, Scenario] = field(default_factory=dict)
     warm: Solution | None = None
     active_set: ActiveSet | None = None
+    in_the_dark: bool = False
     best: JudgedDesign | None = None
     nearest: JudgedDesign | None = None
     status: SizingStatus = SizingStatus.not_converged
@@ -130,17 +144,22 @@ class Search:
     def run(self) -> Search:
         """Search until program and simulator agree."""
         rounds = self.rounds()
-        values = next(rounds, None)
-        while values is not None:
-            perf = simulate(self.task, neighbours(self.task, values), self.profiles)
-            try:
-                values = rounds.send(perf)
-            except StopIteration:
-                values = None
+        with suppress(StopIteration):
+            needed = next(rounds)
+            while True:
+                needed = rounds.send(self._simulated(needed))
         return self
 
-    def rounds(self) -> Generator[Values, Performance, None]:
-        """Search, yielding every design whose flight, with its neighbours', is needed."""
+    def _simulated(self, needed: Flights) -> Performance:
+        task, values = self.task, needed.values
+        if needed.best_in is None:
+            return simulate(task, neighbours(task, values), self.profiles)
+        design = closed_design(task.simulated_aircraft, task.mission, task.stacked([values]))
+        day = task.day.at(needed.best_in)
+        return fly(task.simulated_aircraft, task.mission, task.solar, design, day)
+
+    def rounds(self) -> Generator[Flights, Performance, None]:
+        """Search, yielding every design whose flights are needed."""
         task, solution, judged, reach = self.task, self.warm, None, math.inf
         if self.first is None:
             values = task.first_values(most_promising(task))
@@ -228,23 +247,23 @@ class Search:
 
     def _flying(
         self, values: dict[str, float], solution: Solution | None, last: JudgedDesign | None
-    ) -> Generator[Values, Performance, JudgedDesign]:
+    ) -> Generator[Flights, Performance, JudgedDesign]:
         """Judge a design; where it does not fly one nearer to the last, or the file's own."""
-        judged, step = self._judged(values, solution, (yield values)), 1.0
+        judged, step = (yield from self._judged(values, solution)), 1.0
         if last is None and not judged.flies:
             values = self.task.first_values(variables_of(self.task.aircraft))
-            return self._judged(values, solution, (yield values))
+            return (yield from self._judged(values, solution))
         while last is not None and not judged.flies:  # the last one does
             step /= 2.0
             between = {n: v + step * (values[n] - v) for n, v in last.values.items()}
-            judged = self._judged(between, solution, (yield between))
+            judged = yield from self._judged(between, solution)
         return judged
 
     def _judged(
-        self, values: dict[str, float], solution: Solution | None, perf: Performance
-    ) -> JudgedDesign:
+        self, values: dict[str, float], solution: Solution | None
+    ) -> Generator[Flights, Performance, JudgedDesign]:
         """Judge a design by its flight."""
-        task = self.task
+        task, perf = self.task, (yield Flights(values))
         excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
@@ -254,9 +273,8 @@ class Search:
         best_climbs = promising and task.mission.climb is not None and len(short) > 0
         if best_climbs:
             # Heights of the program are no more than a proposal: the best for the design count.
-            design, day = picked(perf.design, 0), task.day.at(short)
-            best = fly(task.simulated_aircraft, task.mission, task.solar, design, day)
-            excess_h[short] = np.maximum(excess_h[short], best.cycle.excess_time_h)
+            best = yield Flights(values, short)
+            excess_h[short] = np.maximum(excess_h[short], np.ravel(best.cycle.excess_time_h))
         judged = JudgedDesign(
             task=task,
             values=values,
@@ -283,7 +301,7 @@ class Search:
     def _ends(self, judged: JudgedDesign) -> bool:
         """Return whether nothing better is to be expected."""
         solution, task = judged.solution, self.task
-        if task.has_polar_night or not judged.flies:
+        if not judged.flies or (task.has_polar_night and not self.in_the_dark):
             self.status = SizingStatus.infeasible
             return True
         if judged.accepted and judged.merit >= self.stop_at_merit:
