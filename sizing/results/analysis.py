@@ -114,9 +114,12 @@ class Scenario:
 
 def _in_worst(key: str, text: str) -> property:
     """Return an attribute: a measure of the worst scenario."""
-    return property(
-        lambda analysis: analysis.value_in_worst(key), doc=f"{text}, in the worst scenario."
-    )
+
+    def value(analysis: Analysis) -> float | str:
+        reached = MEASURES[key](analysis.performance)[analysis.worst]
+        return reached if isinstance(reached, str) else float(reached)
+
+    return property(value, doc=f"{text}, in the worst scenario.")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -301,11 +304,6 @@ class Analysis(DesignResult):
     def values(self) -> dict[str, Any]:
         """Measures of all scenarios: infinite where unlimited, NaN where there is none."""
         return {key: MEASURES[key](self.performance) for key in OF_SCENARIO}
-
-    def value_in_worst(self, key: str) -> float | str:
-        """Return a measure of the worst scenario: infinite where unlimited, NaN without one."""
-        value = MEASURES[key](self.performance)[self.worst]
-        return value if isinstance(value, str) else float(value)
 
     def scenario(self, index: int | None = None) -> dict[str, Any]:
         """Return the measures of a scenario, by default of the worst."""
