@@ -125,9 +125,12 @@ def size(
             raise ValueError(
                 "whole cells have no sensitivities, cross-check or reliability: leave them out"
             )
-        laid = _of_whole_cells(subject, mission, goal, solar, required_h)
-        if laid is not None:
-            return laid
+        result, cells = size_whole_cells(
+            subject, mission, goal, solar, required_excess_time_h=required_h
+        )
+        if cells.relaxed.feasible:
+            laid = subject if cells.aircraft is None else cells.aircraft
+            return study_of(laid, mission, result, solar, whole_cells=cells)
     if reliability is not None:
         if of_optimum:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
@@ -197,23 +200,6 @@ def study_of(
             variables = result.design.variables
             without_margins = performance_of_designs(aircraft, plain, variables, solar, day=day)
     return SizingStudy(aircraft, mission, solar, result, without_margins=without_margins, **others)
-
-
-def _of_whole_cells(
-    aircraft: Aircraft,
-    mission: Mission,
-    objective: Objective,
-    solar: SolarModel,
-    required_excess_time_h: float | None,
-) -> SizingStudy | None:
-    """Return the best design of whole cells; None where there is not even a relaxed one."""
-    result, cells = size_whole_cells(
-        aircraft, mission, objective, solar, required_excess_time_h=required_excess_time_h
-    )
-    if not cells.relaxed.feasible:
-        return None
-    laid = aircraft if cells.aircraft is None else cells.aircraft
-    return study_of(laid, mission, result, solar, whole_cells=cells)
 
 
 def _with_margin(

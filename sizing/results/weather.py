@@ -227,26 +227,24 @@ class WeatherAnalysis(Result):
 
     def _worth_of_warm_modules(self) -> str:
         """Return the energy of modules as cold as the air beside that of the record, in words."""
-        done = self.performance
-        air = done.days.mission.air.model_copy(
-            update={"module_temperature_c": float(done.days.mission.air_state().temperature_c)}
-        )
-        cold = done.days.mission.model_copy(update={"air": air})
-        colder = weather_performance(self.aircraft, cold, self.weather, done.days.solar)
-        cold_w, warm_w = (
-            float(np.sum(performance.recorded.solar_power_w)) for performance in (colder, done)
-        )
+        mission = self.mission
+        air_c = float(mission.air_state().temperature_c)
+        air = mission.air.model_copy(update={"module_temperature_c": air_c})
+        colder = self._flown(self.aircraft, mission.model_copy(update={"air": air}))
+        runs = (colder, self.performance.recorded)
+        cold_w, warm_w = (float(np.sum(run.solar_power_w)) for run in runs)
         percent = 100.0 * (cold_w / max(warm_w, 1e-9) - 1.0)
         return f"as cold as the air they would give {percent:+.0f} % of solar energy"
 
     def _worth_of_warm_battery(self) -> str:
         """Return the days that close with a battery as cold as the air, in words."""
-        done = self.performance
         battery = self.aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
-        cold = self.aircraft.model_copy(update={"battery": battery})
-        colder = weather_performance(cold, done.days.mission, self.weather, done.days.solar)
-        closes, before = (int(performance.recorded.closes.sum()) for performance in (colder, done))
-        return f"unheated {closes} instead of {before} days close"
+        colder = self._flown(self.aircraft.model_copy(update={"battery": battery}), self.mission)
+        return f"unheated {colder.closes.sum()} instead of {self.days_that_close} days close"
+
+    def _flown(self, aircraft: Aircraft, mission: Mission) -> WeatherRun:
+        solar = self.performance.days.solar
+        return weather_performance(aircraft, mission, self.weather, solar).recorded
 
     @property
     def days(self) -> int:
