@@ -251,10 +251,16 @@ def test_mistakes_in_files_are_told_without_a_warning(tmp_path, write, old, new,
     assert not recwarn.list
 
 
-@pytest.mark.parametrize(
-    "change", [gzip.compress, lambda content: b"\xef\xbb\xbf" + content], ids=["packed", "mark"]
-)
-def test_files_may_be_packed_and_begin_with_a_byte_order_mark(tmp_path, change):
+CHANGES = {
+    "packed": gzip.compress,
+    "byte-order mark": lambda content: b"\xef\xbb\xbf" + content,
+    "CRLF": lambda content: re.sub(rb"\r?\n", b"\r\n", content),
+    "CR": lambda content: re.sub(rb"\r?\n", b"\r", content),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_files_may_be_packed_marked_and_end_their_lines_as_on_any_machine(tmp_path, change):
     record = clear_record(2, site=Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
     minutes = clear_record(1, first="2016-06-01", interval_s=60.0, site=record.site)
     year = (PVLIB_DATA / "12839.tm2").read_bytes()
@@ -273,16 +279,6 @@ def test_files_may_be_packed_and_begin_with_a_byte_order_mark(tmp_path, change):
         again = load_weather(path)
         assert (again.layout, again.site) == (light.layout, light.site)
         assert np.array_equal(again.ghi, light.ghi)
-
-
-@pytest.mark.parametrize("ends", ["\r\n", "\r"])
-@pytest.mark.parametrize("write", [write_plain, write_epw, write_psm])
-def test_lines_may_end_as_on_any_machine(tmp_path, write, ends):
-    record = clear_record(2, interval_s=1800.0 if write is write_psm else 3600.0)
-    path = write(tmp_path / "a.csv", record)
-    light = load_weather(path).ghi
-    path.write_bytes(path.read_bytes().replace(b"\n", ends.encode()))
-    assert load_weather(path).ghi == pytest.approx(light)
 
 
 def test_names_and_reasons_are_printable(tmp_path):
