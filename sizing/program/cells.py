@@ -25,7 +25,7 @@ from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
-from sizing.program.climbing import Profile, fly_along, heights_along, simulate
+from sizing.program.climbing import Profile, fly_along, heights_along
 from sizing.program.corrections import neighbours
 from sizing.program.cross_check import random_factors
 from sizing.program.objectives import Objective, refuse_range
@@ -238,11 +238,6 @@ class _Cells:
         ``of_others``: along those of another design, as far as each can.
         """
         first = self.tasks[0]
-        if first.window_h is not None:  # whose days are no batch
-            return {
-                cell: simulate(self.tasks[cell], values, profiles[cell])
-                for cell, values in designs.items()
-            }
         cells = np.repeat(list(designs), [len(values) for values in designs.values()])
         places = cells[:, np.newaxis] * first.count + np.arange(first.count)
         heights_m = None
