@@ -51,7 +51,7 @@ class DesignVariables(NamedTuple):
 
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
         """Apply a function to every variable that is chosen."""
-        return DesignVariables(*(None if v is None else function(v) for v in self))
+        return cast(DesignVariables, each(self, function))
 
     def broadcast(self) -> DesignVariables:
         """Return every variable that is chosen as an array of floats, all of one shape."""
@@ -205,16 +205,7 @@ class Design(NamedTuple):
 
     def mapped(self, function: Callable[[Value], Value]) -> Design:
         """Apply a function to all that a flight depends on; the budget of masses stays."""
-        speed, chain = self.airspeed_m_per_s, self.chain
-        return self._replace(
-            variables=self.variables.mapped(function),
-            total_mass_kg=function(self.total_mass_kg),
-            battery_energy_wh=function(self.battery_energy_wh),
-            propulsion_power_w=function(self.propulsion_power_w),
-            constant_power_w=function(self.constant_power_w),
-            airspeed_m_per_s=None if speed is None else function(speed),
-            chain=None if chain is None else chain.mapped(function),
-        )
+        return self._replace(**{name: each(getattr(self, name), function) for name in _OF_FLIGHT})
 
     def over_scenarios(self) -> Design:
         """Return a batch with an axis for scenarios behind its own; numbers stay."""
@@ -242,11 +233,18 @@ class Design(NamedTuple):
         return self.propulsion_power_w * (1.0 + turbulence) + self.constant_power_w
 
 
+# What a flight depends on.
+_OF_FLIGHT = ("variables", "total_mass_kg", "battery_energy_wh", "propulsion_power_w",
+              "constant_power_w", "airspeed_m_per_s", "chain")  # fmt: skip
+
+
 def each(value: Any, function: Callable[[Any], Any]) -> Any:
-    """Apply a function to everything that a design has, in its nested tuples as well."""
+    """Apply a function to all that a design has, in its tuples and chain as well; None stays."""
+    if isinstance(value, Propulsion):
+        return value.mapped(function)
     if isinstance(value, tuple):  # design, variables, masses
         return type(value)._make(each(part, function) for part in value)  # type: ignore[attr-defined]  # a NamedTuple
-    return function(value)
+    return None if value is None else function(value)
 
 
 def picked(design: Design, rows: Any) -> Design:
@@ -255,8 +253,7 @@ def picked(design: Design, rows: Any) -> Design:
     def part(value: Any) -> Any:
         return value[rows] if getattr(value, "ndim", 0) else value
 
-    chain = None if design.chain is None else design.chain.mapped(part)
-    return cast(Design, each(design, part))._replace(chain=chain)
+    return cast(Design, each(design, part))
 
 
 def variables_of(aircraft: Aircraft) -> DesignVariables:

@@ -67,6 +67,14 @@ class SolarModel:
         """Return whether module surfaces and a flight path are needed."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"
 
+    def meets_wind(self, mission: Mission) -> bool:
+        """Return whether the wind plays a part in the light or the load of a flight."""
+        return self.needs_path or mission.holds_station
+
+    def has_many_paths(self, mission: Mission) -> bool:
+        """Return whether places and months have paths of their own, each in another wind."""
+        return self.needs_path and mission.wind_statistics is not None
+
     def path_troubles(
         self, aircraft: Aircraft, mission: Mission, scenarios: Scenarios | None = None
     ) -> list[str | None]:
@@ -92,8 +100,7 @@ class SolarModel:
 
     def latitudes_with_wind_deg(self, mission: Mission) -> tuple[float, float]:
         """Return the ends of the latitudes for which all winds of a flight are known [deg]."""
-        in_wind = self.needs_path or mission.holds_station
-        return mission.wind_latitudes_deg if in_wind else (-90.0, 90.0)
+        return mission.wind_latitudes_deg if self.meets_wind(mission) else (-90.0, 90.0)
 
     @property
     def rms_relative(self) -> float:
@@ -354,7 +361,7 @@ def power_at_instants(
     part, its margin of the model's error does. The loiter ratio is that of each instant's day
     under the clear sky.
     """
-    if solar.needs_path and mission.wind_statistics is not None:
+    if solar.has_many_paths(mission):
         message = "needs one wind from day to day: give wind_m_per_s in place of wind"
         raise file_error(mission.name, f"{solar.label} on a flight path {message}")
     around = surroundings_in_flight(aircraft, mission)

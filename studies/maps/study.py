@@ -188,7 +188,7 @@ def prepare(
     slow = goal is not None or solar.needs_path or endurance or climbs
     north_deg, days = _grid(latitudes, days, slow=slow)
     cells = np.array(np.meshgrid(north_deg, days, indexing="ij"), float).reshape(2, -1).T
-    if goal is not None or solar.needs_path or mission.holds_station:
+    if goal is not None or solar.meets_wind(mission):
         mission.scenario_winds_m_per_s(scenarios_of(cells))  # refuses cells without a wind
     coordinates = {
         "latitude": gridded.Labelled(
@@ -227,15 +227,13 @@ def prepare(
             extrapolated=lambda columns: _extrapolations_of_designs(configuration, cells, columns),
         )
     ends: tuple[IntEnum, ...] = ENDS if mission.flight is not None else CYCLE_ENDS
-    if solar.needs_path and mission.wind_statistics is not None:
-        ends = (*ends, Status.infeasible)
     return Study(
         fixed_cells,
         configuration,
         cells,
         cell_s=cell_s + endurance * _ENDURANCE_S + climbs * _CLIMB_S,
         described=_DESCRIBED | described(" ".join(keys)),
-        statuses=(Status.failed, *ends),
+        statuses=(Status.failed, *ends, *[Status.infeasible] * solar.has_many_paths(mission)),
         coordinates=coordinates,
         attributes=gridded.attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
         extrapolated=lambda columns: extrapolations_of_cells(configuration, cells, columns),
