@@ -77,7 +77,7 @@ class Explorer:
         try:
             return _json(await answer(request, await _body(request)))
         except AnsweredError as error:
-            problems = [refusal.to_dict() for refusal in error.refusals]
+            problems = [refusal._asdict() for refusal in error.refusals]
             return _error(error.status, error.kind, str(error), problems)
 
     async def _view(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:

@@ -176,8 +176,8 @@ class Session:
         if unmoved and len(self.scenarios) == 1:
             return {}
         place = {
-            "latitude_deg": settings.latitude_deg,
-            "dates": {"on": date_code(settings.day_of_year)},
+            "latitude_deg": settings.values[LATITUDE],
+            "dates": {"on": date_code(int(settings.values[DAY]))},
         }
         # The mission's launch is one at its own place and day.
         return place if self.mission.launch is None else {**place, "launch": None}

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from sizing.day.light import SolarModel
-from studies.explorer.fields import DAY, LATITUDE, Choice, Field
+from studies.explorer.fields import Choice, Field
 
 _MAXIMUM_SHOWN = 60
 
 
-@dataclass(frozen=True)
-class Refusal:
+class Refusal(NamedTuple):
     """A field that is refused, in words.
 
     ``value``: what was given, shortened. ``message``: what is wrong. ``allowed``: what may stand
@@ -24,10 +23,6 @@ class Refusal:
     value: Any
     message: str
     allowed: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the refusal, JSON-ready."""
-        return dict(vars(self))
 
 
 class AnsweredError(Exception):
@@ -56,16 +51,6 @@ class Settings:
 
     values: Mapping[str, float]
     solar: SolarModel
-
-    @property
-    def latitude_deg(self) -> float:
-        """Latitude [deg], north positive."""
-        return self.values[LATITUDE]
-
-    @property
-    def day_of_year(self) -> int:
-        """Day of year, 1 to 365."""
-        return int(self.values[DAY])
 
 
 def read_settings(data: object, fields: Mapping[str, Field | Choice]) -> Settings:

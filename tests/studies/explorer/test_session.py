@@ -88,7 +88,8 @@ def test_page_begins_at_the_worst_scenario():
     assert len(several.scenarios) == 9
     start = several.settings()
     worst = analyse(several.aircraft, several.mission).to_dict()
-    assert (start.latitude_deg, start.day_of_year) == (worst["latitude_deg"], worst["day_of_year"])
+    assert start.values[LATITUDE] == worst["latitude_deg"]
+    assert start.values[DAY] == worst["day_of_year"]
 
 
 def test_curve_is_that_of_the_analysis():
