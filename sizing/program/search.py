@@ -240,9 +240,8 @@ class Search:
             solves=len(solutions),
             message=solutions[-1].message,
         )
-        if solutions[-1].program.form.climbs:
-            for block, scenario in enumerate(self._known.values()):
-                scenario.profile = solutions[-1].profile(block)
+        for scenario, profile in zip(self._known.values(), solutions[-1].profiles, strict=True):
+            scenario.profile = profile
         return solutions[-1]
 
     def _flying(

@@ -138,10 +138,8 @@ def _optimum(result: SizingResult, purpose: str) -> tuple[Solution, float]:
     task = replace(task, day=_fine_day(task, task.aircraft, task.mission))
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
-    known = point.known
-    if task.mission.climb is not None:
-        profiles = map(solution.profile, range(len(known)))
-        known = {n: replace(known[n], profile=it) for n, it in zip(known, profiles, strict=True)}
+    flown = zip(point.known.items(), solution.profiles, strict=True)
+    known = {n: replace(scenario, profile=profile) for (n, scenario), profile in flown}
     point = _linearised(task, neighbours(task, values), known)
     return solve(task, point, excess_h=solution.excess_time_h), result.objective_value
 

@@ -129,10 +129,12 @@ class Solution:
         """Largest part by which anything is missed."""
         return float(max(self.lack.max(), max(self.missed.values(), default=0.0)))
 
-    def profile(self, block: int) -> Profile:
-        """Heights of a block."""
-        heights = self.x[self.program.parts["height"]].reshape(self.program.blocks, -1)[block]
-        return Profile(self.linearisation.days[block].clock_h, np.clip(heights, 0.0, 1.0))
+    @property
+    def profiles(self) -> list[Profile | None]:
+        """Heights of the blocks; None in level flight."""
+        heights = self.x[self.program.parts["height"]].reshape(self.program.blocks, -1)
+        rows = zip(self.linearisation.days, np.clip(heights, 0.0, 1.0), strict=True)
+        return [Profile(day.clock_h, row) if row.size else None for day, row in rows]
 
     def _changes(self, names: Iterable[str]) -> list[float]:
         """Return by how much variables change, as logarithms; of those that are not zero."""

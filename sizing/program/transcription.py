@@ -373,7 +373,7 @@ def _design_symbols(
     variables = DesignVariables(**{name: v for name, v in named.items() if name in fields})
     levels = ca.horzsplit(ca.reshape(data["conditions"], -1, form.levels))
     airs = [FlightConditions(*ca.vertsplit(air)).with_payload_of(variables) for air in levels]
-    chain, rows = _parts_symbols(kind, x, data)
+    chain, surface, rows = _parts_symbols(kind, form, x, data)
     design = parametric_design(aircraft, airs[0], variables, values[TOTAL_MASS], chain)
     rows += [
         (Constraint(row.name, equation=row.name == MASS_BUDGET), row.value)
@@ -385,7 +385,6 @@ def _design_symbols(
         row = space.own_objective.row(it, values[USER_OBJECTIVE])
         rows.append((Constraint(USER_OBJECTIVE, equation=True), row.value))
     powers, speeds = power_surface(aircraft, form, airs, variables, design)
-    surface = ca.reshape(data["surface"], form.levels, -1) if chain is not None else 0.0
     assert design.chain is not None
     symbols = DesignSymbols(
         area_m2=variables.module_area_m2,
@@ -402,17 +401,20 @@ def _design_symbols(
     return symbols, rows
 
 
-def _parts_symbols(kind: Aircraft, x: Any, data: dict[str, Any]) -> tuple[Propulsion | None, Rows]:
-    """Return a propulsion at its operating point, and rows of the limits of its parts."""
+def _parts_symbols(
+    kind: Aircraft, form: Form, x: Any, data: dict[str, Any]
+) -> tuple[Propulsion | None, Any, Rows]:
+    """Return a propulsion at its operating point, its surface, and rows of its parts' limits."""
     if (parts := kind.propulsion_by_parts) is None:
-        return None, []
+        return None, 0.0, []
     moved = x - data["centre"]
     parts_now = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
     bent = ca.bilin(ca.reshape(data["bend"], x.shape[0], -1), moved, moved) / 2.0
     efficiency = parts_now[0] * ca.exp(bent)
+    chain = chain_of_numbers(parts, efficiency, parts_now[1])
     used = zip(parts.limit_names, ca.vertsplit(parts_now[2:]), strict=True)
     rows = [(Constraint(name), 1.0 - share) for name, share in used]
-    return chain_of_numbers(parts, efficiency, parts_now[1]), rows
+    return chain, ca.reshape(data["surface"], form.levels, -1), rows
 
 
 def power_surface(
