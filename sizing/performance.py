@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -27,7 +28,7 @@ from sizing.day.light import (
 )
 from sizing.day.load import Load
 from sizing.day.metrics import Cycle, joined
-from sizing.design import Design, DesignVariables, picked
+from sizing.design import Design, DesignVariables, each, picked
 from sizing.mass_budget import closed_design, design_of
 from solar.schema import spell_ends
 from solar.types import BoolArray, FloatArray
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
     from sizing.program.climbing_flights import ClimbFlights
     from sizing.program.schedule import Climbs
 
+# Arrays of the batch; the last two are of climbs.
+_ARRAYS = ("solar_power_w", "load_w", "nominal_load_w", "altitude_m", "program_excess_h")
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
 
@@ -86,24 +89,21 @@ class Performance:
         """Return the highest altitude of every flight with climbs [m]; None without climbs."""
         return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))
 
+    def _mapped(self, function: Callable[[FloatArray], FloatArray], **others: Any) -> Performance:
+        """Return the flights with a function of the arrays that they have."""
+        arrays = {name: each(getattr(self, name), function) for name in _ARRAYS}
+        return replace(self, **arrays, cycle=self.cycle.mapped(function), **others)
+
     def of_designs(self, designs: int | slice | BoolArray) -> Performance:
         """Return the flights of a part of a batch of designs; of one without an axis for it."""
         shape = self.cycle.status.shape
         energy_wh = np.broadcast_to(self.store.battery_energy_wh, shape)
         elements = np.arange(self.cycle.status.size).reshape(shape)[designs].ravel()
-        return replace(
-            self,
+        return self._mapped(
+            lambda values: values[designs],
             design=picked(self.design, designs),
-            levels=None if self.levels is None else self.levels.select(elements),
-            solar_power_w=self.solar_power_w[designs],
-            load_w=self.load_w[designs],
-            nominal_load_w=self.nominal_load_w[designs],
+            levels=each(self.levels, lambda levels: levels.select(elements)),
             store=replace(self.store, battery_energy_wh=energy_wh[designs]),
-            cycle=self.cycle.mapped(lambda values: values[designs]),
-            altitude_m=None if self.altitude_m is None else self.altitude_m[designs],
-            program_excess_h=None
-            if self.program_excess_h is None
-            else self.program_excess_h[designs],
         )
 
     def reshaped(self, shape: tuple[int, int]) -> Performance:
@@ -118,17 +118,11 @@ class Performance:
         -------
         Performance
         """
-        store, altitude_m, program_h = self.store, self.altitude_m, self.program_excess_h
-        return replace(
-            self,
+        energy_wh = self.store.battery_energy_wh.reshape(shape)
+        return self._mapped(
+            lambda values: values.reshape(shape + values.shape[1:]),
             design=picked(self.design, slice(None, None, shape[1])),
-            solar_power_w=self.solar_power_w.reshape(*shape, -1),
-            load_w=self.load_w.reshape(*shape, -1),
-            nominal_load_w=self.nominal_load_w.reshape(shape),
-            store=replace(store, battery_energy_wh=store.battery_energy_wh.reshape(shape)),
-            cycle=self.cycle.reshaped(shape),
-            altitude_m=None if altitude_m is None else altitude_m.reshape(*shape, -1),
-            program_excess_h=None if program_h is None else program_h.reshape(shape),
+            store=replace(self.store, battery_energy_wh=energy_wh),
         )
 
     def replaced_in(self, scenarios: BoolArray, other: Performance) -> Performance:
@@ -152,11 +146,9 @@ class Performance:
 
         cycle, names = joined([self.cycle, other.cycle], chosen), ("solar_power_w", "load_w")
         powers = {n: chosen([getattr(self, n), getattr(other, n)]) for n in names}
-        altitude_m, program_h = self.altitude_m, self.program_excess_h
-        if altitude_m is not None:
-            altitude_m = chosen([altitude_m, other.altitude_m])
-        if program_h is not None:  # of other heights nothing is known
-            program_h = np.where(scenarios, np.nan, program_h)
+        altitude_m = each(self.altitude_m, lambda known: chosen([known, other.altitude_m]))
+        # Of other heights nothing is known.
+        program_h = each(self.program_excess_h, lambda known: np.where(scenarios, np.nan, known))
         return replace(
             self, **powers, cycle=cycle, altitude_m=altitude_m, program_excess_h=program_h
         )
