@@ -17,8 +17,8 @@ from .logs.table import FlightLog as FlightLog
 from .loiter_power import mean_power_on_path as mean_power_on_path
 from .mission import Mission as Mission
 from .mission import Scenarios as Scenarios
-from .mission.climb import Climb as Climb
 from .mission.flight import Launch as Launch
+from .mission.mission import Climb as Climb
 from .mission.mission import Payload as Payload
 from .mission.mission import Turbulence as Turbulence
 from .mission.mission import UncertaintyMargins as UncertaintyMargins

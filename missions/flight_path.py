@@ -169,11 +169,8 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
     if isinstance(path, Level):
         zero = np.zeros(1)
         return Orbit(zero, zero, zero, zero, zero, zero, zero, weights=np.ones(1), duration_s=0.0)
-    _check_wind(path, wind)
-    _check_bank_of(path, wind)
-    motion = Motion(
-        _airspeed_m_per_s(path), wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi
-    )
+    airspeed = _checked_airspeed_m_per_s(path, wind)
+    motion = Motion(airspeed, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi)
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
     pitch = math.radians(path.pitch_deg)
     laps = [_sample_orbit(_segments(path, motion, side), motion, pitch, samples) for side in sides]
@@ -248,7 +245,8 @@ def path_trouble(path: FlightPath, wind: Wind) -> str | None:
     return None
 
 
-def _check_wind(path: _MovingPath, wind: Wind) -> None:
+def _checked_airspeed_m_per_s(path: _MovingPath, wind: Wind) -> float:
+    """Return the airspeed of a path; refuse too strong a wind and too tight turns in it."""
     # The mean velocity through the air of any closed orbit is minus the wind, so no path allows
     # more; below the airspeed, every course can be held.
     airspeed = _airspeed_m_per_s(path)
@@ -258,14 +256,10 @@ def _check_wind(path: _MovingPath, wind: Wind) -> None:
             f"{spell(airspeed)} m/s, so the aircraft cannot hold its position; on this "
             f"path the wind must stay below {spell(largest_wind_m_per_s(path), 4)} m/s"
         )
-
-
-def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
-    """Refuse too tight turns; each orbit turns through the downwind course."""
     if isinstance(path, StraightLegs):
-        return
-    radius, airspeed = _radius_m(path), _airspeed_m_per_s(path)
-    fastest = airspeed + wind.speed_m_per_s
+        return airspeed
+    # Each orbit turns through the downwind course.
+    radius, fastest = _radius_m(path), airspeed + wind.speed_m_per_s
     if radius < _least_radius_m(fastest):
         bank = math.degrees(math.atan(fastest**2 / (GRAVITY_M_PER_S2 * radius)))
         raise ValueError(
@@ -274,6 +268,7 @@ def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
             f"{spell(MAXIMUM_BANK_DEG)} deg; the radius must be at least "
             f"{_rounded_up(_least_radius_m(fastest))} m"
         )
+    return airspeed
 
 
 # ---- Segments of a path
@@ -285,24 +280,12 @@ def _segments(path: _MovingPath, motion: Motion, side: int) -> list[Leg | Turn]:
     out = math.radians(path.heading_deg)
     if isinstance(path, StraightLegs):
         return [Leg(motion, course, path.leg_length_m, 0.0) for course in (out, out + math.pi)]
-    return [part for half in (0, 1) for part in _half_racetrack(path, motion, side, half)]
-
-
-def _half_racetrack(path: Racetrack, motion: Motion, side: int, half: int) -> tuple[Leg, Turn]:
-    """Return a leg and the turn at its end; the second half mirrors the first."""
-    course = math.radians(path.heading_deg) + side * half * math.pi
-    ahead = 0.5 * path.leg_length_m
-    leg = Leg(motion, course, path.leg_length_m, -side * path.turn_radius_m)
-    turn = Turn(
-        motion,
-        start_course=course,
-        sweep=math.pi,
-        radius=path.turn_radius_m,
-        side=side,
-        centre_north=ahead * math.cos(course),
-        centre_east=ahead * math.sin(course),
-    )
-    return leg, turn
+    length, radius, segments = path.leg_length_m, path.turn_radius_m, list[Leg | Turn]()
+    for course in (out, out + side * math.pi):  # a leg and the turn at its end, and their mirror
+        segments.append(Leg(motion, course, length, -side * radius))
+        north, east = 0.5 * length * math.cos(course), 0.5 * length * math.sin(course)
+        segments.append(Turn(motion, course, math.pi, radius, side, north, east))
+    return segments
 
 
 # ---- Sampling

@@ -298,22 +298,19 @@ def _message_and_hint(detail: ErrorDetails) -> tuple[str, str]:
         text = expression.sub(words, text)
     if isinstance(value, str):
         text = re.sub(r"(\d) items?$", r"\1 characters", text)
-    return text, f" (got {shown(value)}){_hint(kind, value)}"
+    hint = ""
+    if kind == "string_type" and isinstance(value, bool | int | float):
+        hint = "; put it in quotes"
+    elif kind.startswith(("float_", "int_")) and isinstance(value, str):
+        if re.fullmatch(r"\s*[-+]?[0-9]+,[0-9]+\s*", value):
+            hint = "; write a point before the decimals, not a comma"
+        elif re.match(r"\s*[-+]?\.?[0-9]", value):
+            hint = "; write the plain number; the unit is in the key"
+    return text, f" (got {shown(value)}){hint}"
 
 
 def _on_one_line(text: str) -> str:
     return " ".join(text.splitlines())
-
-
-def _hint(kind: str, value: object) -> str:
-    if kind == "string_type" and isinstance(value, bool | int | float):
-        return "; put it in quotes"
-    if not kind.startswith(("float_", "int_")) or not isinstance(value, str):
-        return ""
-    if re.fullmatch(r"\s*[-+]?[0-9]+,[0-9]+\s*", value):
-        return "; write a point before the decimals, not a comma"
-    number = re.match(r"\s*[-+]?\.?[0-9]", value)
-    return "; write the plain number; the unit is in the key" if number else ""
 
 
 _UNIT = re.compile(

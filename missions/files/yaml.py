@@ -110,8 +110,14 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
             raw = file.read(_MAX_BYTES + 1)
     except InputError:
         raise
+    except FileNotFoundError as error:
+        raise file_error(source, "no such file") from error
+    except IsADirectoryError as error:
+        raise file_error(source, "is a folder, not a file") from error
     except (OSError, ValueError) as error:
-        raise file_error(source, _reason_unreadable(error)) from error
+        reason = getattr(error, "strerror", None)
+        text = f"cannot be read: {reason.lower()}" if reason else "is not a valid file name"
+        raise file_error(source, text) from error
     if len(raw) > _MAX_BYTES:
         raise file_error(source, _TOO_LARGE)
     try:
@@ -189,24 +195,9 @@ def _compose(text: str, source: str) -> tuple[Any, list[Mark]]:
         aliases = _checked_aliases(text, source, _Loader)
         root: Any = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as error:
-        _refuse_nesting_before(error, text, source)
         raise _syntax_error(error, text, source) from error
     empty = isinstance(root, yaml.ScalarNode) and not (root.value or root.style)
     return None if empty else root, aliases
-
-
-def _refuse_nesting_before(error: yaml.YAMLError, text: str, source: str) -> None:
-    """Refuse too deep nesting before a syntax error.
-
-    libyaml reads up to 1024 characters ahead of its events, and as in PyYAML 6.0.4 refuses 1000
-    open brackets there by itself; the parser in Python has no such limit.
-    """
-    mark = getattr(error, "problem_mark", None)
-    before = text[: mark.index] if mark else ""
-    opened, closed = (sum(map(before.count, pair)) for pair in ("[{", "]}"))
-    if opened - closed > _MAX_DEPTH:
-        with contextlib.suppress(yaml.YAMLError):
-            _checked_aliases(before, source, _PythonLoader)
 
 
 def _checked_aliases(text: str, source: str, loader: Any) -> list[Mark]:
@@ -236,8 +227,17 @@ def _checked_aliases(text: str, source: str, loader: Any) -> list[Mark]:
 
 
 def _syntax_error(error: yaml.YAMLError, text: str, source: str) -> InputError:
+    """Return a syntax error, or refuse too deep nesting before it."""
     start = getattr(error, "context_mark", None)
-    mark = getattr(error, "problem_mark", None) or start
+    mark = getattr(error, "problem_mark", None)
+    # libyaml reads up to 1024 characters ahead of its events, and as in PyYAML 6.0.4 refuses 1000
+    # open brackets there by itself; the parser in Python has no such limit.
+    before = text[: mark.index] if mark else ""
+    opened, closed = (sum(map(before.count, pair)) for pair in ("[{", "]}"))
+    if opened - closed > _MAX_DEPTH:
+        with contextlib.suppress(yaml.YAMLError):
+            _checked_aliases(before, source, _PythonLoader)
+    mark = mark or start
     what = [getattr(error, name, None) for name in ("context", "problem")]
     words = " ".join(" ".join(part for part in what if part).split()) or "unreadable"
     line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
@@ -335,13 +335,3 @@ class _Reader:
             return str(node.value)
         self._note(mark, path, message)
         return None
-
-
-def _reason_unreadable(error: OSError | ValueError) -> str:
-    if isinstance(error, FileNotFoundError):
-        return "no such file"
-    if isinstance(error, IsADirectoryError):
-        return "is a folder, not a file"
-    if isinstance(error, OSError) and error.strerror:
-        return f"cannot be read: {error.strerror.lower()}"
-    return "is not a valid file name"

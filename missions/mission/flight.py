@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
 
-from missions.mission.scenarios import OTHER_NAME, Scenarios, date_as_code
+from missions.mission.scenarios import OTHER_NAME, Date, Scenarios
 from solar.schema import Record, UnitInterval, refusal, spell, wrong_value
 from solar.sun import HOURS_PER_DAY, NOON_H, declination, solar_time_h, sun_times
 from solar.types import FloatArray
@@ -20,26 +20,16 @@ ExcessTime = Annotated[float, Strict(), Field(ge=0.0, le=1000.0, allow_inf_nan=F
 class Launch(Record):
     """Start of a flight to replay: local date and clock time, state of charge, duration."""
 
-    date: str
+    date: Date
     time_local: str
     utc_offset_h: UtcOffset = 0.0
     state_of_charge: UnitInterval = 1.0
     duration_h: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 366)]
 
-    @field_validator("date", mode="before")
-    @classmethod
-    def _check_date(cls, value: Any) -> str:
-        return date_as_code(value)
-
     @field_validator("time_local")
     @classmethod
     def _check_time(cls, value: str) -> str:
         return _clock_time(value)
-
-    def check(self, longitude_deg: float | None) -> None:
-        """Refuse a place that no clock belongs to."""
-        if longitude_deg is None:
-            raise wrong_value("launch", "a launch by clock time needs longitude_deg on the mission")
 
     @property
     def text(self) -> str:

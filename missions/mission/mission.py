@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
 
 from missions import dates as calendar
-from missions.air import Air, AirConditions, SteadyWind, plain_number
+from missions.air import (
+    MAXIMUM_ALTITUDE_M,
+    MINIMUM_ALTITUDE_M,
+    Air,
+    AirConditions,
+    SteadyWind,
+    plain_number,
+)
 from missions.files.errors import InputError
 from missions.flight_path import FlightPath, Heading, Wind
-from missions.mission.climb import Climb, altitude_of_floor
 from missions.mission.flight import ExcessTime, Flight, Launch
 from missions.mission.scenarios import (
+    OTHER_NAME,
     Altitude,
     Dates,
     Latitude,
@@ -42,6 +49,7 @@ from solar.systematic_errors import correction
 from solar.types import FloatArray
 
 MAXIMUM_SCENARIOS = 5000
+_LEVEL_SPACING_M, _MAXIMUM_LEVELS = 500.0, 21  # of a flight with climbs
 
 
 class Payload(Record):
@@ -88,6 +96,42 @@ class UncertaintyMargins(Record):
         if lowest is not None and lowest > clearness:
             text = f"must be at most the mission's clearness of {spell(clearness)}"
             raise wrong_value("uncertainty_margins.clearness_minimum", text, got=lowest)
+
+
+class Climb(Record):
+    """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
+
+    The height profile is the best there is: ``strategy``, when to climb, is read and ignored.
+    ``minimum_altitude_m``: the night's floor, which the aircraft does not sink below; another name
+    for the mission's altitude, which need not be given beside it.
+    """
+
+    explained_keys: ClassVar[Mapping[str, str]] = {
+        "maximum_altitude_m": "the highest altitude is climb.ceiling_m",
+        "design_space": "altitudes are not chosen by size: give climb.ceiling_m, and vary it with "
+        "sweep --resize --vary mission.climb.ceiling_m=...",
+    }
+
+    ceiling_m: Altitude
+    minimum_altitude_m: Altitude | None = None
+    strategy: Literal["battery_full", "surplus"] | None = None
+
+    def check(self, altitude_m: float) -> None:
+        """Refuse a floor or a ceiling that contradicts the mission's altitude."""
+        floor_m, key = self.minimum_altitude_m, "climb.minimum_altitude_m"
+        if floor_m is not None and floor_m > self.ceiling_m:
+            text = f"must be at most climb.ceiling_m of {spell(self.ceiling_m)}"
+            raise wrong_value(key, text, got=floor_m)
+        if floor_m is not None and floor_m != altitude_m:
+            raise wrong_value(key, OTHER_NAME.format("altitude_m", spell(altitude_m)), got=floor_m)
+        if self.ceiling_m < altitude_m:
+            text = f"must be at least the mission's altitude_m of {spell(altitude_m)}"
+            raise wrong_value("climb.ceiling_m", text, got=self.ceiling_m)
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Return the ceiling, JSON-ready; the floor is the mission's altitude."""
+        return {"ceiling_m": self.ceiling_m}
 
 
 class Mission(FileRecord):
@@ -137,8 +181,17 @@ class Mission(FileRecord):
     @model_validator(mode="before")
     @classmethod
     def _altitude_of_floor(cls, data: Any) -> Any:
+        """Take the night's floor as the altitude, where there is none or it is null."""
         climb = data.get("climb") if isinstance(data, Mapping) else None
-        return altitude_of_floor(data, climb) if climb else data
+        keys = vars(climb) if isinstance(climb, Climb) else climb
+        if not isinstance(keys, Mapping) or data.get("altitude_m") is not None:
+            return data
+        floor_m = keys.get("minimum_altitude_m")
+        # What is no altitude is refused once, at its key.
+        if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
+            return data
+        allowed = MINIMUM_ALTITUDE_M <= floor_m <= MAXIMUM_ALTITUDE_M
+        return {**data, "altitude_m": floor_m} if allowed else data
 
     @model_validator(mode="after")
     def _check_together(self) -> Mission:
@@ -156,7 +209,9 @@ class Mission(FileRecord):
                     "climb", "a replayed flight keeps its altitude: give launch or climb, not both"
                 )
         if self.launch:
-            self.launch.check(self.longitude_deg)
+            if self.longitude_deg is None:
+                text = "a launch by clock time needs longitude_deg on the mission"
+                raise wrong_value("launch", text)
             if isinstance(self.latitude_deg, LatitudeRange):
                 raise wrong_value("latitude_deg", "a launch needs a single latitude")
         if self.flight:
@@ -288,8 +343,17 @@ class Mission(FileRecord):
 
     @property
     def climb_levels_m(self) -> list[float]:
-        """Return the altitudes between which a flight is linear; a single one without climbs."""
-        return self.climb.levels_m(self.altitude_m) if self.climb else [self.altitude_m]
+        """Return the altitudes between which a flight is linear; a single one without climbs.
+
+        At most 500 m apart, where the curvature of the pressure is 0.05 %; of more than 10 km of
+        climb there are 21.
+        """
+        floor_m, ceiling_m = self.altitude_m, self.ceiling_m
+        if not self.climb:
+            return [floor_m]
+        count = int(np.ceil((ceiling_m - floor_m) / _LEVEL_SPACING_M - 1e-9)) + 1
+        levels = np.linspace(floor_m, ceiling_m, min(max(count, 2), _MAXIMUM_LEVELS))
+        return [float(level) for level in levels]
 
     @property
     def climb_label(self) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, Strict, field_validator, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from missions import dates
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M
@@ -47,11 +47,14 @@ class LatitudeRange(Record):
         return [float(v) for v in np.linspace(self.from_deg, self.to_deg, self.count)]
 
 
-def date_as_code(value: Any) -> str:
+def _date_as_code(value: Any) -> str:
     """Return a date of a file as ``MM-DD``; raise ValueError for what is none."""
     if not isinstance(value, str):
         raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {value!r})")
     return dates.date_code(dates.day_of_year(value))
+
+
+Date = Annotated[str, BeforeValidator(_date_as_code)]
 
 
 class Dates(Record):
@@ -62,15 +65,10 @@ class Dates(Record):
     range, or the solstice is added where no count was asked for. Dates are MM-DD.
     """
 
-    on: str | None = None
-    first: str | None = Field(default=None, alias="from")
-    last: str | None = Field(default=None, alias="to")
+    on: Date | None = None
+    first: Date | None = Field(default=None, alias="from")
+    last: Date | None = Field(default=None, alias="to")
     count: Annotated[int, Strict(), Field(ge=1, le=365)] | None = None
-
-    @field_validator("on", "first", "last", mode="before")
-    @classmethod
-    def _check_date(cls, value: Any) -> str | None:
-        return None if value is None else date_as_code(value)
 
     @model_validator(mode="after")
     def _check_form(self) -> Dates:

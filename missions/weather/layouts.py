@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 import warnings
 from collections.abc import Callable, Mapping
@@ -20,13 +21,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from missions.files.errors import InputError, printable, refused, shortened
+from missions.files.errors import InputError, Problem, printable, refused, shortened, shown
 from missions.mission import Mission
 from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
-from missions.weather.plain import read_plain
 from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
 from missions.weather.record import TYPICAL_YEAR, Site
-from solar.schema import Allowed, spell
+from solar.schema import Allowed, refusal, spell
 
 
 def read_layout(path: Path, mission: Mission | None = None) -> RawTable:
@@ -133,9 +133,14 @@ def _pvgis_hourly(text: str) -> RawTable:
     kind = _pvgis_format(text)
     table, meta = _iotools().read_pvgis_hourly(io.StringIO(text), pvgis_format=kind)
     inputs = meta["inputs"]
-    slope = _slope_deg(inputs)
-    if slope:
-        message = f"is the light on a surface of {spell(slope)} deg slope"
+    if "Slope" in inputs:
+        match = re.search(r"-?[\d.]+", str(inputs["Slope"]))
+        slope = match[0] if match else None
+    else:
+        mounting: Any = next(iter(inputs.get("mounting_system", {}).values()), {})
+        slope = mounting.get("slope", {}).get("value") if isinstance(mounting, dict) else None
+    if slope is not None and float(slope):
+        message = f"is the light on a surface of {spell(float(slope))} deg slope"
         raise refused(f"{message}: ask PVGIS for a slope of 0")
     if "poa_direct" in table:
         beam, sky = table["poa_direct"], table["poa_sky_diffuse"]
@@ -156,16 +161,6 @@ def _pvgis_format(text: str) -> str:
 def _pvgis_site(inputs: dict[str, Any]) -> Site:
     """Return the site, which JSON has in a record of its own."""
     return _site("", inputs.get("location", inputs), altitude="elevation")
-
-
-def _slope_deg(inputs: dict[str, Any]) -> float | None:
-    """Return the slope of the surface of PVGIS' light, None if not stated."""
-    if "Slope" in inputs:
-        match = re.search(r"-?[\d.]+", str(inputs["Slope"]))
-        return float(match[0]) if match else None
-    mounting: Any = next(iter(inputs.get("mounting_system", {}).values()), {})
-    value = mounting.get("slope", {}).get("value") if isinstance(mounting, dict) else None
-    return None if value is None else float(value)
 
 
 # Names of SAM (System Advisor Model, weather file format CSV), whose layout NSRDB PSM has too; in
@@ -248,6 +243,107 @@ def _site(
     return Site(name, *values)
 
 
+# Plain CSV tables, with the site in comment lines.
+_CSV_SITE = {
+    "latitude_deg": 90.0,
+    "longitude_deg": 180.0,
+    "altitude_m": 9000.0,
+    "utc_offset_h": 14.0,
+}
+_CSV_COLUMNS = {
+    "time_utc": "time",
+    "time": "time",
+    "ghi": "ghi",
+    "ghi_w_per_m2": "ghi",
+    "dni": "dni",
+    "dni_w_per_m2": "dni",
+    "dhi": "dhi",
+    "dhi_w_per_m2": "dhi",
+    "temperature_c": "temp_air",
+    "temp_air": "temp_air",
+    "wind_m_per_s": "wind_speed",
+    "wind_speed": "wind_speed",
+}
+_CSV_COMMENTS = re.compile(r"(?:(?:#[^\n]*)?\n)*")
+_ROW = re.compile(r"\S[^\n]*")
+_CSV_HELP = (
+    "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
+    "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "
+    "ghi, dni, dhi [W/m²] (two of them, or ghi alone), temperature_c, wind_m_per_s"
+)
+
+
+def _plain(text: str) -> RawTable:
+    """Read a plain CSV table with its site in comment lines."""
+    start = _CSV_COMMENTS.match(text).end()  # type: ignore[union-attr]  # matches any text
+    comments, end = text[:start].split("\n")[:-1], text.find("\n", start)
+    header, begin = text[start : end if end >= 0 else None], len(comments)
+    meta, problems = _site_lines(comments)
+    if not header or header.startswith("#"):
+        raise refused(f"has no table: {_CSV_HELP}")
+    names = [name.strip() for name in next(csv.reader([header]))]
+    unknown = [name for name in names if name not in _CSV_COLUMNS]
+    chosen = [_CSV_COLUMNS[name] for name in names if name in _CSV_COLUMNS]
+    if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
+        raise refused(f"is no weather file that is known: {_CSV_HELP}")
+    if unknown:
+        message = f"unknown columns: {', '.join(unknown[:5])}; known: {', '.join(_CSV_COLUMNS)}"
+        problems.append(Problem("", begin + 1, None, "", message))
+    if len(set(chosen)) < len(chosen):
+        problems.append(Problem("", begin + 1, None, "", "names a column twice"))
+    problems += [
+        Problem("", None, None, "", f"lacks the line '# {key}: ...': {_CSV_HELP}")
+        for key in ("latitude_deg", "longitude_deg", "altitude_m")
+        if key not in meta
+    ]
+    row = _ROW.search(text, start + len(header))
+    count = len(next(csv.reader([row[0]]))) if row else 0
+    if row and count > len(names):  # pandas would take the first of them for the names of rows
+        message = f"has {count} values, but the table names {len(names)} columns"
+        line = begin + 1 + text.count("\n", start, row.start())
+        problems.append(Problem("", line, None, "", message))
+    if problems:
+        raise InputError(problems)
+    # As bytes: text in memory takes four of them for a character.
+    content = io.BytesIO(text[start:].encode("utf-8", "surrogatepass"))
+    table = pd.read_csv(content, skipinitialspace=True)
+    table.columns = pd.Index(chosen)
+    written = table.pop("time")
+    times = pd.to_datetime(written.astype("string"), format="ISO8601", utc=True, errors="coerce")
+    wrong = times.isna().to_numpy().nonzero()[0]
+    if len(wrong):
+        got = shown(str(written.iloc[wrong[0]]))
+        message = refusal("must be ISO 8601 like 2023-06-21T12:00Z", got)
+        raise refused(message, line=begin + 2 + int(wrong[0]), key="time_utc", rows=len(wrong))
+    table = table.set_index(pd.DatetimeIndex(times))
+    site = Site(**{"name": "", "utc_offset_h": 0.0, **meta})
+    return RawTable(site, table, START, first_line=begin + 2)
+
+
+def _site_lines(lines: list[str]) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the values of comment lines ``# key: value``, and problems with them."""
+    meta: dict[str, Any] = {}
+    problems = []
+    for number, line in enumerate(lines, start=1):
+        if not line.startswith("#"):
+            break
+        key, colon, value = line.lstrip("# ").partition(":")
+        key, value = key.strip(), value.strip()
+        if key in ("name", "site") and colon:
+            meta["name"] = value
+        if key not in _CSV_SITE or not colon:
+            continue
+        limit = _CSV_SITE[key]
+        try:
+            meta[key] = float(value)
+        except ValueError:
+            meta[key] = math.nan
+        if not (allowed := Allowed(-limit, limit)).holds(meta[key]):
+            message = refusal(f"must be a number {allowed}", shown(value))
+            problems.append(Problem("", number, None, key, message))
+    return meta, problems
+
+
 # SAM's first line: its names of all numbers of a head, in any order.
 _SAM = "(?i)" + "".join(
     rf"(?=(?:.*,)?[ \t]*(?:{'|'.join(names)})[ \t]*[,\n])" for names in _SAM_HEAD.values()
@@ -268,5 +364,5 @@ _LAYOUTS: tuple[tuple[str, str, _Reader], ...] = (
     ("BSRN", r"\*[UC]0001", _bsrn),
     ("NASA POWER", r"(?s)-BEGIN HEADER-.*NASA/POWER", read_power_csv),
     ("ERA5", r"(?=.*valid_time).*ssrd", read_era5_csv),
-    ("CSV", "", read_plain),
+    ("CSV", "", _plain),
 )

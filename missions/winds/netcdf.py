@@ -119,18 +119,15 @@ def opened(path: str) -> Iterator[xr.Dataset]:
         if packed:
             _check_sizes(path)
         with xr.open_dataset(path) as data:
-            yield data.rename(_axes_renamed(data))
+            named = {axis: [n for n in names if n in data.coords] for axis, names in AXES.items()}
+            yield data.rename(
+                {names[0]: axis for axis, names in named.items() if names and axis not in names}
+            )
     except InputError:
         raise
     except Exception as error:  # the libraries raise whatever a damaged file makes them trip over
         reason = printable(" ".join(str(error).split()))[:160]
         raise refused(f"cannot be read as NetCDF: {reason}") from error
-
-
-def _axes_renamed(data: xr.Dataset) -> dict[str, str]:
-    """Return the axes of a dataset that have other names than those of :data:`AXES`."""
-    named = {axis: [n for n in names if n in data.coords] for axis, names in AXES.items()}
-    return {names[0]: axis for axis, names in named.items() if names and axis not in names}
 
 
 def axis_of(data: xr.Dataset | xr.DataArray, axis: str) -> xr.DataArray:
@@ -143,7 +140,13 @@ def axis_of(data: xr.Dataset | xr.DataArray, axis: str) -> xr.DataArray:
 
 def without_other_axes(variable: xr.DataArray) -> xr.DataArray:
     """Return a variable without axes besides those of :data:`AXES`, which must be of length 1."""
-    variable = merged_versions(variable)
+    if "expver" in variable.dims:
+        # Final and preliminary months of ERA5, versions 1 and 5 of ECMWF's, each with gaps where
+        # the other has values.
+        order = np.argsort(variable["expver"].to_numpy())
+        parts = [variable.isel(expver=i, drop=True) for i in order]
+        merged = reduce(lambda known, other: known.fillna(other), parts)
+        variable = merged.assign_attrs(variable.attrs)
     for name in set(map(str, variable.dims)) - AXES.keys():
         if variable.sizes[name] != 1:
             raise refused(f"has the axis {name} for {variable.name}, beside {_EVERY}")
@@ -196,17 +199,6 @@ def by_unit(units: Mapping[tuple[str, ...], T], unit: str, what: str) -> T:
             return value
     allowed = ", ".join(names[0] for names in units)
     raise refused(f"has {what} in {printable(unit) or 'no unit'} (known: {allowed})")
-
-
-def merged_versions(variable: xr.DataArray) -> xr.DataArray:
-    """Merge final and preliminary months of ERA5, each with gaps where the other has values.
-
-    ECMWF: ERA5, expver 1 and 5.
-    """
-    if "expver" not in variable.dims:
-        return variable
-    parts = [variable.isel(expver=i, drop=True) for i in np.argsort(variable["expver"].to_numpy())]
-    return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(variable.attrs)
 
 
 def _component(data: xr.Dataset, *names: str) -> xr.DataArray:
