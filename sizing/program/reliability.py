@@ -37,7 +37,7 @@ from sizing.uncertainty.inputs import (
     sobol_points,
     uncertain_inputs,
 )
-from sizing.uncertainty.propagation import Profiles, Propagation, check_inputs
+from sizing.uncertainty.propagation import Profiles, Propagation, check_inputs, propagation_of
 from solar.types import FloatArray
 
 SEARCH_SAMPLES = 4096
@@ -222,5 +222,5 @@ class _Draws:
         assert result.design is not None
         case = self.case
         aircraft, mission = with_design(case.aircraft, case.mission, result.design)
-        propagation = Propagation(aircraft, mission, case.solar, profiles=self._profiles)
+        propagation = propagation_of(aircraft, mission, case.solar, self._profiles)
         return propagation, uncertain_inputs(aircraft, mission, case.solar)

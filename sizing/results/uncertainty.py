@@ -17,7 +17,7 @@ from sizing.results.design_result import check_subjects
 from sizing.results.numbers import percentiles
 from sizing.results.result import Result, data_frame
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
-from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
+from sizing.uncertainty.propagation import Flights, Propagation, check_inputs, propagation_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 DEFAULT_SAMPLES = 8192
 _OF_FRAME = ("excess_time_h", "minimum_state_of_charge", "total_mass_kg", "propulsion_power_w")
 _LEAST_SAMPLES, _MOST_SAMPLES = 64, 2**20
-# Draws whose endurance is searched for: a launch of each is refined.
-_ENDURANCE_SAMPLES, _CLIMBING_ENDURANCE_SAMPLES = 1024, 256
 
 
 @dataclass(frozen=True)
@@ -195,9 +193,9 @@ def analyse_uncertainty(
             "uncertainty.inputs"
         )
     check_inputs(inputs, mission, solar)
-    study = Propagation(aircraft, mission, solar)
+    study = propagation_of(aircraft, mission, solar)
     values = inputs.values(sobol_points(len(inputs), samples, seed))
-    count = _CLIMBING_ENDURANCE_SAMPLES if mission.climb else _ENDURANCE_SAMPLES
+    count = study.draws_of_endurance
     few = {key: value[:count] for key, value in values.items()}
     nominal = {row.key: np.array([row.nominal]) for row in inputs.inputs}
     flights = study.flights(values)

@@ -16,15 +16,16 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.balance import blocks
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import longest_flight
+from sizing.day.flight import Endurance, longest_flight
 from sizing.day.heights import FlightLevels, flight_levels
-from sizing.day.light import SolarDay, SolarModel, solar_day
+from sizing.day.light import SolarModel, solar_day
 from sizing.day.load import Load, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
@@ -43,9 +44,6 @@ from sizing.validity.extrapolations import collect_extrapolations, keep_worst
 from sizing.validity.ranges import Extrapolation
 from solar.types import FloatArray, IntArray
 
-# Number of draws simulated at once, limited by memory.
-_DRAWS_AT_ONCE = 2048
-_CLIMBING_AT_ONCE = 1024  # with the light at all levels
 # Logarithmic step of light over load, and steps between profiles: within 5 % the optimal profile
 # changes little, except where days begin to close.
 _LIGHT_STEP, _STRIDE = 0.05 / 8, 8
@@ -146,25 +144,24 @@ def _with_nearby_parts(aircraft: Aircraft, mission: Mission) -> Aircraft:
 
 
 class Propagation:
-    """Simulation of an aircraft on a mission under draws of its inputs.
+    """Simulation of an aircraft in level flight on a mission under draws of its inputs.
 
-    ``day`` is the nominal solar day, if it is known already. ``profiles`` are those of a similar
-    aircraft; missing ones are added.
+    ``profiles`` of climbs are those of a similar aircraft; missing ones are added.
     """
+
+    draws_at_once = 2048  # limited by memory
+    draws_of_endurance = 1024  # whose longest flights are looked for: a launch of each is refined
 
     def __init__(
         self,
         aircraft: Aircraft,
         mission: Mission,
         solar: SolarModel,
-        *,
-        day: SolarDay | None = None,
         profiles: Profiles | None = None,
     ) -> None:
         self.aircraft = _with_nearby_parts(aircraft, mission)
         self.mission, self.solar = mission, solar
-        self.day = solar_day(aircraft, mission, solar) if day is None else day
-        self._direct: SolarDay | None = None
+        self.day = solar_day(aircraft, mission, solar)
         self._best = Profiles({}, {}) if profiles is None else profiles
         # A propeller by tables has constant efficiencies here.
         by_table = isinstance(self.aircraft.propulsion, Propulsion)
@@ -178,10 +175,9 @@ class Propagation:
         Draws with the excess time ``stop_at_excess_time_h`` try no further height profile.
         """
         count = len(next(iter(values.values()))) if values else 1
-        at_once = _DRAWS_AT_ONCE if self.mission.climb is None else _CLIMBING_AT_ONCE
         parts = [
             self._block({key: value[draws] for key, value in values.items()}, stop_at_excess_time_h)
-            for draws in blocks(count, at_once)
+            for draws in blocks(count, self.draws_at_once)
         ]
         return Flights(*map(np.concatenate, zip(*parts, strict=True)))
 
@@ -225,14 +221,7 @@ class Propagation:
             at = np.flatnonzero(results.worst[insufficient] == scenario)
             if not len(at):
                 continue
-            store, climb = case.store.select(at), case.mission.climb
-            if climb is None:
-                _, solar_w, load_w = self._cycle_of(case, scenario)
-                longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
-            else:
-                levels = self._levels(case, scenario).select(at)
-                longest = ClimbFlights(self.day.time_h, levels, store).longest()
-            hours[insufficient[at]] = longest.endurance_h
+            hours[insufficient[at]] = self._longest(case, scenario, at).endurance_h
         return hours
 
     def income_and_storage(
@@ -243,7 +232,8 @@ class Propagation:
         ``values`` holds values of every input by its key, shape ``(sample,)``.
         """
         case = self._case(values)
-        _, solar_w, load_w = self._cycle_of(case, scenario)
+        solar_w = self._solar_of_draws(case, scenario)
+        _, load_w = self._cycle_of(case, scenario, solar_w)
         battery = case.aircraft.battery
         load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
         energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
@@ -256,15 +246,10 @@ class Propagation:
         highest_m = np.full(case.count, np.nan)
         flies = np.isfinite(case.mass_kg)
         for scenario in range(len(self.day.scenarios)):
-            if case.mission.climb is None:
-                cycle, solar_w, _ = self._cycle_of(case, scenario)
-                excess_h, least = cycle.excess_time_h, cycle.minimum_state_of_charge
-            else:
-                solar_w = self._solar_of_draws(case, scenario)
-                excess_h, least, altitude_m = self._with_climbs(
-                    case, scenario, solar_w, stop_at_excess_time_h
-                )
-                highest_m = np.fmax(highest_m, altitude_m)
+            solar_w = self._solar_of_draws(case, scenario)
+            best = self._best_flights(case, scenario, solar_w, stop_at_excess_time_h)
+            excess_h, least, altitude_m = best
+            highest_m = np.fmax(highest_m, altitude_m)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             excess.append(np.where(flies, excess_h, -24.0))
             charge.append(np.where(flies, least, 0.0))
@@ -279,115 +264,6 @@ class Propagation:
             peak_solar_w=peak_w,
             maximum_altitude_m=highest_m,
         )
-
-    def _with_climbs(
-        self, case: _Case, scenario: int, solar_w: FloatArray, stop_at_excess_time_h: float
-    ) -> FloatArray:
-        """Return excess time [h], least state of charge [-] and highest altitude [m], (3, sample).
-
-        They belong to the best flight of every draw along its height profiles, or level.
-        """
-        levels = self._levels(case, scenario)
-        light_over_load = np.mean(solar_w, axis=-1) / levels.nominal_load_w
-        below = np.zeros(case.count, int)
-        known = (light_over_load > 0.0) & levels.flies
-        nominal = self._nominal_light(scenario)
-        below[known] = _STRIDE * np.floor(
-            np.log(light_over_load[known] / nominal) / (_STRIDE * _LIGHT_STEP)
-        )
-        steps, places = np.unique([below, below + _STRIDE], return_inverse=True)
-        heights_m = np.stack([height_m for height_m, _ in self._profiles(scenario, steps.tolist())])
-        best = np.full((3, case.count), -np.inf)
-
-        def simulate(draws: IntArray, height_m: FloatArray) -> None:
-            if not len(draws):
-                return
-            flights = flown_along(
-                self.day.time_h,
-                levels.select(draws),
-                case.store.select(draws),
-                height_m,
-                of_others=True,
-            )
-            highest_m = levels.altitude_m[0] + flights.height_m.max(axis=-1)
-            cycle = flights.cycle
-            new = np.stack([cycle.excess_time_h, cycle.minimum_state_of_charge, highest_m])
-            best[:, draws] = np.where(new[0] > best[0, draws], new, best[:, draws])
-
-        for at in places.reshape(2, -1):
-            unfinished = np.flatnonzero(best[0] < stop_at_excess_time_h)
-            simulate(unfinished, heights_m[at[unfinished]])
-        edge, closing_m = self._closing(scenario, steps)
-        for height_m in closing_m:
-            unfinished = np.flatnonzero((best[0] <= 0.0) & (np.abs(below - edge) <= _STRIDE))
-            simulate(unfinished, np.tile(height_m, (len(unfinished), 1)))
-        unfinished = np.flatnonzero(best[0] <= 0.0)
-        simulate(unfinished, np.zeros((len(unfinished), len(self.day.time_h))))
-        return best
-
-    def _light(self, scenario: int) -> float:
-        """Return nominal mean light over load [-]; 1 where there is neither."""
-        case = self._case({})
-        levels, solar_w = self._levels(case, scenario), self._solar_of_draws(case, scenario)
-        light = float(np.mean(solar_w) / levels.nominal_load_w[0])
-        return light if levels.flies[0] and light > 0.0 else 1.0
-
-    def _nominal_light(self, scenario: int) -> float:
-        """Return mean light over load of the aircraft whose profiles the draws fly [-]."""
-        light = self._best.light
-        if scenario not in light:
-            light[scenario] = self._light(scenario)
-        return light[scenario]
-
-    def _profiles(self, scenario: int, steps: list[int]) -> list[tuple[FloatArray, float]]:
-        """Return nominal optimal heights [m] and excess times [h] at steps of light."""
-        centre, known = self._nominal_light(scenario), self._best.known
-        if new := [step for step in steps if (scenario, step) not in known]:
-            factors = np.exp(_LIGHT_STEP * np.array(new)) * centre / self._light(scenario)
-            case = self._case({SOLAR_MODEL: factors})
-            climbs = best_climbs(self.day.time_h, self._levels(case, scenario), case.store)
-            flights = zip(climbs.height_m, climbs.cycle.excess_time_h.tolist(), strict=True)
-            known.update({(scenario, n): flight for n, flight in zip(new, flights, strict=True)})
-        return [known[scenario, step] for step in steps]
-
-    def _closing(self, scenario: int, steps: IntArray) -> tuple[int, list[FloatArray]]:
-        """Return the step of light at which days begin to close, and optimal heights above it [m].
-
-        Two strides are covered: with another battery, days begin to close in other light.
-        """
-        closes = [excess_h > 0.0 for _, excess_h in self._profiles(scenario, steps.tolist())]
-        edges = np.flatnonzero(np.diff(closes) & (np.diff(steps) == _STRIDE))
-        if not len(edges):
-            return 0, []
-        edge = int(steps[edges[0]])
-        between = self._profiles(scenario, list(range(edge + 1, edge + 2 * _STRIDE)))
-        return edge, [height_m for height_m, excess_h in between if excess_h > 0.0]
-
-    def _levels(self, case: _Case, scenario: int) -> FlightLevels:
-        """Return the flight levels of every draw in a scenario, each with its own light."""
-        day, mission = self.day, case.mission
-        powers = [
-            self._specific_power(case, scenario, level, altitude_m)
-            for level, altitude_m in enumerate(mission.climb_levels_m)
-        ]
-        day_of_draws = day.at(np.full(case.count, scenario))
-        day_of_draws = replace(day_of_draws, power_w_per_m2=np.stack(powers), cooling=None)
-        design = case.design._replace(total_mass_kg=case.mass_kg)
-        return flight_levels(case.aircraft, mission, design, day_of_draws)
-
-    def _specific_power(
-        self, case: _Case, scenario: int, level: int, altitude_m: float
-    ) -> FloatArray:
-        """Return the power of every draw at a flight level [W/m2], shape ``(sample, time)``."""
-        nominal, drawn = (
-            mission.at_altitude(altitude_m) for mission in (self.mission, case.mission)
-        )
-        whole, more = self._light_factors(case, nominal, drawn)
-        power = whole[..., np.newaxis] * self.day.power_w_per_m2[level, scenario]
-        if more is not None:
-            direct = self._direct_day().power_w_per_m2[level, scenario]
-            power = power + more[..., np.newaxis] * direct
-        return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
 
     def _case(self, values: dict[str, FloatArray]) -> _Case:
         aircraft, mission = self.aircraft, self.mission
@@ -437,9 +313,24 @@ class Propagation:
         more_kg = parts.propulsors * part_kg * (factor - getattr(parts, name))
         return f"{_PROPULSION}fixed_mass_kg", chain.fixed_mass_kg + more_kg
 
-    def _cycle_of(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
-        """Return cycle, solar power and load [W] of all draws in a scenario, ``(sample, time)``."""
-        solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
+    def _longest(self, case: _Case, scenario: int, draws: IntArray) -> Endurance:
+        """Return the longest flights of a part of the draws in a scenario."""
+        solar_w, store = self._solar_of_draws(case, scenario), case.store.select(draws)
+        _, load_w = self._cycle_of(case, scenario, solar_w)
+        return longest_flight(self.day.time_h, solar_w[draws], load_w[draws], store)
+
+    def _best_flights(
+        self, case: _Case, scenario: int, solar_w: FloatArray, stop_at_excess_time_h: float
+    ) -> tuple[FloatArray, FloatArray, ArrayLike]:
+        """Return excess time [h], least state of charge [-] and highest altitude [m] of draws."""
+        cycle, _ = self._cycle_of(case, scenario, solar_w)
+        return cycle.excess_time_h, cycle.minimum_state_of_charge, np.nan
+
+    def _cycle_of(
+        self, case: _Case, scenario: int, solar_w: FloatArray
+    ) -> tuple[Cycle, FloatArray]:
+        """Return cycle and load [W] of all draws in a scenario, ``(sample, time)``."""
+        day = self.day.at([scenario])
         design, mission, part_load = case.design, case.mission, case.part_load
         load = Load.of(case.aircraft, mission, design, day.scenarios, part_load)
         load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
@@ -452,19 +343,26 @@ class Propagation:
             keep_trajectory=False,
             window_h=mission.flight_window_h(day.scenarios),
         )
-        return cycle, solar_w, load_w
+        return cycle, load_w
 
     def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
         """Return solar power of every draw in a scenario [W], shape ``(sample, time)``."""
-        day = self.day
         area = np.asarray(case.aircraft.modules.area_m2, float)
-        factors = self._light_factors(case, self.mission, case.mission)
-        power = factors[0][:, np.newaxis] * day.specific_power_w_per_m2[scenario]
-        if factors[1] is not None:
-            direct = self._direct_day().specific_power_w_per_m2[scenario]
-            power = power + factors[1][:, np.newaxis] * direct
         every = np.broadcast_to(area, (case.count,))[:, np.newaxis]
-        return np.asarray(every * np.maximum(power, 0.0))
+        return np.asarray(every * self._specific_power(case, scenario, self.mission, case.mission))
+
+    def _specific_power(
+        self, case: _Case, scenario: int, nominal: Mission, drawn: Mission, level: int = 0
+    ) -> FloatArray:
+        """Return the power of every draw at a flight level [W/m2], shape ``(sample, time)``.
+
+        Nominal and drawn mission have the altitude of the level.
+        """
+        whole, more = self._light_factors(case, nominal, drawn)
+        power = whole[..., np.newaxis] * self.day.power_w_per_m2[level, scenario]
+        if more is not None:
+            power = power + more[..., np.newaxis] * self._direct_w_per_m2[level, scenario]
+        return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
 
     def _light_factors(
         self, case: _Case, nominal: Mission, drawn: Mission
@@ -511,19 +409,130 @@ class Propagation:
         at_air = float(modules.temperature_efficiency(air_c))
         return lost * at_air / modules.temperature_coefficient_per_k
 
-    def _direct_day(self) -> SolarDay:
-        """Return the day of the direct part of the nominal specific power."""
-        if self._direct is None:
-            # Halving the diffuse efficiency isolates the diffuse part.
-            half = 0.5 * self.aircraft.modules.diffuse_efficiency
-            aircraft, _ = with_parameter(
-                self.aircraft, self.mission, "modules.diffuse_efficiency", half
+    @cached_property
+    def _direct_w_per_m2(self) -> FloatArray:
+        """Direct part of the nominal specific power [W/m2], ``(level, scenario, time)``."""
+        # Halving the diffuse efficiency isolates the diffuse part.
+        half = 0.5 * self.aircraft.modules.diffuse_efficiency
+        key, scenarios = "modules.diffuse_efficiency", self.day.scenarios
+        aircraft, _ = with_parameter(self.aircraft, self.mission, key, half)
+        halved = solar_day(aircraft, self.mission, self.solar, scenarios=scenarios)
+        return 2.0 * halved.power_w_per_m2 - self.day.power_w_per_m2
+
+
+class ClimbingPropagation(Propagation):
+    """Simulation of an aircraft with climbs under draws of its inputs."""
+
+    draws_at_once = 1024  # with the light at all levels
+    draws_of_endurance = 256
+
+    def _longest(self, case: _Case, scenario: int, draws: IntArray) -> Endurance:
+        levels, store = self._levels(case, scenario).select(draws), case.store.select(draws)
+        return ClimbFlights(self.day.time_h, levels, store).longest()
+
+    def _best_flights(
+        self, case: _Case, scenario: int, solar_w: FloatArray, stop_at_excess_time_h: float
+    ) -> tuple[FloatArray, FloatArray, ArrayLike]:
+        """Return these of the best flight of every draw along its height profiles, or level."""
+        levels = self._levels(case, scenario)
+        light_over_load = np.mean(solar_w, axis=-1) / levels.nominal_load_w
+        below = np.zeros(case.count, int)
+        known = (light_over_load > 0.0) & levels.flies
+        nominal = self._nominal_light(scenario)
+        below[known] = _STRIDE * np.floor(
+            np.log(light_over_load[known] / nominal) / (_STRIDE * _LIGHT_STEP)
+        )
+        steps, places = np.unique([below, below + _STRIDE], return_inverse=True)
+        heights_m = np.stack([height_m for height_m, _ in self._profiles(scenario, steps.tolist())])
+        best = np.full((3, case.count), -np.inf)
+
+        def simulate(draws: IntArray, height_m: FloatArray) -> None:
+            if not len(draws):
+                return
+            flights = flown_along(
+                self.day.time_h,
+                levels.select(draws),
+                case.store.select(draws),
+                height_m,
+                of_others=True,
             )
-            scenarios = self.day.scenarios
-            halved = solar_day(aircraft, self.mission, self.solar, scenarios=scenarios)
-            direct = 2.0 * halved.power_w_per_m2 - self.day.power_w_per_m2
-            self._direct = replace(halved, power_w_per_m2=direct)
-        return self._direct
+            highest_m = levels.altitude_m[0] + flights.height_m.max(axis=-1)
+            cycle = flights.cycle
+            new = np.stack([cycle.excess_time_h, cycle.minimum_state_of_charge, highest_m])
+            best[:, draws] = np.where(new[0] > best[0, draws], new, best[:, draws])
+
+        for at in places.reshape(2, -1):
+            unfinished = np.flatnonzero(best[0] < stop_at_excess_time_h)
+            simulate(unfinished, heights_m[at[unfinished]])
+        edge, closing_m = self._closing(scenario, steps)
+        for height_m in closing_m:
+            unfinished = np.flatnonzero((best[0] <= 0.0) & (np.abs(below - edge) <= _STRIDE))
+            simulate(unfinished, np.tile(height_m, (len(unfinished), 1)))
+        unfinished = np.flatnonzero(best[0] <= 0.0)
+        simulate(unfinished, np.zeros((len(unfinished), len(self.day.time_h))))
+        return best[0], best[1], best[2]
+
+    def _light(self, scenario: int) -> float:
+        """Return nominal mean light over load [-]; 1 where there is neither."""
+        case = self._case({})
+        levels, solar_w = self._levels(case, scenario), self._solar_of_draws(case, scenario)
+        light = float(np.mean(solar_w) / levels.nominal_load_w[0])
+        return light if levels.flies[0] and light > 0.0 else 1.0
+
+    def _nominal_light(self, scenario: int) -> float:
+        """Return mean light over load of the aircraft whose profiles the draws fly [-]."""
+        light = self._best.light
+        if scenario not in light:
+            light[scenario] = self._light(scenario)
+        return light[scenario]
+
+    def _profiles(self, scenario: int, steps: list[int]) -> list[tuple[FloatArray, float]]:
+        """Return nominal optimal heights [m] and excess times [h] at steps of light."""
+        centre, known = self._nominal_light(scenario), self._best.known
+        if new := [step for step in steps if (scenario, step) not in known]:
+            factors = np.exp(_LIGHT_STEP * np.array(new)) * centre / self._light(scenario)
+            case = self._case({SOLAR_MODEL: factors})
+            climbs = best_climbs(self.day.time_h, self._levels(case, scenario), case.store)
+            flights = zip(climbs.height_m, climbs.cycle.excess_time_h.tolist(), strict=True)
+            known.update({(scenario, n): flight for n, flight in zip(new, flights, strict=True)})
+        return [known[scenario, step] for step in steps]
+
+    def _closing(self, scenario: int, steps: IntArray) -> tuple[int, list[FloatArray]]:
+        """Return the step of light at which days begin to close, and optimal heights above it [m].
+
+        Two strides are covered: with another battery, days begin to close in other light.
+        """
+        closes = [excess_h > 0.0 for _, excess_h in self._profiles(scenario, steps.tolist())]
+        edges = np.flatnonzero(np.diff(closes) & (np.diff(steps) == _STRIDE))
+        if not len(edges):
+            return 0, []
+        edge = int(steps[edges[0]])
+        between = self._profiles(scenario, list(range(edge + 1, edge + 2 * _STRIDE)))
+        return edge, [height_m for height_m, excess_h in between if excess_h > 0.0]
+
+    def _levels(self, case: _Case, scenario: int) -> FlightLevels:
+        """Return the flight levels of every draw in a scenario, each with its own light."""
+        day, mission = self.day, case.mission
+        levels = [
+            (self.mission.at_altitude(altitude_m), mission.at_altitude(altitude_m))
+            for altitude_m in mission.climb_levels_m
+        ]
+        powers = [
+            self._specific_power(case, scenario, *missions, level)
+            for level, missions in enumerate(levels)
+        ]
+        day_of_draws = day.at(np.full(case.count, scenario))
+        day_of_draws = replace(day_of_draws, power_w_per_m2=np.stack(powers), cooling=None)
+        design = case.design._replace(total_mass_kg=case.mass_kg)
+        return flight_levels(case.aircraft, mission, design, day_of_draws)
+
+
+def propagation_of(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, profiles: Profiles | None = None
+) -> Propagation:
+    """Return the simulation of draws of an aircraft as its mission has it fly."""
+    kind = Propagation if mission.climb is None else ClimbingPropagation
+    return kind(aircraft, mission, solar, profiles)
 
 
 @dataclass(frozen=True)

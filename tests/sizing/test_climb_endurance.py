@@ -14,7 +14,7 @@ from sizing.day.flight import Endurance
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import performance
 from sizing.results.analysis import analyse
-from sizing.uncertainty.propagation import Propagation
+from sizing.uncertainty.propagation import propagation_of
 from studies.maps.study import feasibility_map
 
 
@@ -133,7 +133,7 @@ def test_map_and_draws_give_the_flight_with_climbs_too():
     expected = float(longest(performance(DESIGN, where)).endurance_h)
     data = feasibility_map(DESIGN, where, latitudes=[47.6], days=[355], endurance=True)
     assert float(data["endurance"].to_numpy()[0, 0]) == pytest.approx(expected, rel=1e-9)
-    draws = Propagation(DESIGN, where, UNCORRECTED_CAM)
+    draws = propagation_of(DESIGN, where, UNCORRECTED_CAM)
     mass = np.array([float(DESIGN.battery.mass_kg)])
     hours = draws.endurance_h({"battery.mass_kg": mass})
     # Of the same design in light by another sum: its last digits differ.

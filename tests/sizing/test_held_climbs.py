@@ -22,7 +22,7 @@ from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.program.task import SizingTask
 from sizing.program.transcription import LEVELS
-from sizing.uncertainty.propagation import Propagation
+from sizing.uncertainty.propagation import propagation_of
 
 HIGH = aircraft("stratosphere-design")  # 28.0 m/s at 20 km, 30.5 m/s at 21 km, 33.2 m/s at 22 km
 CALM = {20000: 5.0, 22000: 10.0}
@@ -127,7 +127,7 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path, name):
     where = mission(climb={"ceiling_m": 1536.0}, wind=wind)
     key = "battery.specific_energy_wh_per_kg"
     energies = parameter_value(subject, where, key) * np.array([1.0, 0.9])
-    draws = Propagation(subject, where, UNCORRECTED_CAM).flights({key: energies})
+    draws = propagation_of(subject, where, UNCORRECTED_CAM).flights({key: energies})
     each = [excess_h(with_parameter(subject, where, key, e)[0], where) for e in energies.tolist()]
     # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
     # A draw flies a profile of the file's in about its light, to 0.02 h as programs agree; with

@@ -14,7 +14,7 @@ from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.results.analysis import analyse
 from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
-from sizing.uncertainty.propagation import Propagation, check_inputs
+from sizing.uncertainty.propagation import check_inputs, propagation_of
 from sizing.validity.extrapolations import extrapolations
 from studies.ceiling import perpetual_ceiling
 from studies.maps.results import MapResult
@@ -168,7 +168,7 @@ def test_draw_is_what_it_is_alone(aircraft, changes):
         turbulence={"all_day": 0.05, "thermal": 0.1},
     )
     values = {key: np.array([value, value]) for key, value in changes.items()}
-    found = Propagation(aircraft, flown, SolarModel()).flights(values)
+    found = propagation_of(aircraft, flown, SolarModel()).flights(values)
     of = {True: {}, False: {}}
     for key, value in changes.items():
         of[key.startswith("mission.")][key.removeprefix("mission.")] = value
