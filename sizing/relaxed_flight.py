@@ -95,7 +95,11 @@ def _smallest_change(
     aircraft: Aircraft, perf: Performance, key: str, total_mass_kg: float | None
 ) -> Iterator[Relaxation]:
     """Yield the relaxation of a quantity, if there is one."""
-    present = _present(perf, key)
+    variables = perf.design.variables
+    if key == LOAD:
+        present = float(perf.design.nominal_load_w(perf.mission))
+    else:
+        present = float(variables.battery_mass_kg if key == _BATTERY else variables.module_area_m2)
     if not present:
         return
     end = _LEAST if key == LOAD else _MOST
@@ -116,14 +120,6 @@ def _smallest_change(
     excess_h = float(_worst_excess_h(aircraft, perf, key, np.array([value]), total_mass_kg)[0])
     if excess_h > 0.0:
         yield Relaxation(key, _UNITS[key], present, direction, value, excess_h)
-
-
-def _present(perf: Performance, key: str) -> float:
-    """Return the value of a quantity in the flight."""
-    if key == LOAD:
-        return float(perf.design.nominal_load_w(perf.mission))
-    variables = perf.design.variables
-    return float(variables.battery_mass_kg if key == _BATTERY else variables.module_area_m2)
 
 
 def _worst_excess_h(

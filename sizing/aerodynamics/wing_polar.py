@@ -114,8 +114,22 @@ class WingPolar(CompletedRecord):
 
     @classmethod
     def completed(cls, data: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return data with the values of polars of a wing."""
-        return {**_wing_values(data), **data}
+        """Return data with the values of polars of a wing, as far as these can be read."""
+        airfoil = data.get("airfoil")
+        if not isinstance(airfoil, str) or not is_table_path(airfoil):
+            return data
+        keys = ("wing_chord_m", "wing_aspect_ratio", "wing_kinematic_viscosity_m2_per_s")
+        values = [data.get(key, 1.5e-5 if key == keys[-1] else None) for key in keys]
+        if not all(type(value) in (int, float) and value > 0.0 for value in values):
+            return data
+        try:
+            table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
+        except (InputError, OSError):  # which the checks of the record report
+            return {"section_lift_ratio": 1.0, **data}
+        efficiency = table.span_efficiency
+        assert efficiency is not None  # every polar of a wing has one
+        efficiency = significant(efficiency, 4)
+        return {"section_lift_ratio": 1.0, "span_efficiency": efficiency, **data}
 
     @model_validator(mode="after")
     def _check_wing(self) -> WingPolar:
@@ -246,21 +260,3 @@ class WingPolar(CompletedRecord):
         shares = (drag.profile, drag.induced, drag.tail + drag.fuselage + drag.parasitic)
         profile, induced, other = (self.calibration * share for share in shares)
         return profile, induced, other
-
-
-def _wing_values(data: Mapping[str, Any]) -> dict[str, float]:
-    """Return the keys given by polars of a wing; empty without readable ones."""
-    airfoil = data.get("airfoil")
-    if not isinstance(airfoil, str) or not is_table_path(airfoil):
-        return {}
-    keys = ("wing_chord_m", "wing_aspect_ratio", "wing_kinematic_viscosity_m2_per_s")
-    values = [data.get(key, 1.5e-5 if key == keys[-1] else None) for key in keys]
-    if not all(type(value) in (int, float) and value > 0.0 for value in values):
-        return {}
-    try:
-        table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
-    except (InputError, OSError):
-        return {"section_lift_ratio": 1.0}  # the checks of the record report the error
-    efficiency = table.span_efficiency
-    assert efficiency is not None  # every polar of a wing has one
-    return {"section_lift_ratio": 1.0, "span_efficiency": significant(efficiency, 4)}

@@ -178,7 +178,8 @@ def volume_for_margin(
     wing = wing_of(airframe.planform, inputs.wingspan_m, inputs.aspect_ratio)
 
     def error(volume: FloatArray) -> FloatArray:
-        sized = tail.with_volume(volume)
+        size = {"horizontal_volume": volume, "horizontal_area_m2": None}
+        sized = all_replaced(tail, size)
         neutral_m = neutral_point(wing, sized, sized.planes(wing), body_volume_m3(airframe)).x_m
         changed = airframe.model_copy(update={"tail": sized})
         gravity_m = centre_of_gravity(balance_items(changed, masses, inputs))

@@ -12,16 +12,8 @@ from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
-from sizing.parameters import all_replaced
 from sizing.smooth import Value, smooth_maximum
-from solar.schema import (
-    Fraction,
-    NonNegativeReal,
-    PositiveReal,
-    Real,
-    Record,
-    wrong_value,
-)
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, wrong_value
 
 QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
 _ControlChord = Annotated[float, Strict(), Field(ge=0.05, le=1.0)]
@@ -160,11 +152,6 @@ class Tail(Record):
             if getattr(self, first) is None and getattr(self, second) is None:
                 raise wrong_value(first, f"required key is missing (or {second}, above 0)")
         return self
-
-    def with_volume(self, horizontal_volume: Value) -> Tail:
-        """Return the tail with another horizontal volume coefficient, not validated."""
-        size = {"horizontal_volume": horizontal_volume, "horizontal_area_m2": None}
-        return all_replaced(self, size)
 
     def planes(self, wing: Wing) -> TailPlanes:
         """Return the tail planes behind a wing."""

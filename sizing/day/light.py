@@ -252,14 +252,14 @@ class Sunlight:
     def _at_levels(self, model: ModelName, convection: FloatArray | None) -> FloatArray:
         """Return the power in a convection at all levels, or of modules as cold as the air."""
         flows = [None] * len(self._levels) if convection is None else convection.tolist()
-        powers = [self._in_flow(model, *at) for at in zip(self._levels, flows, strict=True)]
+        powers = []
+        for there, flow in zip(self._levels, flows, strict=True):
+            around = None if flow is None else surroundings(there, flow)
+            powers.append(
+                modelled_power(self.aircraft, there, model, self.scenarios, self.time_h, around)
+            )
         # A single level keeps its layout in memory.
         return powers[0][np.newaxis] if len(powers) == 1 else np.stack(powers)
-
-    def _in_flow(self, model: ModelName, there: Mission, convection: float | None) -> FloatArray:
-        """Return the power at an altitude in a convection, ``(scenario, time)``."""
-        around = None if convection is None else surroundings(there, convection)
-        return modelled_power(self.aircraft, there, model, self.scenarios, self.time_h, around)
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
         """Return the change of the power with the flow; of VM and FM in the proportions of CAM."""

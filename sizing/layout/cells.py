@@ -258,12 +258,12 @@ class CellLayout(Record):
         # Half a gap to the other half of the wing.
         start_m = max(bay.inboard * half_m, self.gap_m / 2.0)
         end_m, stretches = bay.outboard * half_m, []
-        taken = sorted(
-            (low, high)
-            for low, high, ahead, behind in self._kept_out(wing)
-            if ahead < rear_m - _ROUNDING and behind > front_m + _ROUNDING
-        )
-        for low_m, high_m in [*taken, (end_m, math.inf)]:
+        taken = []
+        for corners in self.kept_out_corners(wing):
+            along, aft = zip(*corners, strict=True)
+            if min(aft) < rear_m - _ROUNDING and max(aft) > front_m + _ROUNDING:
+                taken.append((min(along), max(along)))
+        for low_m, high_m in [*sorted(taken), (end_m, math.inf)]:
             length_m = min(low_m, end_m) - start_m
             stretches.append((start_m, _pieces(length_m, self.cell_span_m, self.gap_m)))
             start_m = max(start_m, high_m)
@@ -292,12 +292,6 @@ class CellLayout(Record):
             ]
             for part in self.keep_outs
         ]
-
-    def _kept_out(self, wing: Wing) -> Iterator[tuple[float, float, float, float]]:
-        """Yield rectangles around the keep-outs: both ends along the span, front and rear [m]."""
-        for corners in self.kept_out_corners(wing):
-            along, aft = zip(*corners, strict=True)
-            yield min(along), max(along), min(aft), max(aft)
 
     def _on_tail(self, tail: TailGeometry | None) -> Iterator[PlacedCell]:
         if not self.tail_cells:

@@ -28,7 +28,6 @@ from sizing.validity.ranges import Check, experience, ranges
 from solar.clearsky import THIN_AIR_FROM_M
 from solar.schema import Allowed, spell
 from solar.sun import declination
-from solar.types import FloatArray
 
 # Quantities checked at the highest altitude of a flight with climbs.
 _AT_HIGHEST_ALTITUDE = ("altitude_m", "air_temperature_c")
@@ -51,7 +50,10 @@ def design_checks(
     yield from battery_checks(aircraft.battery, air_c, altitude_m)
     yield from module_check(aircraft, mission, altitude_m)
     yield from altitude_checks(mission, solar, altitude_m)
-    yield from _path_check(mission, solar, design)
+    path_speed = getattr(mission.flight_path, "airspeed_m_per_s", None)
+    if solar.needs_path and path_speed is not None and design.airspeed_m_per_s is not None:
+        ends = (path_speed * (1.0 - _AIRSPEED_TOLERANCE), path_speed * (1.0 + _AIRSPEED_TOLERANCE))
+        yield Check.of("airspeed_m_per_s", "flight_path", design.airspeed_m_per_s, ends)
     yield from wind_check(design, design.conditions.wind_m_per_s)
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
@@ -174,7 +176,13 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
     if isinstance(structure, RibWingStructure):
         share = _cap_depth_ratio(it.aircraft, design, structure)
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
-    yield from _agreement_check(it)
+    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
+        by_model = structure_masses_by_model(it.aircraft, design)
+        if by_model is not None:
+            model, other = by_model
+            masses = {name: np.asarray(mass, float) for name, mass in by_model.items()}
+            ratio = masses[model] / masses[other]
+            yield Check.of("structure_mass_ratio", model, ratio, masses_kg=masses)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
         mach = design.airspeed_m_per_s / it.conditions.air.speed_of_sound_m_per_s
@@ -182,18 +190,6 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
-
-
-def _agreement_check(it: DesignInFlight) -> Iterator[Check]:
-    """Yield the check of structural mass by the file's model over mass by the other model."""
-    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-        both = structure_masses_by_model(it.aircraft, it.design)
-        if both is not None:
-            model, other = both
-            masses = {name: np.asarray(mass, float) for name, mass in both.items()}
-            yield Check.of(
-                "structure_mass_ratio", model, masses[model] / masses[other], masses_kg=masses
-            )
 
 
 def _cap_depth_ratio(aircraft: Aircraft, design: Design, structure: RibWingStructure) -> Any:
@@ -271,15 +267,6 @@ def _uses_reported_errors(mission: Mission, solar: SolarModel) -> bool:
     return solar.correction != "none" or mission.uncertainty_margins.solar_model_sigmas != 0.0
 
 
-def _path_check(mission: Mission, solar: SolarModel, design: Design) -> Iterator[Check]:
-    """Yield the check of the airspeed against the flight path's, for solar power along the path."""
-    path_speed = getattr(mission.flight_path, "airspeed_m_per_s", None)
-    if not solar.needs_path or path_speed is None or design.airspeed_m_per_s is None:
-        return
-    ends = (path_speed * (1.0 - _AIRSPEED_TOLERANCE), path_speed * (1.0 + _AIRSPEED_TOLERANCE))
-    yield Check.of("airspeed_m_per_s", "flight_path", design.airspeed_m_per_s, ends)
-
-
 def charge_rate_is_open(aircraft: Aircraft) -> bool:
     """Return whether no limit keeps the charge rate within the battery model's range."""
     limit = aircraft.battery.charge_limit
@@ -301,9 +288,10 @@ def charge_rate_check(
     if not charge_rate_is_open(aircraft):
         return
     peak_w = np.asarray(peak_power_w, float)
+    of_design = (design.nominal_load_w(mission), design.battery_energy_wh)
     load_w, energy_wh = (
-        _with_axes_of(value, peak_w)
-        for value in (design.nominal_load_w(mission), design.battery_energy_wh)
+        values.reshape(values.shape + (1,) * max(peak_w.ndim - values.ndim, 0))
+        for values in (np.asarray(value, float) for value in of_design)
     )
     with np.errstate(invalid="ignore"):
         rate = (
@@ -313,12 +301,6 @@ def charge_rate_check(
     if isinstance(limit, RuleChargeLimit):
         rate = np.minimum(rate, limit.c_rate_per_h)
     yield Check.of("charge_rate_per_h", "battery", rate)
-
-
-def _with_axes_of(value: Any, array: FloatArray) -> FloatArray:
-    """Return values with as many axes as an array, new ones last."""
-    values = np.asarray(value, float)
-    return values.reshape(values.shape + (1,) * max(array.ndim - values.ndim, 0))
 
 
 def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:

@@ -218,21 +218,15 @@ def _with_cold_modules(aircraft: Aircraft, perf: Performance) -> tuple[Performan
     if warm_wh <= 0.0:
         return cold, at
     percent = round(100.0 * (cold_wh / warm_wh - 1.0))
-    warmest = _warmest_c(aircraft, perf, cold)
-    balanced = "" if warmest is None else f"by a balance of heat at most {round(warmest)} °C; "
+    loss_per_k, balanced = aircraft.modules.temperature_coefficient_per_k, ""
+    if loss_per_k != 0.0 and perf.solar.model != "FM" and perf.solar.correction != "loiter":
+        # The highest temperature of the modules, from their power when cold.
+        place = int(np.argmax(cold.solar_power_w[0]))
+        ratio = float(perf.solar_power_w[0, place] / cold.solar_power_w[0, place])
+        at_air = float(aircraft.modules.temperature_efficiency(air_c))
+        warmest_c = STC_TEMPERATURE_C + (1.0 - ratio * at_air) / loss_per_k
+        balanced = f"by a balance of heat at most {round(warmest_c)} °C; "
     return cold, f"{balanced}{at} they would give {percent} % more solar energy, and"
-
-
-def _warmest_c(aircraft: Aircraft, perf: Performance, cold: Performance) -> float | None:
-    """Return the highest temperature of the modules [C], from their power when cold."""
-    loss_per_k = aircraft.modules.temperature_coefficient_per_k
-    if loss_per_k == 0.0 or perf.solar.model == "FM" or perf.solar.correction == "loiter":
-        return None
-    place = int(np.argmax(cold.solar_power_w[0]))
-    ratio = float(perf.solar_power_w[0, place] / cold.solar_power_w[0, place])
-    air_c = float(perf.mission.air_state().temperature_c)
-    at_air = float(aircraft.modules.temperature_efficiency(air_c))
-    return STC_TEMPERATURE_C + (1.0 - ratio * at_air) / loss_per_k
 
 
 def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
