@@ -16,7 +16,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import ExtensionFileLoader
 from types import FrameType
@@ -100,10 +100,15 @@ def interruptible(*, held: bool = False) -> Iterator[Signals]:
     signals.caught = [number for number in both if signal.getsignal(number) not in ignored]
     before: dict[int, Any] = {}
     hook = sys.unraisablehook
+
+    def without_signals(unraisable: sys.UnraisableHookArgs) -> object:
+        """Skip signals, which are raised again."""
+        return None if isinstance(unraisable.exc_value, KeyboardInterrupt) else hook(unraisable)
+
     try:
         for number in signals.caught:
             before[number] = signal.signal(number, signals.handle)
-        sys.unraisablehook = _without_signals(hook)
+        sys.unraisablehook = without_signals
         yield signals
     finally:
         if signals.signum is not None and _CAN_REPEAT:
@@ -112,16 +117,3 @@ def interruptible(*, held: bool = False) -> Iterator[Signals]:
         for number, handler in before.items():
             signal.signal(number, handler)
         sys.unraisablehook = hook
-
-
-def _without_signals(
-    hook: Callable[[sys.UnraisableHookArgs], object],
-) -> Callable[[sys.UnraisableHookArgs], object]:
-    """Return a hook for unraisable errors that skips signals, which are raised again."""
-
-    def filtered(unraisable: sys.UnraisableHookArgs) -> object:
-        if isinstance(unraisable.exc_value, KeyboardInterrupt):
-            return None
-        return hook(unraisable)
-
-    return filtered

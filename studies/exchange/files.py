@@ -13,7 +13,7 @@ from sizing.results.analysis import Analysis, analyse
 from solar.names import CorrectionName, ModelName
 from studies.exchange.airplane import airplane_text, missing_library
 from studies.output import formats
-from studies.render.design_sheet import DesignSheet, Entry, design_sheet
+from studies.render.design_sheet import DesignSheet, design_sheet
 from studies.render.tables import UNLIMITED
 
 # Geometry needs no mission; tables hold results on one.
@@ -119,7 +119,18 @@ def latex_table(sheet: DesignSheet) -> str:
         r"    Quantity & Symbol & Value & Unit \\",
     ]
     for _, entries in groupby(sheet.quantities, key=lambda entry: entry.group):
-        lines += [r"    \midrule", *(f"    {_latex_row(entry)}" for entry in entries)]
+        lines.append(r"    \midrule")
+        for entry in entries:
+            of, (value, unit) = entry.quantity, entry.shown()
+            symbol = f"${of.symbol}$" if of.symbol else ""
+            if value != UNLIMITED:  # a number, with its exponent
+                ten = re.sub(
+                    r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", value
+                )
+                value = f"${ten}$"
+            raised = unit.replace("²", "^2").replace("³", "^3").replace("%", r"\%")
+            upright = rf"$\mathrm{{{raised}}}$" if unit else ""
+            lines.append(f"    {escaped(of.label)} & {symbol} & {value} & {upright} \\\\")
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}"]
     return "\n".join(lines) + "\n"
 
@@ -127,15 +138,3 @@ def latex_table(sheet: DesignSheet) -> str:
 def escaped(text: str) -> str:
     """Escape characters that mean something to LaTeX."""
     return "".join(_ESCAPES.get(character, character) for character in text)
-
-
-def _latex_row(entry: Entry) -> str:
-    of = entry.quantity
-    symbol = f"${of.symbol}$" if of.symbol else ""
-    value, unit = entry.shown()
-    if value != UNLIMITED:  # a number, with its exponent
-        ten = re.sub(r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", value)
-        value = f"${ten}$"
-    raised = unit.replace("²", "^2").replace("³", "^3").replace("%", r"\%")
-    upright = rf"$\mathrm{{{raised}}}$" if unit else ""
-    return f"{escaped(of.label)} & {symbol} & {value} & {upright} \\\\"

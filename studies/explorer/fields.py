@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -173,7 +174,13 @@ def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) 
         LATITUDE, "place", "latitude", "°", latitude, *ends, ends, 0.1, about=_ABOUT_LATITUDE
     )
     yield Field(DAY, "place", "day of year", "", day, *days, days, 1.0, about=_ABOUT_DAY)
-    payload_ends = _payload_ends(aircraft, mission)
+    payload_ends = {}  # what such an aircraft may carry
+    with suppress(ImpossibleDesignError):
+        design = design_of(aircraft, mission)
+        payload_ends = {
+            "mission.payload.mass_kg": _PAYLOAD_OF_MASS * float(design.total_mass_kg),
+            "mission.payload.power_w": _PAYLOAD_OF_LOAD * float(design.nominal_load_w(mission)),
+        }
     for group, keys in _GROUPS.items():
         for key, step in keys.items():
             value = parameter_value(aircraft, mission, key)
@@ -208,18 +215,6 @@ def _number_field(
     fixed = _MEASURED if measured and key.startswith("airframe.") else ""
     label, about = known.label, known.about
     return Field(key, group, label, unit, value, minimum, maximum, slider, step, fixed, about)
-
-
-def _payload_ends(aircraft: Aircraft, mission: Mission) -> dict[str, float]:
-    """Return the far ends of the payload's sliders: what such an aircraft may carry."""
-    try:
-        design = design_of(aircraft, mission)
-    except ImpossibleDesignError:
-        return {}
-    return {
-        "mission.payload.mass_kg": _PAYLOAD_OF_MASS * float(design.total_mass_kg),
-        "mission.payload.power_w": _PAYLOAD_OF_LOAD * float(design.nominal_load_w(mission)),
-    }
 
 
 def _round(value: float, rounded: Any) -> float:

@@ -104,19 +104,16 @@ class Guard:
             return 403, "origin", "a request that is not GET needs the header Origin of this server"
         if len(request.scope["query_string"]) > _MAXIMUM_QUERY_BYTES:
             return 414, "size", f"a query has at most {_MAXIMUM_QUERY_BYTES} bytes"
-        if not self._is_ours(self._tokens(request)):
+        tokens = _query_tokens(request) if request.scope["path"] == "/" else []
+        for value in request.headers.getlist("authorization"):
+            scheme, _, token = value.partition(" ")
+            tokens += [token.strip()] if scheme.lower() == "bearer" else []
+        if not self._is_ours([*tokens, request.cookies.get(self.cookie, "")]):
             words = "the token is missing or wrong: open the address that solar-uav explore printed"
             return 403, "token", words
         if not all(map(_allowed_length, request.headers.getlist("content-length"))):
             return 413, "size", f"a request has at most {MAXIMUM_BODY_BYTES} bytes"
         return None
-
-    def _tokens(self, request: Request) -> list[str]:
-        tokens = _query_tokens(request) if request.scope["path"] == "/" else []
-        for value in request.headers.getlist("authorization"):
-            scheme, _, token = value.partition(" ")
-            tokens += [token.strip()] if scheme.lower() == "bearer" else []
-        return [*tokens, request.cookies.get(self.cookie, "")]
 
     def _is_ours(self, tokens: list[str]) -> bool:
         return any(secrets.compare_digest(token.encode(), self._token) for token in tokens)

@@ -133,7 +133,17 @@ class Verification(Result):
 
     def tables(self) -> list[Table]:
         """Return tables of errors, estimates, residuals and stretches left out."""
-        tables = [_error_table(section) for section in (*self.windows, *self.days)]
+        tables = []
+        for section in (*self.windows, *self.days):
+            name, measured = f"{section.label} ({section.clock})", section.measured_mean_w
+            if measured is None:
+                tables.append(Table(f"{name}: all samples are excluded", _ERRORS, ()))
+                continue
+            columns = _ERRORS if measured < _MANY_W else _WHOLE_WATTS
+            rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
+            count = f"{section.samples} samples, filter {spell(section.filter_s)} s"
+            title = f"{name}: {amount(measured, 'W', '.2f')} measured, {count}"
+            tables.append(Table(title, columns, tuple(rows)))
         tables.append(self.estimates_table())
         tables += residual_tables(self.residuals, self.best_model)
         tables += [] if self.mppts is None else [self.mppts.table()]
@@ -279,17 +289,6 @@ def _error_cells(errors: Mapping[str, Any]) -> Iterator[float | None]:
     """Yield errors in watts and in per cent."""
     for key, error in errors.items():
         yield 100.0 * error if error is not None and key.endswith("relative") else error
-
-
-def _error_table(section: Section) -> Table:
-    """Return a table of the errors of all models in a window or on a day."""
-    name = f"{section.label} ({section.clock})"
-    if (measured := section.measured_mean_w) is None:
-        return Table(f"{name}: all samples are excluded", _ERRORS, ())
-    rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
-    count = f"{section.samples} samples, filter {spell(section.filter_s)} s"
-    title = f"{name}: {amount(measured, 'W', '.2f')} measured, {count}"
-    return Table(title, _ERRORS if measured < _MANY_W else _WHOLE_WATTS, tuple(rows))
 
 
 def verify(

@@ -86,7 +86,11 @@ class RunFolder:
         try:
             text = _read(folder / RUN).decode("utf-8")
             record = json.loads(text)
-            _refuse_newer(record, text, str(folder / RUN))
+            version = record.get(FORMAT_KEY, 1) if isinstance(record, dict) else 1
+            if (trouble := format_trouble(version)) is not None:
+                lines = enumerate(text.splitlines(), start=1)
+                line = next((number for number, row in lines if f'"{FORMAT_KEY}"' in row), None)
+                raise InputError([Problem(str(folder / RUN), line, None, FORMAT_KEY, trouble)])
             model, correction = record["model"], record["correction"]
         except InputError:
             raise
@@ -95,16 +99,6 @@ class RunFolder:
         if model not in MODEL_NAMES or correction not in CORRECTION_NAMES:
             raise file_error(str(folder / RUN), "is not the record of a run of solar-uav")
         return cls(str(folder / AIRCRAFT), str(folder / MISSION), model, correction)
-
-
-def _refuse_newer(record: Any, text: str, source: str) -> None:
-    """Refuse the record of a run in a format that is not known yet."""
-    version = record.get(FORMAT_KEY, 1) if isinstance(record, dict) else 1
-    trouble = format_trouble(version)
-    if trouble is not None:
-        lines = enumerate(text.splitlines(), start=1)
-        line = next((number for number, content in lines if f'"{FORMAT_KEY}"' in content), None)
-        raise InputError([Problem(source, line, None, FORMAT_KEY, trouble)])
 
 
 def write_run_folder(

@@ -57,13 +57,23 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
         f"{f', worst of {scenarios} scenarios' if scenarios > 1 else ''}: {_status(analysis)}"
     )
     facts = in_columns(_analysis_facts(analysis, level), analysis, level)
-    beyond = say.coverage_line(analysis)
+    beyond, alone = say.coverage_line(analysis), analysis.relaxations
+    relaxations: list[Any] = []  # what alone would make a flight perpetual
+    if alone and everything:
+        relaxations.append(relaxation_table(alone, "perpetual"))
+    elif alone:
+        relaxations.append(say.relaxations_line(alone[:2], "perpetual"))
+    flight: list[Any] = []
+    if analysis.flight is not None:
+        table = flight_table(analysis.flight)
+        text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
+        flight.append(table if everything else f"{table.title}: {text}")
     return {
         "answer": [Line(title, "strong"), say.answer(analysis), *facts],
         "parts": part_blocks(analysis) if everything else [],
         "scenarios": [scenario_table(analysis)] if everything and scenarios > 1 else [],
-        "relaxations": _relaxations(analysis, level),
-        "flight": _flight(analysis, level),
+        "relaxations": relaxations,
+        "flight": flight,
         "warnings": [] if beyond is None else [Line(beyond, "warning")],
         "extrapolations": extrapolation_blocks(analysis.extrapolations, level),
         "sources": sources(analysis, level),
@@ -72,24 +82,6 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
             Line(say.uncertainty_line(analysis), "faint"),
         ],
     }
-
-
-def _relaxations(analysis: Analysis, level: int) -> list[Any]:
-    """Return what alone would make a flight perpetual."""
-    if not analysis.relaxations:
-        return []
-    if level >= ALL:
-        return [relaxation_table(analysis.relaxations, "perpetual")]
-    return [say.relaxations_line(analysis.relaxations[:2], "perpetual")]
-
-
-def _flight(analysis: Analysis, level: int) -> list[Any]:
-    """Return the flight on the calendar, where there is one."""
-    if analysis.flight is None:
-        return []
-    table = flight_table(analysis.flight)
-    text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
-    return [table if level >= ALL else f"{table.title}: {text}"]
 
 
 def _endurance(values: Mapping[str, Any]) -> float | str:

@@ -31,7 +31,13 @@ PARTS = (("propulsion", "cells"), ("balance", "battery"))  # beside each other
 def in_columns(rows: list[tuple[str, str]], analysis: Analysis, level: int) -> list[Any]:
     """Return facts in two columns, long ones below; at level 2 with the budgets beside."""
     if level >= ALL:
-        return [(facts("", rows), facts("", _budgets(analysis)))]
+        masses_kg, budget = analysis.masses_kg or {}, analysis.power_budget
+        masses = [(q.words(item), amount(mass, "kg")) for item, mass in masses_kg.items()]
+        title = "power at its own airspeed" if analysis.mission.holds_station else "power budget"
+        powers = [(label, amount(watts, "W")) for label, watts in power_rows(budget)]
+        total = (title, amount(budget.bus_w, "W"))
+        budgets = [*([("mass budget", "")] if masses else []), *masses, total, *powers]
+        return [(facts("", rows), facts("", budgets))]
     lines: list[Any] = []
     while True:
         half = (len(rows) + 1) // 2
@@ -42,19 +48,6 @@ def in_columns(rows: list[tuple[str, str]], analysis: Analysis, level: int) -> l
         longest = max(rows, key=lambda row: len("".join(row)))
         rows = [row for row in rows if row is not longest]
         lines.append(": ".join(longest))
-
-
-def _budgets(analysis: Analysis) -> list[tuple[str, str]]:
-    """Return the budgets of mass, where it is known, and of power; each with its sum."""
-    masses_kg, budget = analysis.masses_kg, analysis.power_budget
-    rows = [(q.words(item), amount(mass, "kg")) for item, mass in (masses_kg or {}).items()]
-    title = "power at its own airspeed" if analysis.mission.holds_station else "power budget"
-    return [
-        *([("mass budget", "")] if rows else []),
-        *rows,
-        (title, amount(budget.bus_w, "W")),
-        *((label, amount(watts, "W")) for label, watts in power_rows(budget)),
-    ]
 
 
 def power_rows(budget: PowerBudget) -> tuple[tuple[str, float], ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import ParametricAirframe
@@ -75,22 +74,17 @@ def budget_section(subject: Subject) -> Section:
     """Return where mass, power and the energy of the day go."""
     analysis = subject.analysis
     where = analysis.performance.day.scenarios.label(analysis.worst)
+    measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)  # in a single part
+    names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
+    each = analysis.performance.design.masses._asdict().items()
+    masses = tuple((names.get(name, words(name)), float(kg)) for name, kg in each if kg > 0.0)
     blocks: list[Block] = [
-        Bars("mass budget", "kg", ".3f", _mass_rows(subject), "total mass"),
+        Bars("mass budget", "kg", ".3f", masses, "total mass"),
         Bars("load in level flight", "W", ".2f", power_rows(analysis.power_budget), "load"),
         Bars(f"from the sun to the load: energy of the day, {where}", "Wh", ".0f",
              loss_chain(analysis), sums=SUMS),
     ]  # fmt: skip
     return Section("budgets", "Mass, power and energy", [*blocks, *subject.sections["parts"]])
-
-
-def _mass_rows(subject: Subject) -> tuple[tuple[str, float], ...]:
-    """Return the masses of the parts [kg]; a measured airframe is a single one."""
-    measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)
-    names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
-    masses = subject.analysis.performance.design.masses._asdict().items()
-    each = ((names.get(name, words(name)), float(kg)) for name, kg in masses)
-    return tuple((name, kg) for name, kg in each if kg > 0.0)
 
 
 # ---- Sizing
@@ -102,7 +96,16 @@ def sizing_section(subject: Subject) -> Section | None:
     if sizing is None:
         return None
     objective = Objective(sizing["objective"]["name"])
-    blocks: list[Block] = [*_objective_lines(sizing, objective)]
+    value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
+    extreme = "largest" if objective.maximised else "smallest"
+    text = f"Sized for the {extreme} {objective.label}: {with_unit(value, '.4g', objective)}"
+    if required_h:
+        text += f", with {required(required_h)} required in every scenario"
+    blocks: list[Block] = [f"{text} ({sizing['status'].replace('_', ' ')})."]
+    if (reliability := sizing.get("reliability")) is not None:
+        achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
+        draws = f"{reliability['samples']} draws"
+        blocks.append(f"Reliability: {achieved} of {draws}; required {least}.")
     if active := sizing["active_constraints"]:
         blocks.append(limits_line(active, subject.aircraft, keys=True))
     cells = sizing.get("whole_cells")
@@ -118,16 +121,3 @@ def sizing_section(subject: Subject) -> Section | None:
     elif not objective.of_range:
         blocks.append(Line("The optimum was not cross-checked.", "faint"))
     return Section("sizing", "Sizing", [*blocks, *record_blocks(sizing, objective)])
-
-
-def _objective_lines(sizing: Mapping[str, Any], objective: Objective) -> Iterator[str]:
-    """Yield objective and reliability of a record in sentences."""
-    value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
-    extreme = "largest" if objective.maximised else "smallest"
-    text = f"Sized for the {extreme} {objective.label}: {with_unit(value, '.4g', objective)}"
-    if required_h:
-        text += f", with {required(required_h)} required in every scenario"
-    yield f"{text} ({sizing['status'].replace('_', ' ')})."
-    if (reliability := sizing.get("reliability")) is not None:
-        achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
-        yield f"Reliability: {achieved} of {reliability['samples']} draws; required {least}."

@@ -33,10 +33,21 @@ class Verdict(NamedTuple):
 
 def verdict(subject: Subject) -> Verdict:
     """Return whether and by how much the flight is perpetual, and how sure that is."""
-    if subject.verification is not None:
-        return _of_verification(subject.verification)
-    state, sentence = _judged(subject)
-    return Verdict(state, sentence, _WORDS[state])
+    verification = subject.verification
+    if verification is None:
+        state, sentence = _judged(subject)
+        return Verdict(state, sentence, _WORDS[state])
+    errors = _errors(verification)
+    if not errors:
+        text = f"{verification.log.source} has no sample to compare with."
+        return Verdict("edge", text, "No comparison")
+    model = min(errors, key=lambda model: errors[model][1])
+    average, rms = errors[model]
+    text = (
+        f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
+        f"{percent(average, '+.1f')} on average, RMS {percent(rms)}."
+    )
+    return Verdict("good", text, "Compared")
 
 
 def _judged(subject: Subject) -> tuple[str, str]:
@@ -88,21 +99,6 @@ def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> tuple
     if low_h <= 0.0 or low_h < required:
         return "edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little."
     return "good", f"{text}, {hours(low_h)} with {error} less sun."
-
-
-def _of_verification(verification: Verification) -> Verdict:
-    """Return which model comes closest to the flight."""
-    errors = _errors(verification)
-    if not errors:
-        text = f"{verification.log.source} has no sample to compare with."
-        return Verdict("edge", text, "No comparison")
-    model = min(errors, key=lambda model: errors[model][1])
-    average, rms = errors[model]
-    text = (
-        f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
-        f"{percent(average, '+.1f')} on average, RMS {percent(rms)}."
-    )
-    return Verdict("good", text, "Compared")
 
 
 def _errors(verification: Verification) -> dict[str, tuple[float, float]]:

@@ -290,15 +290,11 @@ def shade(axes: Axes, spans: Iterable[tuple[float, float]]) -> None:
 
 def read_style(text: str) -> str:
     """Check that a style exists and can be read."""
-    if text not in SHIPPED_STYLES:
-        style_settings(text)
-        _try_out(text)
-    return text
-
-
-def _try_out(style: str) -> None:
-    """Draw a small figure: matplotlib finds many a mistake of a style only when it draws."""
-    options = FigureOptions(size_in=(4.0, 3.0), dots_per_inch=50.0, style=style)
+    if text in SHIPPED_STYLES:
+        return text
+    style_settings(text)
+    # Matplotlib finds many a mistake of a style only when it draws.
+    options = FigureOptions(size_in=(4.0, 3.0), dots_per_inch=50.0, style=text)
     try:
         with in_style(options):
             figure, (axes,) = new_figure(canvas=options, title="Title", notes=("note",))
@@ -309,4 +305,5 @@ def _try_out(style: str) -> None:
             to_bytes(figure, "png")
     except Exception as error:  # whatever matplotlib comes across in a user's settings
         words = str(error).partition("\n")[0]
-        raise ValueError(f"{style}: matplotlib cannot draw with it: {words}") from None
+        raise ValueError(f"{text}: matplotlib cannot draw with it: {words}") from None
+    return text
