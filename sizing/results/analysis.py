@@ -353,11 +353,9 @@ class Analysis(DesignResult):
         """Power, charge and, with climbs, altitude along the cycles, ``(scenario, time)``."""
         perf, energy_wh = self.performance, self.performance.cycle.energy_wh
         charge = energy_wh / float(perf.design.battery_energy_wh)
-        curves = {"solar_power_w": perf.solar_power_w, "load_w": perf.load_w}
-        curves |= {"energy_wh": energy_wh, "state_of_charge": charge}
-        if self.climb is not None:
-            curves["altitude_m"] = self.climb.altitude_m
-        return curves
+        curves: dict[str, Any] = {"solar_power_w": perf.solar_power_w, "load_w": perf.load_w}
+        curves |= {"energy_wh": energy_wh, "state_of_charge": charge, "altitude_m": perf.altitude_m}
+        return {name: curve for name, curve in curves.items() if curve is not None}
 
     def trajectory(self) -> pd.DataFrame:
         """Return power and state of charge of every scenario's cycle, one row per node of time."""

@@ -34,25 +34,30 @@ class _Course(NamedTuple):
     """What is drawn of a flight over the clock.
 
     ``solar_w``, ``charge``: as modelled, then with the model's error less and more, where bands of
-    these are drawn. ``altitude_m``: None in level flight. ``end``: end of the title. ``day_label``:
-    of midnight, by its number counted from 0.
+    these are drawn. ``end``: end of the title. ``day_label``: of midnight, by its number counted
+    from 0. ``altitude_m`` is drawn with climbs alone.
     """
 
     clock_h: FloatArray
     solar_w: Sequence[FloatArray]
     load_w: FloatArray
     charge: Sequence[FloatArray]
-    altitude_m: FloatArray | None
     ends_h: tuple[float, float]
     nights_h: Sequence[tuple[float, float]]
     end: str
     day_label: Callable[[int], str]
+    altitude_m: FloatArray | Any = None
+
+
+def panel_count(analysis: Analysis) -> int:
+    """Return the number of axes of a cycle: power, charge and, with climbs, altitude."""
+    return 2 + ("altitude_m" in analysis.curves)
 
 
 def _draw(analysis: Analysis, course: _Course, canvas: drawing.Canvas) -> tuple[Figure, list[Axes]]:
     """Draw solar power, load, state of charge and, with climbs, altitude over the clock."""
     perf = analysis.performance
-    count = 2 if course.altitude_m is None else 3
+    count = panel_count(analysis)
     drawn, panels = drawing.new_figure(
         count,
         canvas=canvas,
@@ -85,10 +90,10 @@ def _draw(analysis: Analysis, course: _Course, canvas: drawing.Canvas) -> tuple[
     )
     panels[0].set(ylabel="power [W]", ylim=(0, None))
     panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
-    if course.altitude_m is not None:
-        panels[2].plot(course.clock_h, course.altitude_m, color=drawing.LOAD)
-        panels[2].margins(y=0.1)
-        panels[2].set(ylabel="altitude [m]")
+    for axes in panels[2:]:
+        axes.plot(course.clock_h, course.altitude_m, color=drawing.LOAD)
+        axes.margins(y=0.1)
+        axes.set(ylabel="altitude [m]")
     first, last = course.ends_h
     nights = [(max(dusk, first), min(dawn, last)) for dusk, dawn in course.nights_h]
     for axes in panels:
@@ -139,22 +144,22 @@ def plot_cycle(
         return _plot_limited(analysis, index, figure)
     each = (perf, analysis.low, analysis.high)
     window_h = analysis.mission.flight_window_h(perf.day.scenarios)
-    climb = analysis.climb
+    curves = {name: curve[index] for name, curve in analysis.curves.items()}
     course = _Course(
         clock_h=perf.day.time_h,
         solar_w=[p.solar_power_w[index] for p in each],
-        load_w=perf.load_w[index],
+        load_w=curves["load_w"],
         charge=[p.cycle.energy_wh[index] / float(perf.design.battery_energy_wh) for p in each],
-        altitude_m=None if climb is None else climb.altitude_m[index],
         ends_h=(0.0, 24.0) if window_h is None else (window_h[0][index], window_h[1][index]),
         nights_h=_nights(perf, index),
         end=f", {perf.day.scenarios.label(index)}",
         day_label=lambda day: "" if window_h is None else f"day {day + 1}",
+        altitude_m=curves.get("altitude_m"),
     )
     drawn, panels = _draw(analysis, course, figure)
     _mark_equal_power(panels[0], perf, index)
     _mark_charge(panels[1], perf, index)
-    if climb is not None:
+    if (climb := analysis.climb) is not None:
         # Zero added: what rounds to -0 is no loss.
         gain = f"{round(float(climb.gain_in_excess_time_h[index]), 1) + 0.0:+.1f}".replace(
             "-", "\N{MINUS SIGN}"
@@ -228,11 +233,11 @@ def _plot_limited(analysis: Analysis, index: int, canvas: drawing.Canvas) -> Fig
         solar_w=[np.interp(clock_h, course.clock_h, course.solar_power_w) for course in each],
         load_w=each[0].load_w,
         charge=[np.interp(clock_h, course.clock_h, course.state_of_charge) for course in each],
-        altitude_m=None if analysis.climb is None else each[0].altitude_m,
         ends_h=(launch, launch + hours),
         nights_h=_nights(perf, index),
         end=f", {perf.day.scenarios.label(index)}: limited, {amount(hours, 'h', '.1f')}",
         day_label=lambda day: f"day {day + 1}",
+        altitude_m=each[0].altitude_m,
     )
     drawn, panels = _draw(analysis, course, canvas)
     empty = panels[1].plot(
@@ -263,7 +268,6 @@ def plot_flight(
         solar_w=[flight.solar_power_w],
         load_w=flight.load_w,
         charge=[flight.state_of_charge],
-        altitude_m=None,
         ends_h=(float(flight.clock_h[0]), float(flight.clock_h[-1])),
         nights_h=flight.clock_h[dark.reshape(-1, 2) - (0, 1)].tolist(),
         end="",

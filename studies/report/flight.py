@@ -15,7 +15,7 @@ from sizing.results.analysis import Analysis
 from studies.maps.plots import plot_map
 from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
-from studies.output.cycle_plots import plot_cycle, plot_flight
+from studies.output.cycle_plots import panel_count, plot_cycle, plot_flight
 from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, group
 from studies.render.analysis import scenario_table
 from studies.render.tables import ALL, Table
@@ -44,7 +44,7 @@ def day_section(subject: Subject) -> Section:
     analysis = subject.analysis
     where = analysis.performance.day.scenarios.label(analysis.worst)
     several = len(analysis.performance.cycle.status) > 1
-    height = 5.2 if analysis.climb is None else 7.2
+    height = 1.2 + 2.0 * panel_count(analysis)
     caption = (
         f"Solar power, load and state of charge over solar time at {where}"
         f"{', the weakest scenario' if several else ''}; bands: the solar model's RMS error. Grey: "
