@@ -143,13 +143,6 @@ class AirConditions(Record):
             return standard
         return air_at(self.ambient_temperature_c + ZERO_CELSIUS_K, standard.pressure_pa)
 
-    def modules_c(self, altitude_m: float) -> float:
-        """Return the constant module temperature of CDM and CAM [C], by default the air's."""
-        if self.module_temperature_c is not None:
-            return self.module_temperature_c
-        air_c: float = plain_number(self.state(altitude_m).temperature_c)
-        return air_c
-
     def moved(self, from_m: float, to_m: float) -> AirConditions:
         """Return the same weather at another altitude.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -32,33 +31,28 @@ def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessm
     sized = _sized_rib_wing(aircraft, design)
     if sized is None:
         return None
-    polar = polar_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
-    return replace(
-        assess(*sized),
-        remarks=tuple(_structure_remarks(aircraft, *sized)),
-        flight_envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
-    )
-
-
-def _structure_remarks(
-    aircraft: Aircraft, model: RibWingStructure, inputs: StructureInputs
-) -> Iterator[str]:
-    """Yield remarks on uncovered loads, and on a key with a changed meaning."""
-    tail = aircraft.modules.tail
+    model, inputs = sized
+    tail, remarks = aircraft.modules.tail, []
     excluded = {
         "T-tails": tail is not None and tail.is_t_tail,
         "masses along the wing": inputs.wing_battery_kg > 0.0,
     }
-    left_out = [name for name, has in excluded.items() if has]
+    left_out = " and ".join(name for name, has in excluded.items() if has)
     if model.torsion is not None and left_out:
-        yield f"flutter: not checked, CAA Report 45 does not cover {' and '.join(left_out)}"
+        remarks.append(f"flutter: not checked, CAA Report 45 does not cover {left_out}")
     chosen = "deflection_load_case" in model.model_fields_set
     if model.maximum_tip_deflection is not None and not chosen:
-        yield (
+        remarks.append(
             f"maximum_tip_deflection {spell(model.maximum_tip_deflection)} holds in level flight; "
             "until 1.0 it held at every limit load and in landing (deflection_load_case: "
             "limit_load, maximum_landing_deflection)"
         )
+    polar = polar_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
+    return replace(
+        assess(*sized),
+        remarks=tuple(remarks),
+        flight_envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
+    )
 
 
 def structure_masses_by_model(aircraft: Aircraft, design: Design) -> dict[str, Value] | None:

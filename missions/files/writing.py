@@ -161,8 +161,16 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool)
             is_file = mode is None or stat.S_ISREG(mode)
             scratch = target.parent / f".{os.urandom(8).hex()}.tmp" if is_file else None
             staged.append((target, data, scratch))
-            if scratch is not None:
-                _write_new(scratch, data, None if link else mode)
+            if scratch is None:
+                continue
+            # By hand, for the permissions of an ordinary new file rather than a private one.
+            descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+            with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            if mode is not None and not link:  # those of the file that it will replace
+                scratch.chmod(stat.S_IMODE(mode))
         for path, data, scratch in staged:
             if scratch is None:
                 path.write_bytes(data)
@@ -176,18 +184,6 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool)
             if scratch is not None:
                 with suppress(OSError):  # it may not have been made
                     scratch.unlink()
-
-
-def _write_new(path: Path, data: bytes, mode: int | None) -> None:
-    """Write a new file, with the permissions of the file that it will replace."""
-    # Created by hand, for the permissions of an ordinary new file rather than a private one.
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-    with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-    if mode is not None:
-        path.chmod(stat.S_IMODE(mode))
 
 
 def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:

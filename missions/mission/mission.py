@@ -367,7 +367,10 @@ class Mission(FileRecord):
 
     def module_temperature_c(self) -> float:
         """Return the constant module temperature of CDM and CAM, else that of the air [C]."""
-        return self.air.modules_c(self.altitude_m)
+        if self.air.module_temperature_c is not None:
+            return self.air.module_temperature_c
+        air_c: float = plain_number(self.air_state().temperature_c)
+        return air_c
 
     def at_altitude(self, altitude_m: float) -> Mission:
         """Return the mission at another constant altitude, through the same weather."""

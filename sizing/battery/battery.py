@@ -169,9 +169,10 @@ class Battery(CatalogueRecord):
         if not isinstance(voltage, Mapping):
             return handler(data)
         entry = known_entry("batteries", data, "cell")
-        curve = {} if entry is None else entry.voltage_keys()
-        if not curve or curve.keys() & voltage.keys():
+        keys = ("state_of_charge", "cell_voltage_v")
+        if entry is None or entry.kind != "cell" or voltage.keys() & set(keys):
             return handler(data)
+        curve = {key: getattr(entry, key) for key in keys}
         record = handler({**data, "voltage": {**curve, **voltage}})
         assert record.voltage is not None
         record.voltage.__pydantic_fields_set__.difference_update(curve)

@@ -226,11 +226,6 @@ class BatteryEntry(Entry):
         assert known is not None  # refused at validation
         return known
 
-    def voltage_keys(self) -> dict[str, Any]:
-        """Return the table for ``battery.voltage``; empty for a pack."""
-        keys = ("state_of_charge", "cell_voltage_v")
-        return {key: getattr(self, key) for key in keys} if self.kind == "cell" else {}
-
     @property
     def basis(self) -> Literal["min/max", "typical", "stated", "pack"]:
         """Basis of the specific energy: guaranteed, typical or stated values, or a pack's."""

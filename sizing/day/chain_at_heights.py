@@ -159,8 +159,14 @@ class ClimbChain:
         if len(levels) == count:
             return np.asarray(turns), np.asarray(shaft_w)
         # Rotation over airspeed and power over thrust power follow the Reynolds number slowly.
+        # A polynomial through their logarithms at some levels gives them at all.
+        nodes, targets = (
+            np.vander(2.0 / levels[-1] * place - 1.0, len(levels))
+            for place in (levels, np.arange(count))
+        )
+        weights = np.linalg.solve(nodes.T, targets.T)
         rotation, power = (
-            np.exp(_through(np.log(ratio), levels, np.arange(count)))
+            np.exp(np.einsum("lsd,sk->lkd", np.log(ratio), weights))
             for ratio in (turns / speed, shaft_w / thrust_w)
         )
         return rotation * self.airspeed_m_per_s, power * self.thrust_w
@@ -184,14 +190,6 @@ def _between(along: FloatArray, values: FloatArray) -> FloatArray:
     """Return values at places along their last axis."""
     node, weights = _cubic(along, values.shape[-1])
     return np.asarray(sum(weight * values[..., node + k] for k, weight in enumerate(weights)))
-
-
-def _through(values: FloatArray, levels: IntArray, all_levels: IntArray) -> FloatArray:
-    """Return values at all levels, their second axis, from those at some by a polynomial."""
-    scale = 2.0 / levels[-1]
-    nodes, targets = (np.vander(scale * place - 1.0, len(levels)) for place in (levels, all_levels))
-    weights = np.linalg.solve(nodes.T, targets.T)
-    return np.asarray(np.einsum("lsd,sk->lkd", values, weights))
 
 
 def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
