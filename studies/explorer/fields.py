@@ -161,10 +161,9 @@ def fields_of(
 
     ``at``: latitude [deg] and day of year at the start. Returns in the order of the page.
     """
-    fields: dict[str, Field | Choice] = {f.key: f for f in _number_fields(aircraft, mission, at)}
-    for choice in _choices(aircraft, mission, solar):
-        fields[choice.key] = choice
-    return fields
+    fields: list[Field | Choice] = [*_number_fields(aircraft, mission, at)]
+    fields += _choices(aircraft, mission, solar)
+    return {field.key: field for field in fields}
 
 
 def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:

@@ -317,9 +317,3 @@ def feasible(data: OnGrid) -> NDArray[np.bool_]:
     """Mark the cells or points that fly perpetually, or to a landing, or that were sized."""
     good = SIZED if data.attrs.get("objective") else SUFFICIENT
     return np.isin(data["status"].to_numpy(), good)
-
-
-def failed_count(data: OnGrid) -> int:
-    """Return the number of cells that could not be computed."""
-    failed = data["status"].to_numpy() == SizingStatus.failed
-    return int(failed.sum())  # the same in every status

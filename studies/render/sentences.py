@@ -221,22 +221,18 @@ def survival_text(survival: Survival, study: SizingStudy) -> str:
     days, season = survival.days, survival.mission.dates.range()
     ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
     whose = "" if study.feasible else " with the design that closes most of those found"
-    return (
+    close = (
         f"days that close, {ends}: {days.that_close} of {len(days)}, {percent(days.share)} "
         f"(required {percent(survival.required, 'g')}){whose}; longest gap "
-        f"{days.longest_gap_days} days. {_clear_sky_text(survival, study)}"
+        f"{days.longest_gap_days} days."
     )
-
-
-def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
-    """Return the design for a clear sky on the same dates, and its days that close."""
     value, clear = survival.clear_sky.objective_value, survival.clear_sky_days
     if value is None or clear is None:
-        return "No design flies perpetually on all of these dates under a clear sky"
+        return f"{close} No design flies perpetually on all of these dates under a clear sky"
     objective, sized = study.objective, study.result.objective_value
     text = (
-        f"The design for a clear sky, {objective.label} {with_unit(value, '.4g', objective)}, "
-        f"closes {clear.that_close}, {percent(clear.share)}"
+        f"{close} The design for a clear sky, {objective.label} "
+        f"{with_unit(value, '.4g', objective)}, closes {clear.that_close}, {percent(clear.share)}"
     )
     if sized is None or value <= 0.0:
         return text

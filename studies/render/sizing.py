@@ -70,7 +70,16 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     assert study.optimum is not None
     shown += in_columns(_sizing_facts(study, level), study.optimum, level)
     shown += _limits(study, level, at_bounds)
-    shown += _requested(study, level)
+    shown += [*say.without_climbs(study), *_whole_cells(study, level)]
+    if study.reliability is not None:
+        shown.append(say.reliability_text(study))
+    shown += _survival(study, level)
+    if study.sensitivities is not None and level < ALL:
+        shown.append(say.sensitivities_line(study))
+    if study.cross_check is not None:
+        line = say.cross_check_line(study.cross_check, study.objective)
+        passed = study.cross_check.cross_checked and level < ALL
+        shown.append(line.partition(",")[0] if passed else line)
     if level >= ALL:
         shown += record_blocks(study.to_dict(), study.objective)
         shown += [
@@ -107,21 +116,6 @@ def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[
         active = tuple(name for name in active if not name.startswith("excess_time"))
     active = tuple(name for name in active if name not in others)
     return [say.limits_line(active, study.aircraft, keys=level >= ALL)] if active else []
-
-
-def _requested(study: SizingStudy, level: int) -> list[Any]:
-    """Return what was requested about the optimum besides."""
-    shown: list[Any] = [*say.without_climbs(study), *_whole_cells(study, level)]
-    if study.reliability is not None:
-        shown.append(say.reliability_text(study))
-    shown += _survival(study, level)
-    if study.sensitivities is not None and level < ALL:
-        shown.append(say.sensitivities_line(study))
-    if study.cross_check is not None:
-        line = say.cross_check_line(study.cross_check, study.objective)
-        passed = study.cross_check.cross_checked and level < ALL
-        shown.append(line.partition(",")[0] if passed else line)
-    return shown
 
 
 def _whole_cells(study: SizingStudy, level: int) -> list[Any]:

@@ -35,7 +35,18 @@ def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
     sufficient = replace(sufficient, label=f"probability of {required(analysis.required_h)}")
     probabilities = (perpetual, sufficient) if analysis.required_h > 0.0 else (perpetual,)
     rows = q.facts_of((*probabilities, nominal), analysis)
-    rows += _lobe_rows(analysis) or q.facts_of(q.of_part("scatter"), analysis)
+    if not analysis.lobes:
+        rows += q.facts_of(q.of_part("scatter"), analysis)
+    for name, chosen in analysis.lobes.items():  # perpetual and limited draws by themselves
+        share = f"{name}, {percent(float(np.mean(chosen)))} of draws"
+        varied = q.MINIMUM_CHARGE if name == "perpetual" else q.ENDURANCE
+        for quantity, words in (
+            (q.EXCESS_TIME, "excess time, P90, P50, P10"),
+            (varied, varied.label),
+        ):
+            values = analysis.scattered()[quantity.name]
+            within = percentiles(values[chosen[: len(values)]])
+            rows.append((f"{share}: {words}", quantity.fact(within)[1]))
     climbs = f"; {mission.climb_label}" if mission.climb else ""
     text = (
         f"{analysis.solar.label}{climbs}; seed {analysis.seed}. P90 is exceeded in 90 % of draws."
@@ -49,22 +60,6 @@ def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
         *extrapolation_blocks(analysis.extrapolations, level),
         Line(text, "faint"),
     ]
-
-
-def _lobe_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
-    """Return the spread of perpetual and limited draws by themselves; nothing without lobes."""
-    rows = []
-    for name, chosen in analysis.lobes.items():
-        share = f"{name}, {percent(float(np.mean(chosen)))} of draws"
-        varied = q.MINIMUM_CHARGE if name == "perpetual" else q.ENDURANCE
-        for quantity, words in (
-            (q.EXCESS_TIME, "excess time, P90, P50, P10"),
-            (varied, varied.label),
-        ):
-            values = analysis.scattered()[quantity.name]
-            within = percentiles(values[chosen[: len(values)]])
-            rows.append((f"{share}: {words}", quantity.fact(within)[1]))
-    return rows
 
 
 def input_table(analysis: UncertaintyAnalysis, most: int) -> Table:

@@ -59,23 +59,20 @@ def belief_section(subject: Subject) -> Section:
             *(subject.sections["extrapolations"] or [within]),
             *subject.sections["error"],
         ]
-    left_out = [f"- {text}" for text in _left_out(subject)]
-    return Section("belief", "Confidence", [*blocks, _published_errors(), *left_out])
-
-
-def _published_errors() -> Table:
     columns = (
         Column("model"),
         Column("average", "mean error", form="+.2%"),
         Column("rms", "RMS error", form=".2%"),
         Column("scatter", "RMS without the mean", form=".2%"),
     )
-    rows = [(model, error.average, error.rms, error.scatter) for model, error in MODELS.items()]
+    rows = tuple((model, of.average, of.rms, of.scatter) for model, of in MODELS.items())
     note = (
         "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "
         "sunrise to 9.72 h (Oettershagen, High-Fidelity Solar Power Income Modeling, table 3)"
     )
-    return Table("published errors of the solar power models", columns, tuple(rows), (note,))
+    blocks.append(Table("published errors of the solar power models", columns, rows, (note,)))
+    left_out = [f"- {text}" for text in _left_out(subject)]
+    return Section("belief", "Confidence", [*blocks, *left_out])
 
 
 def _left_out(subject: Subject) -> Iterator[str]:

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from missions.mission import Scenarios
 from sizing.aircraft import ParametricAirframe
+from sizing.day.light import SolarModel, solar_day
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.results.analysis import Analysis
 from sizing.results.margins import requirement_margins
 from studies.quantities import words
 from studies.render.design_sheet import design_sheet
@@ -25,11 +31,17 @@ from studies.render.tables import Line, Table, facts
 from studies.report.blocks import Bars, Block, Section
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import Drawing
-from studies.report.losses import SUMS, loss_chain
 from studies.report.subject import Subject
 from studies.report.three_view import description, plot_three_view
 
 _WIDTH_IN = 7.4
+LIGHT, ELECTRIC, LOAD = (
+    "light on a horizontal area as large as the modules",
+    "electric energy of the modules",
+    "load",
+)
+SUMS = frozenset((LIGHT, ELECTRIC, LOAD))  # steps that say where the chain has arrived
+_SHOWN_WH = 0.5  # smaller losses are left out
 
 
 def aircraft_section(subject: Subject) -> Section:
@@ -85,6 +97,68 @@ def budget_section(subject: Subject) -> Section:
              loss_chain(analysis), sums=SUMS),
     ]  # fmt: skip
     return Section("budgets", "Mass, power and energy", [*blocks, *subject.sections["parts"]])
+
+
+def loss_chain(analysis: Analysis) -> tuple[tuple[str, float], ...]:
+    """Return the steps from the light on the modules to the load, in the worst scenario [Wh].
+
+    A step is a loss, negative, or one of :data:`SUMS`. The losses of the modules are found by the
+    solar power model itself, with one loss after the other taken away. Of a flight that draws from
+    a full battery, what it draws is a step as well.
+    """
+    cycle, worst = analysis.performance.cycle, analysis.worst
+    budget = {
+        key.removesuffix("_wh"): float(np.broadcast_to(values, cycle.status.shape)[worst])
+        for key, values in vars(cycle.energy_budget).items()
+    }
+    solar_wh, stored_wh = budget["solar"], budget["stored"]
+    steps = [
+        *(_of_modules(analysis, solar_wh) if solar_wh > 0.0 else ()),
+        (ELECTRIC, solar_wh),
+        ("not collected, the battery being full", -budget["curtailed"]),
+        ("lost in charging", -budget["charge_loss"]),
+        ("lost in discharging", -budget["discharge_loss"]),
+        ("left in the battery" if stored_wh > 0.0 else "drawn from the battery", -stored_wh),
+        (LOAD, budget["load"]),
+        ("of which not met: the battery is empty", -budget["unserved"]),
+    ]
+    return tuple((label, wh) for label, wh in steps if label in SUMS or abs(wh) >= _SHOWN_WH)
+
+
+def _of_modules(analysis: Analysis, solar_wh: float) -> list[tuple[str, float]]:
+    """Return the steps from the light to the electric energy of the modules."""
+    solar, modules = analysis.performance.solar, analysis.aircraft.modules
+    uncorrected = replace(solar, correction="none")
+    ideal = {"mppt_efficiency": 1.0}
+    cool = ideal | {"temperature_coefficient_per_k": 0.0}
+    flat = cool | {"camber_efficiency": 1.0}
+    cases: tuple[tuple[SolarModel, dict[str, float]], ...] = (
+        (SolarModel("CDM"), flat | {"efficiency_stc": 1.0}),
+        (uncorrected, flat),
+        (uncorrected, cool),
+        (uncorrected, ideal),
+        (uncorrected, {}),
+        (solar, {}),
+    )
+    perf, worst, of = analysis.performance, analysis.worst, analysis.performance.day.scenarios
+    scenarios = Scenarios(of.latitude_deg[[worst]], of.day_of_year[[worst]])
+    each = np.zeros(len(cases))  # energy of a day, in proportion to the others
+    for number, (model, changes) in enumerate(cases):
+        update = {"modules": modules.model_copy(update=changes)}
+        aircraft = analysis.aircraft.model_copy(update=update)
+        day = solar_day(aircraft, analysis.mission, model, scenarios=scenarios, design=perf.design)
+        each[number] = np.trapezoid(day.specific_power_w_per_m2[0], day.time_h)
+    light, *by_model = solar_wh / each[-1] * each
+    labels = (
+        f"not converted: module efficiency {percent(modules.efficiency_stc)}",
+        f"angle of incidence, diffuse light, attitude{', MPPT' if solar.model == 'FM' else ''}",
+        "camber of the wing",
+        "temperature of the modules",
+        "MPPT",
+        "correction of the model's systematic error",
+    )
+    losses = np.diff([light, light * modules.efficiency_stc, *by_model]).tolist()
+    return [(LIGHT, float(light)), *zip(labels, losses, strict=True)]
 
 
 # ---- Sizing

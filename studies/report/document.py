@@ -147,7 +147,15 @@ def render(subject: Subject, progress: Callable[[int, int], None] | None = None)
         sections.append(make(subject))
         if progress is not None:
             progress(number, len(every))
-    page: str = _template().render(
+    environment = Environment(
+        loader=PackageLoader("studies.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"drawn": Markup, "minus": _with_minus, "titled": _titled}
+    page: str = environment.get_template("report.html").render(
         subject=subject,
         verdict=verdict(subject),
         facts=tuple(key_facts(subject)),
@@ -167,18 +175,3 @@ def _titled(title: str) -> str:
 def _with_minus(text: str) -> str:
     """Return a text whose negative numbers have a minus sign, not a hyphen."""
     return re.sub(r"(?<![\w.\u2212-])-(?=\d)", "\u2212", text)
-
-
-def _template() -> Any:
-    """Return the template of the page; every text in it is escaped."""
-    environment = Environment(
-        loader=PackageLoader("studies.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["drawn"] = Markup
-    environment.filters["minus"] = _with_minus
-    environment.filters["titled"] = _titled
-    return environment.get_template("report.html")

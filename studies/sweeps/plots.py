@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from sizing.day.metrics import ENDS
-from sizing.program.objectives import Objective
+from sizing.program.objectives import Objective, SizingStatus
 from solar.schema import spell
 from studies.output import cells, gridded
 from studies.output.figures import drawing
@@ -72,7 +72,7 @@ def _label(data: xr.Dataset, name: str) -> str:
 def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
     """Return title and notes, as :func:`new_figure` takes them."""
     objective = data.attrs["objective"]
-    failed = gridded.failed_count(data)
+    failed = np.sum(data["status"].to_numpy() == SizingStatus.failed)  # the same in every status
     notes = (
         f"sized for the {drawing.objective_caption(objective)}" if objective else "",
         gridded.flown_caption(data),

@@ -46,7 +46,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
     def run(self) -> None:
         """Fly the mission, and tell what became of it."""
         from sizing.results import analysis
-        from studies.cli.outputs import deliver, figure_of, refuse_to_overwrite
+        from studies.cli.outputs import call, deliver, figure_of, refuse_to_overwrite
 
         for name, path in (("--table", self.table_file), ("--table-years", self.table_years)):
             refuse_to_overwrite(name, path, self.weather_file)
@@ -55,6 +55,12 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             self._run_in_weather(case, self.weather_file)
             return
         result = analysis.analyse(**case.arguments, known_mass_kg=case.total_mass_kg)
+        verb, what = "map", "where and when else"
+        if not result.is_perpetual:
+            flies = "flies perpetually" if case.mission.flight is None else "lands with power left"
+            what = f"where and when it {flies}"
+            if case.aircraft.airframe.kind == "parametric":
+                verb, what = "size", f"a design that {flies}"
         drawn = ("cycle", result) if result.flight is None else ("flight", result, result.flight)
         deliver(
             case,
@@ -64,7 +70,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             plot=figure_of(
                 f"studies.output.cycle_plots:plot_{drawn[0]}", *drawn[1:], figure=self.figure
             ),
-            next_step=_next_step(case, perpetual=result.is_perpetual),
+            next_step=f"{call(verb)} ({what})",
         )
 
     def _run_in_weather(self, case: Case, weather_file: str) -> None:
@@ -94,18 +100,6 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             plot=figure_of("studies.weather.plots:plot_weather", result, figure=self.figure),
             record=record,
         )
-
-
-def _next_step(case: Case, *, perpetual: bool) -> str:
-    """Return what to do after an analysis."""
-    from studies.cli.outputs import call
-
-    if perpetual:
-        return f"{call('map')} (where and when else)"
-    flies = "flies perpetually" if case.mission.flight is None else "lands with power left"
-    if case.aircraft.airframe.kind == "parametric":
-        return f"{call('size')} (a design that {flies})"
-    return f"{call('map')} (where and when it {flies})"
 
 
 @command(

@@ -29,8 +29,7 @@ from studies import make_report
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars
 from studies.report.confidence import margin_table, margins_section
-from studies.report.design import aircraft_section, budget_section, sizing_section
-from studies.report.losses import loss_chain
+from studies.report.design import aircraft_section, budget_section, loss_chain, sizing_section
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
 from studies.report.verdict import key_facts, verdict
