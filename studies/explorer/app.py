@@ -141,17 +141,11 @@ class Explorer:
         return answer
 
 
-class _OtherContentError(AnsweredError):
-    """A body that is no JSON by its type."""
-
-    status = 415
-
-
 async def _body(request: Request) -> dict[str, Any]:
     """Read the body of a request as a JSON object."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
-        raise _OtherContentError("the body must be application/json")
+        raise AnsweredError("the body must be application/json", 415)
 
     def refuse(name: str) -> None:
         raise ValueError(f"{name} is not JSON")
@@ -209,12 +203,6 @@ async def _broken(request: Request, error: Exception) -> Response:
 # ---- Of many requests of a page only the latest matters
 
 
-class SupersededError(AnsweredError):
-    """A later request took the place of this one."""
-
-    status, kind = 409, "superseded"
-
-
 class Latest:
     """Turns of an executor, at most one waiting for each client.
 
@@ -238,7 +226,8 @@ class Latest:
         try:
             async with self._turn:
                 if self._newest.get(client) is not mine:
-                    raise SupersededError("a later request of this page took its place")
+                    words = "a later request of this page took its place"
+                    raise AnsweredError(words, 409, "superseded")
                 return await asyncio.get_running_loop().run_in_executor(self._executor, work)
         finally:
             if self._newest.get(client) is mine:

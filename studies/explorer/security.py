@@ -150,26 +150,14 @@ def _limited(receive: Receive) -> Receive:
             async with asyncio.timeout_at(end_s):
                 message = await receive()
         except TimeoutError:
-            raise BodyTooSlowError("the rest of the request did not come") from None
+            raise AnsweredError("the rest of the request did not come", 408, "slow") from None
         taken += len(message.get("body", b""))
         whole = not message.get("more_body", False)
         if taken > MAXIMUM_BODY_BYTES:
-            raise BodyTooLongError("the request is too long")
+            raise AnsweredError("the request is too long", 413, "size")
         return message
 
     return limited
-
-
-class BodyTooSlowError(AnsweredError):
-    """A body does not come."""
-
-    status, kind = 408, "slow"
-
-
-class BodyTooLongError(AnsweredError):
-    """A body is longer than its header said, or than is allowed."""
-
-    status, kind = 413, "size"
 
 
 _PAGE = """\

@@ -28,18 +28,19 @@ class Refusal(NamedTuple):
 class AnsweredError(Exception):
     """An error that is answered in words: HTTP status, sort of mistake, and fields in question."""
 
-    status, kind = 400, "malformed"
     refusals: tuple[Refusal, ...] = ()
+
+    def __init__(self, words: str, status: int = 400, kind: str = "malformed") -> None:
+        super().__init__(words)
+        self.status, self.kind = status, kind
 
 
 class RefusedError(AnsweredError, ValueError):
     """Settings that cannot be computed; ``refusals`` says why, ``kind`` what sort of mistake."""
 
-    status = 422
-
     def __init__(self, refusals: Iterable[Refusal], kind: str = "refused") -> None:
-        self.refusals, self.kind = tuple(refusals), kind
-        super().__init__("; ".join(f"{r.field}: {r.message}" for r in self.refusals))
+        self.refusals = tuple(refusals)
+        super().__init__("; ".join(f"{r.field}: {r.message}" for r in self.refusals), 422, kind)
 
 
 @dataclass(frozen=True)

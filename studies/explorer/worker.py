@@ -52,18 +52,6 @@ class ReportTask(NamedTuple):
     inputs: RunInputs
 
 
-class WorkerBusyError(AnsweredError):
-    """Another task is running."""
-
-    status, kind = 409, "busy"
-
-
-class WorkerEndedError(AnsweredError):
-    """The task was ended, took too long, or its process died."""
-
-    status, kind = 503, "ended"
-
-
 class Worker:
     """The process, started with the first task and kept for the next."""
 
@@ -77,15 +65,17 @@ class Worker:
         Returns what it returns, or ``error``: why it cannot.
         """
         if not self._busy.acquire(blocking=False):
-            raise WorkerBusyError("another sizing or report is being made; wait, or cancel it")
+            words = "another sizing or report is being made; wait, or cancel it"
+            raise AnsweredError(words, 409, "busy")
         try:
             self._pool = self._pool or Pool(1, in_process=False)
             return self._pool.submit(_answer, work, task).result(self._longest_s)
         except TimeoutError:
             self.end()
-            raise WorkerEndedError(f"no answer within {spell(self._longest_s)} s") from None
+            words = f"no answer within {spell(self._longest_s)} s"
+            raise AnsweredError(words, 503, "ended") from None
         except (BrokenExecutor, CancelledError) as error:
-            raise WorkerEndedError("cancelled, or the process ended") from error
+            raise AnsweredError("cancelled, or the process ended", 503, "ended") from error
         finally:
             self._busy.release()
 

@@ -56,8 +56,8 @@ def window_figure(result: Verification, number: int, *, figure: drawing.Canvas =
     power, error = page.panels
     page.draw_power(power)
     for model, modelled in result.samples.modelled_w.items():
-        style = {"color": drawing.MODEL_COLOURS[model], "linestyle": drawing.MODEL_LINES[model]}
-        page.line(error, page.smooth(modelled - result.samples.measured_w), **style)
+        left = page.smooth(modelled - result.samples.measured_w)
+        page.line(error, left, **drawing.MODEL_LOOKS[model])
     error.set_ylabel("model − measured [W]")
     return page.finished([power, error], [error])
 
@@ -154,8 +154,7 @@ class _Page:
         """Draw measured and modelled power."""
         samples = self.result.samples
         for model, modelled in samples.modelled_w.items():
-            style = {"color": drawing.MODEL_COLOURS[model], "linestyle": drawing.MODEL_LINES[model]}
-            self.line(axes, self.smooth(modelled), label=model, **style)
+            self.line(axes, self.smooth(modelled), label=model, **drawing.MODEL_LOOKS[model])
         measured = self.smooth(samples.measured_w)
         self.line(axes, measured, label="measured", color=drawing.ink(), linewidth=1.8)
         axes.set_ylabel("solar power [W]")

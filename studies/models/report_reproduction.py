@@ -250,13 +250,7 @@ def reproduction_figure(result: Reproduction, *, figure: drawing.Canvas = DEFAUL
     )
     for model in MODEL_NAMES:
         power = power_w(aircraft, mission, model, time_h)
-        axes.plot(
-            time_h,
-            power,
-            color=drawing.MODEL_COLOURS[model],
-            linestyle=drawing.MODEL_LINES[model],
-            label=model,
-        )
+        axes.plot(time_h, power, label=model, **drawing.MODEL_LOOKS[model])
     drawing.shade(axes, [(window.from_h, window.to_h) for window in WINDOWS])
     axes.plot(
         [(window.from_h + window.to_h) / 2.0 for window in WINDOWS],

@@ -81,7 +81,19 @@ class DesignSheet:
 def design_sheet(analysis: Analysis) -> DesignSheet:
     """Return the quantities of an aircraft on a mission."""
     worst = analysis.performance.day.scenarios.label(analysis.worst)
-    masses = _masses(analysis)
+    measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)  # in one part
+    words = {"other": "airframe, propulsion, avionics"} if measured else {}
+    masses = {
+        q.Quantity(
+            f"{name}_mass_kg",
+            f"mass: {words.get(name, q.words(name))}",
+            "kg",
+            ".3f",
+            symbol=rf"m_\mathrm{{{name}}}",
+        ): float(mass)
+        for name, mass in analysis.design.masses._asdict().items()
+        if float(mass) > 0.0
+    }
     values = _values(analysis) | {part.name: mass_kg for part, mass_kg in masses.items()}
     keys = {group: list(map(_quantity, keys.split())) for group, keys in _GROUPS.items()}
     keys[_MASSES] = [*masses, *keys[_MASSES]]
@@ -104,23 +116,6 @@ def _quantity(key: str) -> q.Quantity:
         return q.TABLE[key]
     known = parameter(key)
     return q.Quantity(key, known.label, known.unit, "g", symbol=known.symbol)
-
-
-def _masses(analysis: Analysis) -> dict[q.Quantity, float]:
-    """Return the parts of the mass above zero [kg]; a measured airframe is one part."""
-    measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)
-    words = {"other": "airframe, propulsion, avionics"} if measured else {}
-    return {
-        q.Quantity(
-            f"{name}_mass_kg",
-            f"mass: {words.get(name, q.words(name))}",
-            "kg",
-            ".3f",
-            symbol=rf"m_\mathrm{{{name}}}",
-        ): float(mass)
-        for name, mass in analysis.design.masses._asdict().items()
-        if float(mass) > 0.0
-    }
 
 
 def _values(analysis: Analysis) -> dict[str, Any]:

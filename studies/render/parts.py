@@ -110,8 +110,13 @@ def wind_source(mission: Mission) -> Iterable[str]:
 def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
     """Return what was left out of the files, and which values catalogues gave."""
     lines = [*result.reading_notes]
-    if level >= ALL and (text := say.catalogue_line(result.aircraft)) is not None:
-        lines.append(text)
+    taken = result.aircraft.from_catalogues() if level >= ALL else ()
+    by_product: dict[str, list[str]] = {}
+    for row in taken:
+        by_product.setdefault(row.label, []).append(f"{row.key} {row.text}")
+    if taken:
+        parts = (f"{', '.join(values)} of {label}" for label, values in by_product.items())
+        lines.append(f"From catalogues: {'; '.join(parts)}.")
     return [Line(text, "faint") for text in lines]
 
 

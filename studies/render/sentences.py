@@ -329,16 +329,6 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
     return [(words, f"{' to '.join(ends)} m/s")]
 
 
-def catalogue_line(aircraft: Aircraft) -> str | None:
-    """Return the values that catalogues gave, by product; None where they gave none."""
-    taken = aircraft.from_catalogues()
-    parts = []
-    for label in dict.fromkeys(row.label for row in taken):
-        values = [f"{row.key} {row.text}" for row in taken if row.label == label]
-        parts.append(f"{', '.join(values)} of {label}")
-    return f"From catalogues: {'; '.join(parts)}." if parts else None
-
-
 # ---- Parts
 
 

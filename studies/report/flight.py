@@ -11,7 +11,6 @@ from matplotlib.contour import ContourSet
 
 from missions.dates import DAYS_PER_YEAR, MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission.scenarios import latitude_label
-from sizing.results.analysis import Analysis
 from studies.maps.plots import plot_map
 from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
@@ -56,23 +55,18 @@ def day_section(subject: Subject) -> Section:
     title = f"Day cycle at {where}"
     blocks: list[Block] = [page_figure(plot, caption, title=title, description=words, key="cycle")]
     if several:
-        blocks.append(_scenarios(analysis))
+        excess_h = analysis.performance.cycle.excess_time_h
+        weakest, notes = None, []
+        if len(excess_h) > _MOST_SCENARIOS:
+            weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
+            notes = [f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"]
+        blocks.append(dataclasses.replace(scenario_table(analysis, weakest), notes=tuple(notes)))
     if analysis.flight is not None:
         plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
         caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
         blocks.append(page_figure(plot, caption, title="Flight on the calendar", key="calendar"))
         blocks += subject.sections["flight"]
     return Section("day", "The day", blocks)
-
-
-def _scenarios(analysis: Analysis) -> Table:
-    """Return the table of scenarios; of many those with the least excess time."""
-    excess_h = analysis.performance.cycle.excess_time_h
-    if len(excess_h) <= _MOST_SCENARIOS:
-        return scenario_table(analysis)
-    weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
-    note = f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"
-    return dataclasses.replace(scenario_table(analysis, weakest), notes=(note,))
 
 
 # ---- Season

@@ -119,8 +119,14 @@ def _errors(verification: Verification) -> dict[str, tuple[float, float]]:
 
 def key_facts(subject: Subject) -> Iterator[Fact]:
     """Yield the key numbers, the most important first."""
-    if subject.verification is not None:
-        yield from _facts_of_verification(subject.verification)
+    if (compared := subject.verification) is not None:
+        log, count = compared.log, len(compared.samples.time_s)
+        yield Fact("samples", str(count), f"with the sun up, of {len(log)}")
+        long_h = (log.time_s[-1] - log.time_s[0]) / 3600.0
+        yield Fact("flight", amount(long_h, "h", ".1f"), f"every {given(log.step_s, 's')}")
+        for model, (average, rms) in _errors(compared).items():
+            yield Fact(f"error of {model}", percent(average, "+.1f"), f"RMS {percent(rms)}")
+        yield Fact("samples left out", str(int(compared.excluded.sum())))
         return
     aircraft, analysis = subject.aircraft, subject.analysis
     battery, required = aircraft.battery, subject.mission.required_excess_time_h
@@ -142,13 +148,3 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
     yield Fact("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh)[1], energy)
     yield Fact("modules", q.MODULE_AREA.fact(aircraft.modules.area_m2)[1], covered)
     yield Fact(*q.LOAD.fact(values["power_out_w"]), f"sun: {sun[1]} a day")
-
-
-def _facts_of_verification(verification: Verification) -> Iterator[Fact]:
-    log = verification.log
-    yield Fact("samples", str(len(verification.samples.time_s)), f"with the sun up, of {len(log)}")
-    long_h = (log.time_s[-1] - log.time_s[0]) / 3600.0
-    yield Fact("flight", amount(long_h, "h", ".1f"), f"every {given(log.step_s, 's')}")
-    for model, (average, rms) in _errors(verification).items():
-        yield Fact(f"error of {model}", percent(average, "+.1f"), f"RMS {percent(rms)}")
-    yield Fact("samples left out", str(int(verification.excluded.sum())))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -261,17 +261,13 @@ def _variables(
     return variables._replace(module_area_m2=covered_m2)
 
 
-class _Violation(NamedTuple):
-    """Violation of a requirement by each design of a batch [-], and its text."""
-
-    amount: Any
-    text: str
-
-
 def _violations(
     aircraft: Aircraft, mission: Mission, result: Performance, known_kg: float | None
-) -> dict[str, _Violation]:
-    """Return the violations of requirements that sizings have as well, by name."""
+) -> dict[str, tuple[FloatArray, str]]:
+    """Return the violations of requirements that sizings have as well, by name.
+
+    Each by every design [-], with its text.
+    """
     design = result.design
     with np.errstate(invalid="ignore"):
         rows = {
@@ -290,7 +286,7 @@ def _violations(
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:
         rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
-    return {name: _Violation(np.maximum(-value, 0.0), text) for name, (value, text) in rows.items()}
+    return {name: (np.maximum(-value, 0.0), text) for name, (value, text) in rows.items()}
 
 
 # Rounding must not refuse a wing that is filled exactly.
@@ -301,21 +297,21 @@ def _row_of_design(
     result: Performance,
     mission: Mission,
     place: tuple[int, ...],
-    violations: Mapping[str, _Violation],
+    violations: Mapping[str, tuple[FloatArray, str]],
     endurance_h: FloatArray,
 ) -> dict[str, Any]:
     """Return the row of a design."""
     design = result.design
     row: dict[str, Any] = {each.variable: _value_at(each.of(design), place) for each in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
-    every = {name: float(violation.amount[place]) for name, violation in violations.items()}
+    every = {name: float(amount[place]) for name, (amount, _) in violations.items()}
     amounts = {name: amount for name, amount in every.items() if amount > _ROUNDING}
     if amounts:
         most = max(amounts, key=lambda name: amounts[name])
         # For a design that cannot fly the other reasons mean nothing.
         reported = [most] if np.isinf(amounts[most]) else list(amounts)
         missed = {name: percent(amount, ".3g") for name, amount in amounts.items()}
-        texts = [violations[n].text.format(missed=missed[n]) for n in reported]
+        texts = [violations[n][1].format(missed=missed[n]) for n in reported]
         return row | {
             "status": Status.infeasible,
             "violated_requirement": most,

@@ -12,7 +12,6 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import cycle
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 
 from missions.files.writing import write_bytes_atomically
@@ -48,8 +47,11 @@ GREY, DARK_GREY = "#DDDDDD", "#808080"
 SUN, LOAD, CHARGE = ORANGE, BLUE, GREEN
 # A line style for each colour, so that print in grey is read as well.
 SUN_LINE, LOAD_LINE, CHARGE_LINE = "-", "--", "-"
-MODEL_COLOURS = dict(zip(MODEL_NAMES, cycle((ORANGE, SKY, GREEN, VERMILLION)), strict=False))
-MODEL_LINES = dict(zip(MODEL_NAMES, cycle((":", "-.", "--", "-")), strict=False))
+_LOOKS = (ORANGE, ":"), (SKY, "-."), (GREEN, "--"), (VERMILLION, "-")
+MODEL_LOOKS: dict[str, dict[str, Any]] = {
+    model: {"color": colour, "linestyle": line}
+    for model, (colour, line) in zip(MODEL_NAMES, _LOOKS, strict=True)
+}
 _DARK_NIGHT = "#404040"
 _USUAL_TYPE = 10.0  # [pt], for which the sizes of figures are meant
 _NARROW_IN = 6.5  # in the usual type

@@ -8,7 +8,8 @@ import pytest
 
 pytest.importorskip("starlette")
 
-from studies.explorer.app import Latest, SupersededError
+from studies.explorer.app import Latest
+from studies.explorer.settings import AnsweredError
 
 
 def outcomes(clients):
@@ -37,7 +38,8 @@ def outcomes(clients):
             go.set()
             done = await asyncio.gather(first, *later, return_exceptions=True)
         assert latest.waiting == 0
-        return ["dropped" if isinstance(one, SupersededError) else str(one) for one in done]
+        kinds = [one.kind if isinstance(one, AnsweredError) else str(one) for one in done]
+        return ["dropped" if kind == "superseded" else kind for kind in kinds]
 
     found = asyncio.run(ask())
     assert computed == [name for name in found if name != "dropped"]

@@ -21,7 +21,8 @@ from studies.explorer.app import Explorer
 from studies.explorer.security import MAXIMUM_BODY_BYTES, new_token
 from studies.explorer.serve import ADDRESS, MOST_CONNECTIONS, bound_socket, configured
 from studies.explorer.session import Session
-from studies.explorer.worker import SizingTask, Worker, WorkerEndedError, sizing_record
+from studies.explorer.settings import AnsweredError
+from studies.explorer.worker import SizingTask, Worker, sizing_record
 
 
 class Answer(NamedTuple):
@@ -416,7 +417,7 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server):
     def size():
         try:
             outcome.append(worker.run(sizing_record, task))
-        except WorkerEndedError as error:
+        except AnsweredError as error:
             outcome.append(error)
 
     thread = threading.Thread(target=size)
@@ -424,10 +425,11 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server):
     time.sleep(0.2)  # its process takes longer to start
     worker.end()
     thread.join(timeout=20)
-    assert isinstance(outcome[0], WorkerEndedError)
+    assert outcome[0].kind == "ended"
     quick = Worker(longest_s=0.01)
-    with pytest.raises(WorkerEndedError, match="no answer within"):
+    with pytest.raises(AnsweredError, match="no answer within") as caught:
         quick.run(sizing_record, task)
+    assert caught.value.kind == "ended"
 
 
 @pytest.mark.long
