@@ -366,21 +366,14 @@ class Aircraft(FileRecord):
         return self
 
     @model_validator(mode="after")
-    def _check_propeller_space(self) -> Aircraft:
+    def _check_propulsion_by_parts(self) -> Aircraft:
         chain = self.propulsion_by_parts
-        if chain is not None and chain.propeller.table is None:
-            return self
-        for key in PROPULSION_VARIABLES:
-            if getattr(self.design_space, key) is not None:
-                raise wrong_value(
-                    f"design_space.{key}",
-                    "goes with airframe.propulsion.kind: operating_point, without propeller.table",
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _check_bus(self) -> Aircraft:
-        if self.propulsion_by_parts is not None and self.battery.voltage is None:
+        if chain is None or chain.propeller.table is not None:
+            text = "goes with airframe.propulsion.kind: operating_point, without propeller.table"
+            for key in PROPULSION_VARIABLES:
+                if getattr(self.design_space, key) is not None:
+                    raise wrong_value(f"design_space.{key}", text)
+        if chain is not None and self.battery.voltage is None:
             raise wrong_value(
                 "battery.voltage",
                 "required key is missing: airframe.propulsion.kind is operating_point; with "

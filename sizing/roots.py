@@ -23,14 +23,14 @@ def bisect(
     suffices: Callable[[float], bool],
     tolerance: Callable[[float], float],
     *,
-    step: float = 1.0,
     most: float = math.inf,
 ) -> float:
     """Return a sufficient value within a tolerance of an insufficient one.
 
-    If no sufficient value is known (infinity), steps that double search it up to ``most``; infinite
-    if there is none.
+    If no sufficient value is known (infinity), steps of 1 that double search it up to ``most``;
+    infinite if there is none.
     """
+    step = 1.0
     while math.isinf(sufficient) and insufficient < most:
         value, step = min(insufficient + step, most), 2.0 * step
         if suffices(value):

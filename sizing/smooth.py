@@ -27,12 +27,12 @@ def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
     return (total + (gap * gap + (blend * total) ** 2) ** 0.5) / 2.0
 
 
-def smooth_minimum(first: Value, second: Value, blend: float = BLEND) -> Value:
+def smooth_minimum(first: Value, second: Value) -> Value:
     """Return the smaller of two positive values, smoothly: their product over the smooth maximum.
 
-    It is below the smaller value by at most ``blend`` times it, where both are equal.
+    It is below the smaller value by at most ``BLEND`` times it, where both are equal.
     """
-    return first * second / smooth_maximum(first, second, blend)
+    return first * second / smooth_maximum(first, second)
 
 
 def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:

@@ -132,7 +132,7 @@ class WingPolar(CompletedRecord):
         return {"section_lift_ratio": 1.0, "span_efficiency": efficiency, **data}
 
     @model_validator(mode="after")
-    def _check_wing(self) -> WingPolar:
+    def _check_wing_and_stall(self) -> WingPolar:
         keys = ("wing_chord_m", "wing_aspect_ratio")
         named = [key for key in keys if getattr(self, key) is not None]
         if len(named) == 1:
@@ -143,10 +143,6 @@ class WingPolar(CompletedRecord):
         if named and self.section_lift_ratio != 1.0:
             text = "must be 1 with polars of a wing"
             raise wrong_value("section_lift_ratio", text, got=self.section_lift_ratio)
-        return self
-
-    @model_validator(mode="after")
-    def _check_airfoil_and_stall(self) -> WingPolar:
         try:
             highest = self.highest_lift_coefficient
         except (InputError, OSError) as error:
