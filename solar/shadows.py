@@ -94,18 +94,15 @@ def covered_area(frame: ModuleFrame, panels: Sequence[FloatArray], sun: FloatArr
     if len(panels) == 2:
         (_, reached), (other, also_reached) = shadows
         both, first, second = np.intersect1d(reached, also_reached, return_indices=True)
-        covered[above[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
+        # What both cover counts once: the first shadow, cut along the edges of the other.
+        common, other = parts[0][first], other[second]
+        turn = np.sign(_areas(other))[:, np.newaxis]
+        for corner in range(other.shape[1]):
+            start = other[:, corner - 1, np.newaxis]
+            edge = other[:, corner, np.newaxis] - start
+            common = _clipped(common, turn * _cross(edge, common - start))
+        covered[above[both]] -= np.abs(_areas(common))
     return covered
-
-
-def _common(polygons: FloatArray, others: FloatArray) -> FloatArray:
-    """Intersect each convex polygon with another one that has an area."""
-    turn = np.sign(_areas(others))[:, np.newaxis]
-    for corner in range(others.shape[1]):
-        start = others[:, corner - 1, np.newaxis]
-        edge = others[:, corner, np.newaxis] - start
-        polygons = _clipped(polygons, turn * _cross(edge, polygons - start))
-    return polygons
 
 
 def _shadow_corners(

@@ -73,7 +73,12 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
-    return every.log(series, _boot_s(gps), notes, "the first battery monitor")
+    # Universal time of the boot [s since 1970], from GPS weeks and milliseconds.
+    week, ms = gps.field("GWk", "Week"), gps.field("GMS", "TimeMS")
+    known, gps_s = fixed & (week > 0.0), _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
+    boot_s, middle = gps.boot_s(known, gps_s), float(np.median(gps_s[known]))
+    boot_s -= max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)
+    return every.log(series, boot_s, notes, "the first battery monitor")
 
 
 def _read_streams(content: bytes, names: set[str]) -> tuple[dict[str, Stream], int]:
@@ -152,13 +157,3 @@ def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
         known = (share >= 0.0) & (share <= 1.0)
         result["state_of_charge"] = np.where(known, share, np.nan)
     return battery.series(result)
-
-
-def _boot_s(gps: Stream) -> float:
-    """Return the universal time of the boot [s since 1970], from GPS weeks and milliseconds."""
-    week, ms = gps.field("GWk", "Week"), gps.field("GMS", "TimeMS")
-    known = gps.has_fix("Status") & (week > 0.0)
-    gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
-    boot_s = gps.boot_s(known, gps_s)
-    middle = float(np.median(gps_s[known]))
-    return boot_s - max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)
