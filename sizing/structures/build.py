@@ -100,8 +100,13 @@ class BuiltStructure(Record):
         return {"calibration": calibration, **data}
 
     @property
+    def build_factor(self) -> Value:  # the number of a word, see `parameter_value`
+        """Structural mass relative to AtlantikSolar [-]; 1 by default."""
+        if self.build is None:
+            return 1.0
+        return build_qualities()[self.build].factor if isinstance(self.build, str) else self.build
+
+    @property
     def mass_factor(self) -> Value:
-        """Factor on the mass by the formulas: calibration times that of the build quality [-]."""
-        build = 1.0 if self.build is None else self.build
-        factor = build_qualities()[build].factor if isinstance(build, str) else build
-        return getattr(self, "calibration", 1.0) * factor
+        """Factor on the mass by the formulas: calibration times build factor [-]."""
+        return getattr(self, "calibration", 1.0) * self.build_factor
