@@ -163,8 +163,17 @@ class Command(click.Command):
         options = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
         for option in sorted(options, key=lambda option: _place(option)[1]):
             record = option.get_help_record(ctx)
-            if record is not None:
-                records[_place(option)[0]].append(_with_choices(option, *record))
+            if record is None:
+                continue
+            left, right = record
+            if isinstance(option.type, click.Choice):  # long lists go into the text
+                names = [str(name) for name in option.type.choices]
+                left, listed = left.partition(" [")[0], "|".join(names)
+                if len(listed) <= _LONGEST_CHOICE:
+                    left = f"{left} [{listed}]"
+                else:
+                    left, right = f"{left} NAME", f"One of {', '.join(names)}. {right}"
+            records[_place(option)[0]].append((left, right))
         return {name: rows for name, rows in records.items() if rows}
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -240,15 +249,3 @@ def check_outputs(files: Mapping[str, str | None]) -> None:
 def _place(option: click.Option) -> tuple[str, int]:
     """Return subject of an option and place there; a command's own keep their order."""
     return next((_PLACES[name] for name in option.opts if name in _PLACES), (_OWN, 0))
-
-
-def _with_choices(option: click.Option, left: str, right: str) -> tuple[str, str]:
-    """Return names to choose from as one writes them; long lists go into the text."""
-    if not isinstance(option.type, click.Choice):
-        return left, right
-    names = [str(name) for name in option.type.choices]
-    left, _, _ = left.partition(" [")
-    listed = "|".join(names)
-    if len(listed) <= _LONGEST_CHOICE:
-        return f"{left} [{listed}]", right
-    return f"{left} NAME", f"One of {', '.join(names)}. {right}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -161,8 +161,24 @@ def fields_of(
 
     ``at``: latitude [deg] and day of year at the start. Returns in the order of the page.
     """
-    fields: list[Field | Choice] = [*_number_fields(aircraft, mission, at)]
-    fields += _choices(aircraft, mission, solar)
+    lacking = ""
+    if aircraft.modules.geometry is None:
+        lacking = "needs the module surfaces: modules.geometry of the aircraft"
+    elif mission.flight_path is None:
+        lacking = "needs a flight path: flight_path of the mission"
+    models = tuple(
+        Option(name, f"{name} – {model.label}", lacking if model.needs_path else "")
+        for name, model in MODELS.items()
+    )
+    corrections = tuple(
+        Option(name, _CORRECTION_LABELS[name], lacking if name == "loiter" else "")
+        for name in CORRECTION_NAMES
+    )
+    fields: tuple[Field | Choice, ...] = (
+        *_number_fields(aircraft, mission, at),
+        Choice("model", "solar power model", solar.model, models),
+        Choice("correction", "correction of its systematic error", solar.correction, corrections),
+    )
     return {field.key: field for field in fields}
 
 
@@ -222,23 +238,3 @@ def _round(value: float, rounded: Any) -> float:
         return 0.0
     scale = 10.0 ** (math.floor(math.log10(value)) - 1)
     return significant(rounded(value / scale - 1e-9) * scale)
-
-
-def _choices(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Sequence[Choice]:
-    lacking = ""
-    if aircraft.modules.geometry is None:
-        lacking = "needs the module surfaces: modules.geometry of the aircraft"
-    elif mission.flight_path is None:
-        lacking = "needs a flight path: flight_path of the mission"
-    models = tuple(
-        Option(name, f"{name} – {model.label}", lacking if model.needs_path else "")
-        for name, model in MODELS.items()
-    )
-    corrections = tuple(
-        Option(name, _CORRECTION_LABELS[name], lacking if name == "loiter" else "")
-        for name in CORRECTION_NAMES
-    )
-    return (
-        Choice("model", "solar power model", solar.model, models),
-        Choice("correction", "correction of its systematic error", solar.correction, corrections),
-    )

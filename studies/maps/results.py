@@ -76,10 +76,8 @@ class MapResult(Result):
 
     def _seasons(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
         """Return the season of each latitude, and the largest excess time."""
-        days, excess = (
-            self.data["day"].to_numpy(),
-            replace(q.EXCESS_TIME, label="largest excess time"),
-        )
+        days = self.data["day"].to_numpy()
+        excess = replace(q.EXCESS_TIME, label="largest excess time")
         # The number of perpetual days means little unless all days are mapped.
         counted = [Column("perpetual_days", "days")] if len(days) == _DAYS else []
         columns = [Column("season", self._goal), *counted, excess]

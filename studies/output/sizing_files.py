@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from missions.dates import date_code
 from missions.mission.mission import MAXIMUM_SCENARIOS
 from sizing.program.objectives import Objective
-from sizing.program.ranges import WidestRange
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.result import data_frame
 from sizing.results.sizing_study import SizingStudy
@@ -37,7 +36,20 @@ def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
     Analysed, they give the excess time of the sizing: the mission has the payload that the optimum
     carries, the range of days or latitudes that it covers, and the site of a weather record.
     """
-    mission = _on_range(inputs.mission, study.coverage)
+    mission: dict[str, Any] = copy.deepcopy(dict(inputs.mission))
+    coverage = study.coverage
+    if coverage is not None and coverage.first is not None and coverage.last is not None:
+        first, last, count = coverage.first, coverage.last, len(coverage.members)
+        if coverage.sizing.objective is Objective.longest_season:
+            assert coverage.sizing.simulated is not None
+            latitudes = len(coverage.sizing.simulated.day.scenarios) // count
+            ends = {"from": date_code(int(first)), "to": date_code(int(last))}
+            most = min(count, MAXIMUM_SCENARIOS // latitudes)
+            mission["dates"] = {"on": ends["from"]} if count == 1 else {**ends, "count": most}
+        else:
+            mission.pop("launch", None)  # a flight has a single latitude
+            across = {"from_deg": first, "to_deg": last, "count": min(count, 181)}
+            mission["latitude_deg"] = first if count == 1 else across
     if study.survival is not None:
         site = study.survival.weather.site
         mission = {key: mission[key] for key in mission if key not in _NOT_OF_A_RECORD}
@@ -47,25 +59,6 @@ def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
         mission["payload"] = carried.model_dump()
     aircraft = study.sized_aircraft().model_dump(mode="json", exclude_unset=True)
     return dataclasses.replace(inputs, aircraft=aircraft, mission=mission)
-
-
-def _on_range(mission: Mapping[str, Any], coverage: WidestRange | None) -> dict[str, Any]:
-    """Return a mission's data with the days or latitudes of a range, if there is one."""
-    data: dict[str, Any] = copy.deepcopy(dict(mission))
-    if coverage is None or coverage.first is None or coverage.last is None:
-        return data
-    first, last, count = coverage.first, coverage.last, len(coverage.members)
-    if coverage.sizing.objective is Objective.longest_season:
-        assert coverage.sizing.simulated is not None
-        latitudes = len(coverage.sizing.simulated.day.scenarios) // count
-        ends = {"from": date_code(int(first)), "to": date_code(int(last))}
-        most = min(count, MAXIMUM_SCENARIOS // latitudes)
-        data["dates"] = {"on": ends["from"]} if count == 1 else {**ends, "count": most}
-        return data
-    data.pop("launch", None)  # a flight has a single latitude
-    across = {"from_deg": first, "to_deg": last, "count": min(count, 181)}
-    data["latitude_deg"] = first if count == 1 else across
-    return data
 
 
 def sizing_tables(study: SizingStudy) -> dict[str, bytes]:

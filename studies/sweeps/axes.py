@@ -253,7 +253,14 @@ def points(
     hypercube); Owen, A. B. (1998), Journal of Complexity 14, 466-489 (scrambled Sobol sequence).
     """
     if sample == "grid":
-        return _grid(axes)
+        for axis in axes:
+            if axis.is_range:
+                raise ValueError(f"{axis.key} needs a step: first:last:step")
+        count = math.prod(len(axis.values) for axis in axes)
+        if count > MAXIMUM_POINTS:
+            raise ValueError(f"the grid has {count} points, at most {MAXIMUM_POINTS} are allowed")
+        grid = np.array(list(itertools.product(*(axis.values for axis in axes))), float)
+        return grid, np.full(count, -1)
     if sample == "one-at-a-time":
         assert base is not None
         pairs = [(index, value) for index, axis in enumerate(axes) for value in axis.values]
@@ -262,17 +269,6 @@ def points(
     if not 1 <= samples <= MAXIMUM_POINTS:
         raise ValueError(f"the number of samples must be from 1 to {MAXIMUM_POINTS}")
     return _sampled_points(axes, sample, samples, seed)
-
-
-def _grid(axes: Sequence[Axis]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    for axis in axes:
-        if axis.is_range:
-            raise ValueError(f"{axis.key} needs a step: first:last:step")
-    count = math.prod(len(axis.values) for axis in axes)
-    if count > MAXIMUM_POINTS:
-        raise ValueError(f"the grid has {count} points, at most {MAXIMUM_POINTS} are allowed")
-    grid = np.array(list(itertools.product(*(axis.values for axis in axes))), float)
-    return grid, np.full(count, -1)
 
 
 def _sampled_points(
