@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import indent
@@ -124,27 +124,24 @@ def _library() -> Any:
 
 def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None = None) -> str:
     """Return the text of a geometry file: ``avl``, ``vspscript``, or ``py`` for a script."""
-    return _WRITERS[file_format](aircraft, gravity_m)
-
-
-def _avl(aircraft: Aircraft, gravity_m: float | None) -> str:
-    asb = _library()
+    notes = lifting_surfaces(aircraft, gravity_m).notes
+    if file_format == "py":
+        head = f"{_script_name(aircraft.name)}: wing and tail planes."
+        made = _airplane(_Script("asb"), aircraft, gravity_m)
+        text = f"import aerosandbox as asb\n\nairplane = {made}\n"
+        return _commented(text, "#", (head, *notes))
+    airplane, asb = to_aerosandbox(aircraft, gravity_m), _library()
     with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "wing.avl"
-        asb.AVL(to_aerosandbox(aircraft, gravity_m), asb.OperatingPoint()).write_avl(target)
+        target = Path(folder) / f"wing.{file_format}"
+        if file_format == "vspscript":
+            return _commented(airplane.export_OpenVSP_vspscript(target), "//", notes)
+        asb.AVL(airplane, asb.OperatingPoint()).write_avl(target)
         text = target.read_text(encoding="utf-8")
         # AVL ignores camber without the airfoils' files in its folder: put coordinates in the text.
         for file in sorted(Path(folder).glob("wing.avl.*")):
             _, _, points = file.read_text(encoding="utf-8").partition("\n")
             text = text.replace(f"AFIL\n{file}\n", f"AIRFOIL\n{points.strip()}\n")
-    return _commented(text, "!", lifting_surfaces(aircraft, gravity_m).notes)
-
-
-def _vspscript(aircraft: Aircraft, gravity_m: float | None) -> str:
-    with tempfile.TemporaryDirectory() as folder:
-        airplane = to_aerosandbox(aircraft, gravity_m)
-        text = airplane.export_OpenVSP_vspscript(Path(folder) / "wing.vspscript")
-    return _commented(text, "//", lifting_surfaces(aircraft, gravity_m).notes)
+    return _commented(text, "!", notes)
 
 
 class _Text(str):
@@ -172,23 +169,6 @@ def _written(value: Any) -> str:
     if isinstance(value, _Text):
         return value
     return spell(value) if isinstance(value, float) else repr(value)
-
-
-def _script(aircraft: Aircraft, gravity_m: float | None) -> str:
-    """Return a Python script that makes the airplane."""
-    notes = (
-        f"{_script_name(aircraft.name)}: wing and tail planes.",
-        *lifting_surfaces(aircraft, gravity_m).notes,
-    )
-    made = _airplane(_Script("asb"), aircraft, gravity_m)
-    return _commented(f"import aerosandbox as asb\n\nairplane = {made}\n", "#", notes)
-
-
-_WRITERS: dict[str, Callable[[Aircraft, float | None], str]] = {
-    "avl": _avl,
-    "vspscript": _vspscript,
-    "py": _script,
-}
 
 
 def _commented(text: str, mark: str, lines: Sequence[str]) -> str:

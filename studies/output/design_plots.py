@@ -195,7 +195,7 @@ def plot_cells(aircraft: Aircraft, *, figure: drawing.Canvas = DEFAULT) -> Figur
     shapes, aft_m = [wing_shape], wing.chord_m
     if tail is not None and layout.tail_cells:
         half, aft_m = tail.horizontal_span_m / 2.0, tail.horizontal_aft_m + tail.horizontal_chord_m
-        shapes.append(_corners(-half, half, tail.horizontal_aft_m, aft_m))
+        shapes.append(drawing.box(-half, half, tail.horizontal_aft_m, aft_m))
     drawn, (axes,) = drawing.new_figure(
         canvas=figure,
         title=f"{aircraft.name}: solar cells",
@@ -208,7 +208,7 @@ def plot_cells(aircraft: Aircraft, *, figure: drawing.Canvas = DEFAULT) -> Figur
         for corners in layout.kept_out_corners(wing)
         for side in (-1.0, 1.0)
     ]
-    cells = [_corners(c.left_m, c.right_m, c.front_m, c.rear_m) for c in aircraft.placed_cells()]
+    cells = [drawing.box(c.left_m, c.right_m, c.front_m, c.rear_m) for c in aircraft.placed_cells()]
     surface: dict[str, Any] = {
         "facecolor": drawing.GREY,
         "edgecolor": drawing.ink(),
@@ -231,7 +231,3 @@ def plot_cells(aircraft: Aircraft, *, figure: drawing.Canvas = DEFAULT) -> Figur
     axes.invert_yaxis()
     axes.yaxis.set_major_locator(MaxNLocator(3))
     return drawn
-
-
-def _corners(left: float, right: float, front: float, rear: float) -> list[tuple[float, float]]:
-    return [(left, front), (right, front), (right, rear), (left, rear)]

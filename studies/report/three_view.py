@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from studies.output.figures.drawing import (
     VERMILLION,
     Canvas,
     add_legend,
+    box,
     ink,
     new_figure,
     paper,
@@ -133,10 +133,6 @@ def _shape(
     axes.add_patch(Polygon(np.asarray(points), facecolor=fill, gid=part, **looks))
 
 
-def _box(left: float, right: float, low: float, high: float) -> Sequence[tuple[float, float]]:
-    return [(left, low), (right, low), (right, high), (left, high)]
-
-
 def _ellipse(x: float, y: float, width: float, height: float) -> Any:
     angle = np.linspace(0.0, 2.0 * np.pi, 41)
     return np.stack([x + width / 2.0 * np.cos(angle), y + height / 2.0 * np.sin(angle)], axis=1)
@@ -178,12 +174,12 @@ def _draw_above(axes: Axes, drawing: Drawing, room_m: float) -> None:
     tail, half, chord = drawing.tail, drawing.wingspan_m / 2.0, drawing.chord_m
     boom, side = drawing.boom_m / 2.0, tail.horizontal_span_m / 2.0
     for place in drawing.booms_m:
-        points = _box(place - boom, place + boom, -drawing.tail_end_m, 0.0)
+        points = box(place - boom, place + boom, -drawing.tail_end_m, 0.0)
         _shape(axes, drawing, "tail", points, paper())
     pod = _ellipse(0.0, (_NOSE - _POD / 2.0) * chord, _DEPTH * chord, _POD * chord)
     _shape(axes, drawing, "pod", pod, paper())
     front, rear = -tail.horizontal_aft_m, -tail.horizontal_aft_m - tail.horizontal_chord_m
-    _shape(axes, drawing, "tail", _box(-side, side, rear, front))
+    _shape(axes, drawing, "tail", box(-side, side, rear, front))
     fin = (-tail.vertical_aft_m, -tail.vertical_aft_m - tail.vertical_chord_m)
     for place in drawing.booms_m:
         axes.plot([place, place], fin, color=ink(), linewidth=1.4, gid="fin")
@@ -192,7 +188,7 @@ def _draw_above(axes: Axes, drawing: Drawing, room_m: float) -> None:
     _shape(axes, drawing, "wing", [*leading, *trailing])
     for m in drawing.modules:
         looks = {"edgecolor": LOAD, "linewidth": 0.5, "alpha": 0.6}
-        points = _box(m.left_m, m.right_m, -m.rear_m, -m.front_m)
+        points = box(m.left_m, m.right_m, -m.rear_m, -m.front_m)
         _shape(axes, drawing, "modules", points, LOAD, **looks)
     dashed = "--" if "spar" in drawing.schematic else "-"
     axes.plot([-half, half], [-_SPAR * chord] * 2, color=VERMILLION, linewidth=0.6, ls=dashed)
@@ -217,9 +213,9 @@ def _draw_ahead(axes: Axes, drawing: Drawing) -> None:
     low, high = _fin_heights(drawing)
     fin, plane = thick * tail.vertical_chord_m / 2.0, thick * tail.horizontal_chord_m / 2.0
     for y in drawing.booms_m:
-        _shape(axes, drawing, "tail", _box(y - fin, y + fin, low, high))
+        _shape(axes, drawing, "tail", box(y - fin, y + fin, low, high))
     side, height = tail.horizontal_span_m / 2.0, tail.height_m
-    _shape(axes, drawing, "tail", _box(-side, side, height - plane, height + plane))
+    _shape(axes, drawing, "tail", box(-side, side, height - plane, height + plane))
     outline = np.concatenate([[places, upper], [places[::-1], (2.0 * up - upper)[::-1]]], axis=1)
     _shape(axes, drawing, "wing", outline.T)
     depth = _DEPTH * drawing.chord_m
@@ -234,11 +230,11 @@ def _draw_left(axes: Axes, drawing: Drawing, room_m: float) -> None:
     tail, chord, end = drawing.tail, drawing.chord_m, drawing.tail_end_m
     low, high = _fin_heights(drawing)
     root, boom = tail.boom_height_m, drawing.boom_m / 2.0
-    _shape(axes, drawing, "tail", _box(0.0, end, root - boom, root + boom), paper())
+    _shape(axes, drawing, "tail", box(0.0, end, root - boom, root + boom), paper())
     pod = _ellipse((_POD / 2.0 - _NOSE) * chord, 0.0, _POD * chord, _DEPTH * chord)
     _shape(axes, drawing, "pod", pod, paper())
     fin_rear = tail.vertical_aft_m + tail.vertical_chord_m
-    _shape(axes, drawing, "tail", _box(tail.vertical_aft_m, fin_rear, low, high))
+    _shape(axes, drawing, "tail", box(tail.vertical_aft_m, fin_rear, low, high))
     plane = tail.horizontal_chord_m * _section(drawing.thickness_ratio)
     _shape(axes, drawing, "tail", plane + np.array([tail.horizontal_aft_m, tail.height_m]))
     section = _section(drawing.thickness_ratio, drawing.incidence_deg)

@@ -290,6 +290,11 @@ def shade(axes: Axes, spans: Iterable[tuple[float, float]]) -> None:
         axes.axvspan(start, end, color=night(), zorder=0, linewidth=0)
 
 
+def box(left: float, right: float, low: float, high: float) -> list[tuple[float, float]]:
+    """Return the corners of a rectangle."""
+    return [(left, low), (right, low), (right, high), (left, high)]
+
+
 def read_style(text: str) -> str:
     """Check that a style exists and can be read."""
     if text in SHIPPED_STYLES:
