@@ -27,8 +27,6 @@ _ROWS = {1: 15, 2: 1000}  # latitudes of the table, by level
 _DAYS = 365
 _RUNS = 2  # seasons of a latitude
 
-Ends = tuple[NDArray[Any], NDArray[Any]]
-
 
 @dataclass(frozen=True, repr=False)
 class MapResult(Result):
@@ -55,10 +53,8 @@ class MapResult(Result):
             if Status.infeasible in gridded.status_names(self.data):
                 numbers["too_windy_days"] = self._days_of(Status.infeasible)
         for quantity in self._ranged:
-            for word, values in zip(
-                ("least", "largest"), self._least_and_largest(quantity), strict=True
-            ):
-                numbers[f"{word}_{quantity.name}"] = values
+            least, largest = self._least_and_largest(quantity)
+            numbers |= {f"least_{quantity.name}": least, f"largest_{quantity.name}": largest}
         record: dict[str, Any] = serialise(
             {"latitude_deg": self._latitudes, "days": self.data["day"].to_numpy()}
             | numbers
@@ -136,7 +132,7 @@ class MapResult(Result):
         payload = (p for p in (q.PAYLOAD_MASS, q.PAYLOAD_POWER) if p.variable == largest)
         return (q.WINGSPAN, q.TOTAL_MASS, q.EXCESS_TIME, *payload)
 
-    def _least_and_largest(self, quantity: q.Quantity) -> Ends:
+    def _least_and_largest(self, quantity: q.Quantity) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return least and largest value of each latitude; NaN without any."""
         values = self.data[quantity.variable].to_numpy()
         if quantity is q.ENDURANCE:  # on days with limited flight

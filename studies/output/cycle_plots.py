@@ -70,24 +70,16 @@ def _draw(analysis: Analysis, course: _Course, canvas: drawing.Canvas) -> tuple[
     where = model_error_note(perf.mission.altitude_m)
     error = f"RMS error {after}{where}, {percent(perf.solar.rms_relative, '.0f')}"
     charges = [100.0 * charge for charge in course.charge]
-    for axes, curves, colour, line, label, band in (
-        (panels[0], course.solar_w, drawing.SUN, drawing.SUN_LINE, "solar power", error),
-        (
-            panels[1],
-            charges,
-            drawing.CHARGE,
-            drawing.CHARGE_LINE,
-            "state of charge",
-            "with that error",
-        ),
+    for axes, curves, colour, label, band in (
+        (panels[0], course.solar_w, drawing.SUN, "solar power", error),
+        (panels[1], charges, drawing.CHARGE, "state of charge", "with that error"),
     ):
-        axes.plot(course.clock_h, curves[0], line, color=colour, label=label)
+        axes.plot(course.clock_h, curves[0], "-", color=colour, label=label)
         if len(curves) > 1:
             style: dict[str, Any] = {"color": colour, "alpha": 0.2, "linewidth": 0, "label": band}
             axes.fill_between(course.clock_h, curves[1], curves[2], **style)
-    panels[0].plot(
-        course.clock_h, course.load_w, drawing.LOAD_LINE, color=drawing.LOAD, label="load"
-    )
+    # Dashes tell it from the sun in a print in grey, too.
+    panels[0].plot(course.clock_h, course.load_w, "--", color=drawing.LOAD, label="load")
     panels[0].set(ylabel="power [W]", ylim=(0, None))
     panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
     for axes in panels[2:]:

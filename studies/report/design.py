@@ -27,7 +27,7 @@ from studies.render.sentences import (
 )
 from studies.render.sizing import record_blocks
 from studies.render.sizing_tables import requirement_table
-from studies.render.tables import Line, Table, facts
+from studies.render.tables import Line, facts
 from studies.report.blocks import Bars, Block, Section
 from studies.report.figures import page_figure, page_options
 from studies.report.geometry import Drawing
@@ -62,21 +62,17 @@ def aircraft_section(subject: Subject) -> Section:
     if subject.verification is None:
         required_h = max(subject.mission.required_excess_time_h, 0.0)
         margins = requirement_margins(aircraft, subject.analysis.performance, required_h)
-        blocks += [_design_tables(subject), requirement_table(margins)]
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for entry in design_sheet(subject.analysis).quantities:
+            if entry.group not in ("masses", "balance"):
+                row = entry.quantity.label, " ".join(entry.shown()).strip()
+                groups.setdefault(entry.group, []).append(row)
+        groups.setdefault("flight", []).extend(wind_rows(subject.mission))
+        if subject.mission.holds_station:
+            groups["flight"].append(("flown, to hold its place", "as fast as the wind at least"))
+        tables = tuple(facts(group, rows) for group, rows in groups.items() if rows)
+        blocks += [tables, requirement_table(margins)]
     return Section("aircraft", "The aircraft", blocks)
-
-
-def _design_tables(subject: Subject) -> tuple[Table, ...]:
-    """Return the quantities of the design sheet, a table for each of its groups but the masses."""
-    groups: dict[str, list[tuple[str, str]]] = {}
-    for entry in design_sheet(subject.analysis).quantities:
-        if entry.group not in ("masses", "balance"):
-            row = entry.quantity.label, " ".join(entry.shown()).strip()
-            groups.setdefault(entry.group, []).append(row)
-    groups.setdefault("flight", []).extend(wind_rows(subject.mission))
-    if subject.mission.holds_station:
-        groups["flight"].append(("flown, to hold its place", "as fast as the wind at least"))
-    return tuple(facts(group, rows) for group, rows in groups.items() if rows)
 
 
 # ---- Masses and power

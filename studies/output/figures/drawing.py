@@ -46,7 +46,6 @@ SKY, PURPLE = "#56B4E9", "#CC79A7"
 GREY, DARK_GREY = "#DDDDDD", "#808080"
 SUN, LOAD, CHARGE = ORANGE, BLUE, GREEN
 # A line style for each colour, so that print in grey is read as well.
-SUN_LINE, LOAD_LINE, CHARGE_LINE = "-", "--", "-"
 _LOOKS = (ORANGE, ":"), (SKY, "-."), (GREEN, "--"), (VERMILLION, "-")
 MODEL_LOOKS: dict[str, dict[str, Any]] = {
     model: {"color": colour, "linestyle": line}
