@@ -258,7 +258,10 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
         elif key == "*":
             joined = software_record() if path == "software" else reach(value, path)
             record |= _record(joined, of) if of else plain(joined)
-        elif not (_is_nothing(reached := reach(value, path)) and optional):
+        else:
+            reached = reach(value, path)
+            if optional and (reached is None or (isinstance(reached, tuple) and not reached)):
+                continue
             *outer, last = key.split(".")
             inside = record
             for name in outer:
@@ -278,10 +281,6 @@ def _keys(entry: str) -> list[tuple[str, bool, str, str]]:
             key, path = "*", key[1:]
         keys.append((key.rstrip("?"), key.endswith("?"), path or key.rstrip("?"), of))
     return keys
-
-
-def _is_nothing(value: Any) -> bool:
-    return value is None or (isinstance(value, tuple) and not value)
 
 
 def _names(value: Any) -> tuple[str, ...]:
