@@ -112,10 +112,6 @@ class Scenario:
     begin: float | None = None
     profile: Profile | None = None
 
-    def share_at(self, time_h: FloatArray) -> FloatArray:
-        """Return the heights over the way to the ceiling."""
-        return np.zeros(len(time_h)) if self.profile is None else self.profile.at(time_h)
-
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
     """Return a design, and one more for each variable that is moved by a step."""
@@ -273,7 +269,9 @@ def _block(
     whole = day_of(task, perf, number)
     store = perf.store.flat((len(nominal_w), task.count)).select(np.array([0]))
     path = _path(task, perf, whole, number, store, scenario.begin)
-    form, share = task.form(1), scenario.share_at(whole.time_h)
+    form, share = task.form(1), np.zeros(len(whole.time_h))
+    if scenario.profile is not None:
+        share = scenario.profile.at(whole.time_h)
     nodes, held = known or (None, None)
     day = CutDay.of(whole, path, store, float(nominal_w[0]), form, share, nodes)
     held = held or held_back(store, day.soc, day.means)

@@ -103,23 +103,6 @@ def equal_power_step(day: Day, nominal_w: float) -> int:
     return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
 
 
-def reserve_nodes(day: Day, nodes: IntArray, nominal_w: float) -> BoolArray:
-    """Return whether the excess time must be left at each node: to equal power, or at landing."""
-    at = np.arange(len(nodes))
-    if day.lands:
-        return np.asarray(at == at[-1])
-    return np.asarray(at <= 1 + np.argmin(np.abs(nodes - equal_power_step(day, nominal_w))))
-
-
-def bends_in_climbs(day: Day, share: FloatArray, nominal_w: float) -> BoolArray:
-    """Return the steps of a flight along heights in which these bend most.
-
-    A glide follows the light, and is short where nothing feeds it.
-    """
-    light_w = day.solar_w[0, :-1]
-    return np.asarray((np.diff(share) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w)))
-
-
 def nodes_of(
     day: Day,
     path: FloatArray,
@@ -216,9 +199,17 @@ class CutDay(NamedTuple):
         into, out_of = efficiencies(store)
         stored_wh = day.stored_wh(into, out_of)
         if nodes is None:
-            close = bends_in_climbs(day, share, nominal_w) if form.climbs else False
+            # A glide bends as the light does, and is short where nothing feeds it.
+            light_w = day.solar_w[0, :-1]
+            dim = (light_w > 0.0) & (light_w < nominal_w)
+            close = ((np.diff(share) < 0.0) | dim) & form.climbs
             full_wh = float(store.battery_energy_wh[0])
             nodes = nodes_of(day, path, stored_wh[0], full_wh, nominal_w, form, close)
+        reserve = np.zeros(len(nodes), bool)
+        if day.lands:
+            reserve[-1] = True
+        else:  # up to equal power
+            reserve[: 2 + np.argmin(np.abs(nodes - equal_power_step(day, nominal_w)))] = True
         gain_wh = np.add.reduceat(stored_wh, nodes[:-1], axis=-1)
         light_w, hours = mean_light_w(day, nodes), np.diff(day.time_h[nodes])
         net_w = np.where(gain_wh > 0.0, gain_wh / into, gain_wh * out_of) / hours
@@ -227,7 +218,7 @@ class CutDay(NamedTuple):
             day.time_h[nodes],
             path[nodes],
             share[nodes],
-            reserve_nodes(day, nodes, nominal_w),
+            reserve,
             dips_wh(stored_wh[0], nodes),
             DayMeans(hours, light_w, light_w - net_w),
         )

@@ -326,7 +326,8 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
     cost = ca.dot(data["weights"], ca.vertcat(x, worst_h))
     cost += data["price"] * (ca.sum1(lack) + _BUDGET * ca.sum1(missed))
     for i, block in enumerate(blocks):
-        cost += near_flight(height[:, i], block) / form.blocks
+        moved = ca.sumsqr(height[:, i] - block.share) / max(form.heights, 1)
+        cost += NEAR_FLIGHT * moved / form.blocks
     cost -= FULLER * ca.sum1(ca.vec(charge)) / form.blocks
     symbols = {
         "x": ca.vertcat(x, worst_h, missed, lack, *(ca.vec(v) for v in (charge, height, speed))),
@@ -480,11 +481,11 @@ def day_rows(
     light_slope = ca.reshape(block.light_slope, form.intervals + 1, x.shape[0])
     load_slope = ca.reshape(block.load_slope, form.intervals + 1, x.shape[0])
     brighter, heavier = ca.exp(light_slope @ moved), ca.exp(load_slope @ moved)
-    motion, rows = _motion(form, design, block, unknown, data["ceiling_m"])
-    level_w = motion.floor_w * design.steady + design.constant_w
+    weights, floor_w, beyond_w, rows = _motion(form, design, block, unknown, data["ceiling_m"])
+    level_w = floor_w * design.steady + design.constant_w
     light = ca.reshape(block.light_w_per_m2, form.levels, form.intervals)
-    light = ca.sum1(light * motion.weights).T * brighter[:-1]
-    load_w = level_w * block.load * heavier[:-1] + motion.beyond_w
+    light = ca.sum1(light * weights).T * brighter[:-1]
+    load_w = level_w * block.load * heavier[:-1] + beyond_w
     nominal_w = block.nominal * level_w * heavier[-1]
     # A payload counts for nothing in what may be missing: it would grow without end.
     lack_w = unknown.lack * (nominal_w - design.payload_w)
@@ -510,22 +511,13 @@ def day_rows(
     return rows
 
 
-class Motion(NamedTuple):
-    """Flight along a day; symbols.
-
-    ``weights``: of the levels in every interval. ``floor_w``: propulsion power at the floor.
-    ``beyond_w``: load above that of level flight at the floor, in every interval.
-    """
-
-    weights: Any
-    floor_w: Any
-    beyond_w: Any
-
-
 def _motion(
     form: Form, design: DesignSymbols, block: BlockData, unknown: Unknowns, ceiling_m: Any
-) -> tuple[Motion, Rows]:
-    """Return power of flight at heights and airspeeds of a day, and the rows that hold them.
+) -> tuple[Any, Any, Any, Rows]:
+    """Return the motion along a day, and the rows that hold it.
+
+    Of every interval the weights of the levels; propulsion power at the floor, and of every
+    interval the load above that of level flight there.
 
     The wind's is the airspeed at least; the propulsion gives no less than nothing and no more than
     its rated power; a climb takes ``m g dz/dt`` over the efficiency.
@@ -562,12 +554,7 @@ def _motion(
         rows.append((Constraint(POWER_AGAINST_WIND), spare))
     if not form.climbs:
         weights = ca.repmat(weights, 1, form.intervals)
-    return Motion(weights, floor, beyond_w), rows
-
-
-def near_flight(height: Any, block: BlockData) -> Any:
-    """Return the cost of other heights than those of the flight."""
-    return NEAR_FLIGHT * ca.sumsqr(height - block.share) / max(height.shape[0], 1)
+    return weights, floor, beyond_w, rows
 
 
 def _places(count: int) -> list[float]:
