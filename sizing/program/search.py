@@ -165,6 +165,8 @@ class Search:
             values = task.first_values(most_promising(task))
         else:
             values = task.within_bounds(task.held | dict(self.first))
+        # Of climbs the heights are chosen anew, and turn back as they like.
+        level = task.mission.climb is None
         for number in range(_MOST_ROUNDS):
             judged = yield from self._flying(values, solution if number else None, judged)
             if self._ends(judged) or number == _MOST_ROUNDS - 1:
@@ -173,10 +175,10 @@ class Search:
             point = linearised(task, judged.values, judged.perf, self._known)
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
+            if number and level and not judged.accepted and solution.violation <= LACKING:
+                reach = max(min(reach, solution.stride / 2.0), _LEAST_REACH)
             solution = self._solved(replace(point, reach=reach), judged, solution)
             reach, last = solution.linearisation.reach, judged.solution
-            # Of climbs the heights are chosen anew, and turn back as they like.
-            level = task.mission.climb is None
             if level and last is not None and float(solution.step @ last.step) < 0.0:
                 reach = max(min(reach, solution.stride) / 2.0, _LEAST_REACH)
             elif solution.is_limited:  # and goes on
