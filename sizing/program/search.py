@@ -175,10 +175,12 @@ class Search:
             point = linearised(task, judged.values, judged.perf, self._known)
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
-            if number and level and not judged.accepted and solution.violation <= LACKING:
-                reach = max(min(reach, solution.stride / 2.0), _LEAST_REACH)
+            last = judged.solution
+            if level and last and not judged.accepted and last.violation <= LACKING:
+                # It promised more than its flight holds.
+                reach = max(min(reach, last.stride / 2.0), _LEAST_REACH)
             solution = self._solved(replace(point, reach=reach), judged, solution)
-            reach, last = solution.linearisation.reach, judged.solution
+            reach = solution.linearisation.reach
             if level and last is not None and float(solution.step @ last.step) < 0.0:
                 reach = max(min(reach, solution.stride) / 2.0, _LEAST_REACH)
             elif solution.is_limited:  # and goes on

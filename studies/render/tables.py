@@ -14,10 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-import numpy as np
-
 from sizing.parameters import unit_text
-from sizing.results.conditions import Spread
 from sizing.results.result import data_frame
 from studies.render.layout import Grid, paragraph, side_by_side
 
@@ -82,10 +79,14 @@ class Column:
             return value
         if isinstance(value, Mapping):
             return ", ".join(map(self.text, value.values()))
-        if isinstance(value, np.ndarray) and value.ndim:
-            value = Spread.of(value)
-        if isinstance(value, Spread):
-            return " to ".join(dict.fromkeys(map(self.text, (value.lowest, value.highest))))
+        # Of an array or a spread both ends; a list of names imports neither.
+        ends = value
+        if getattr(value, "ndim", 0):
+            from sizing.results.conditions import Spread
+
+            ends = Spread.of(value)
+        if hasattr(ends, "lowest"):
+            return " to ".join(dict.fromkeys(map(self.text, (ends.lowest, ends.highest))))
         if isinstance(value, bool):
             return "yes" if value else "no"
         if math.isinf(value):

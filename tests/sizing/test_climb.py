@@ -189,8 +189,8 @@ def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(aircraft, ceiling_
     record = analysis.to_dict()["climb"]
     assert record["program_excess_time_h"] == program_h
     assert record["one_minute_excess_time_h"] == by_minute_h
-    more = f"({round(by_minute_h - analysis.excess_time_h, 2) + 0.0:+.2f})"
-    assert f"{by_minute_h:.2f} h {more}" in str(analysis.at_level(2))
+    (row,) = (line for line in str(analysis.at_level(2)).splitlines() if "by the minute" in line)
+    assert f"{by_minute_h:.2f} h" in row
 
 
 def test_random_days_along_random_heights_conserve_energy():

@@ -173,7 +173,7 @@ def test_the_analysis_tells_what_the_efficiency_of_the_moment_changes():
         design = analysis.performance.design
         thrust_w = float(design.propulsion_power_w) * design.chain.efficiency * instant.load
         assert instant.efficiency == pytest.approx(thrust_w / exact_w(own, mission, *at), rel=1e-9)
-    assert "at the load of the moment" in str(analysis.at_level(2))
+    assert "efficiency, end of the night" in str(analysis.at_level(2))
 
 
 def test_constants_have_no_efficiency_of_the_moment():
@@ -204,7 +204,7 @@ def test_parts_beyond_their_limits_are_told():
         "mass_kg": 0.48,
     }
     text = str(sizing.analyse(atlantiksolar(motor=motor), rough(0.0, 1.0)).at_level(2))
-    assert "Beyond the parts: motor current" in " ".join(text.split())
+    assert "beyond the parts: motor current" in " ".join(text.split())
 
 
 def test_a_flight_on_the_calendar_has_the_load_of_the_exact_chain():
