@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from builders import AS2, DESIGN, aircraft, mission
+from builders import AS2, DESIGN, aircraft, mission, shipped_mission
 from pydantic import ValidationError
 
 from sizing.day.light import FINE_STEP_H, solar_day
@@ -12,6 +12,7 @@ from sizing.day.metrics import Status
 from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.performance import performance, performance_of_designs
+from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
@@ -201,3 +202,10 @@ def test_in_the_dark_a_reserve_is_taken_off_the_longest_flight():
     kept = longest_flight_of_all(DESIGN, night, required_excess_time_h=longest_h - 0.5)
     assert kept.objective_value == pytest.approx(0.5, abs=0.02)
     assert not longest_flight_of_all(DESIGN, night, required_excess_time_h=longest_h + 0.5).feasible
+
+
+def test_no_neighbour_of_a_flight_with_two_mornings_is_better():
+    # Light wings with few modules are as good as those with many: steps led to and fro.
+    there = shipped_mission(flight={"launch": "sunrise", "hours": 30.0})
+    found = size_aircraft(DESIGN, there, Objective.min_mass, required_excess_time_h=0.0)
+    assert cross_check(DESIGN, there, found).advantage <= 0.005 * found.objective_value
