@@ -17,7 +17,6 @@ from typing import Any, Generic, NoReturn, TypeVar
 import click
 from click.core import ParameterSource
 
-from missions.dates import date_code
 from missions.files.errors import (
     OVERRIDE,
     InputError,
@@ -41,9 +40,8 @@ from sizing.day.module_power import path_troubles
 from sizing.library import refuse_named_twice
 from sizing.mass_budget import ImpossibleDesignError, with_total_mass
 from sizing.parameters import design_keys
-from solar.names import ATTITUDE_MODELS
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.schema import spell
-from studies.cli import options as kinds
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
@@ -298,17 +296,18 @@ def _with_whole_key(override: str) -> str:
     return f"{design_keys().get(key, key)}{equals}{value}"
 
 
-def load(options: kinds.Case) -> Case:
+def load(
+    aircraft: str,
+    mission: str | None,
+    overrides: Sequence[str],
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
     A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
-    options that are not given. Place, day, required excess time and total mass replace the files'
-    own, for commands with such options.
+    options that are not given.
     """
-    aircraft, mission = options.aircraft, options.mission
-    solar = SolarModel()
-    if isinstance(options, kinds.Model):
-        solar = SolarModel(options.model, options.correction)
     is_default = _is_default("mission")
     is_folder = os.path.isdir(aircraft)  # noqa: PTH112 - takes any text for a path
     folder = RunFolder.at(aircraft) if is_folder else None
@@ -319,9 +318,8 @@ def load(options: kinds.Case) -> Case:
         aircraft = folder.aircraft
         if is_default:
             mission, is_default = folder.mission, False
-        model = folder.model if _is_default("model") else solar.model
-        correction = folder.correction if _is_default("correction") else solar.correction
-        solar = SolarModel(model, correction)  # type: ignore[arg-type]  # the folder was checked
+        model = folder.model if _is_default("model") else model
+        correction = folder.correction if _is_default("correction") else correction
     beside = mission_beside(aircraft)
     if mission is None and beside is not None:
         mission, is_default = beside, False
@@ -333,35 +331,18 @@ def load(options: kinds.Case) -> Case:
     named: dict[Kind, str] = {"aircraft": aircraft, "mission": mission}
     for kind, name in named.items():
         try:
-            files.append(opened(kind, name, options.overrides, of_run=folder is not None))
+            files.append(opened(kind, name, overrides, of_run=folder is not None))
         except InputError as error:
             errors.append(error)
     if errors:
         raise _joined_errors(errors)
     aircraft_file, mission_file = files
-    case = Case(aircraft_file, mission_file, is_default, solar)
+    case = Case(aircraft_file, mission_file, is_default, SolarModel(model, correction))
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         case.refuse("mission.wind.hold_station", message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
-    return _with_values(case, options)
-
-
-def _with_values(case: Case, options: kinds.Case) -> Case:
-    """Return the case with what options give in place of the files' values."""
-    values: dict[str, Any] = {}
-    if isinstance(options, kinds.Place):
-        if options.latitude is not None:
-            values["latitude_deg"] = options.latitude
-        if options.day is not None:
-            values["dates"] = {"on": date_code(options.day)}
-        values |= {"launch": None} if values else {}  # which is at the mission's place and day
-    if isinstance(options, kinds.Requirement) and options.required_h is not None:
-        values["required_excess_time_h"] = options.required_h
-    case = case.with_mission(**values) if values else case
-    if isinstance(options, kinds.Mass) and options.mass_kg is not None:
-        case = case.with_total_mass(options.mass_kg)
     return case
 
 

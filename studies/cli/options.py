@@ -47,11 +47,23 @@ class Case(CommandOptions):
         multiple=True,
     )
 
+    @property
+    def solar(self) -> dict[str, Any]:
+        """Solar power model and correction by name, where they can be chosen."""
+        return {}
+
+    @property
+    def mission_values(self) -> dict[str, Any]:
+        """Values that stand in place of the mission's own."""
+        return {}
+
     def load(self) -> files.Case:
         """Return the case of the options; what is wrong with its files is told together."""
         from studies.cli import files  # not for help
 
-        return files.load(self)
+        case = files.load(self.aircraft, self.mission, self.overrides, **self.solar)
+        values = self.mission_values
+        return case.with_mission(**values) if values else case
 
     def load_flyable(self) -> files.Case:
         """Return a case whose aircraft can fly the mission's path and climbs."""
@@ -77,6 +89,11 @@ class Model(Case):
         default="none",
     )
 
+    @property
+    def solar(self) -> dict[str, Any]:
+        """Solar power model and correction by name."""
+        return {"model": self.model, "correction": self.correction}
+
 
 class Json(Case):
     """A case whose result may be printed as JSON."""
@@ -100,6 +117,11 @@ class Mass(Case):
         type=RealRange(0.0, 1e5, unit="kilograms", above=True),
         metavar="KG",
     )
+
+    def load(self) -> files.Case:
+        """Return the case with the known mass, of the mission as it is flown."""
+        case = super().load()
+        return case if self.mass_kg is None else case.with_total_mass(self.mass_kg)
 
 
 class Place(Case):
@@ -125,6 +147,18 @@ class Place(Case):
         """Day of the year, however it is given."""
         return self.date if self.day_of_year is None else self.day_of_year
 
+    @property
+    def mission_values(self) -> dict[str, Any]:
+        """Place and day, without the launch, which is at the mission's own."""
+        from missions.dates import date_code  # not for help
+
+        values: dict[str, Any] = {}
+        if self.latitude is not None:
+            values["latitude_deg"] = self.latitude
+        if self.day is not None:
+            values["dates"] = {"on": date_code(self.day)}
+        return super().mission_values | values | ({"launch": None} if values else {})
+
     def refuse_with_weather(self) -> None:
         """Refuse a place or a day beside that of a weather record."""
         if self.latitude is not None:
@@ -145,6 +179,12 @@ class Requirement(Case):
         type=RealRange(0.0, 1000.0, unit="hours"),
         metavar="HOURS",
     )
+
+    @property
+    def mission_values(self) -> dict[str, Any]:
+        """Required excess time, where it is chosen."""
+        required = {} if self.required_h is None else {"required_excess_time_h": self.required_h}
+        return super().mission_values | required
 
 
 class Work(CommandOptions):

@@ -34,7 +34,7 @@ from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
 from sizing.day.light import SolarModel
 from solar._version import __version__
-from solar.names import CORRECTION_NAMES, MODEL_NAMES
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.versions import FORMAT_KEY, format_trouble, software_record
 
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
@@ -74,8 +74,8 @@ class RunFolder:
 
     aircraft: str
     mission: str
-    model: str
-    correction: str
+    model: ModelName
+    correction: CorrectionName
 
     @classmethod
     def at(cls, path: str) -> RunFolder | None:
