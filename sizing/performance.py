@@ -306,18 +306,28 @@ def fly(
     *,
     keep_trajectory: bool = True,
     paired: bool = False,
+    heights_m: FloatArray | None = None,
+    of_others: bool = False,
 ) -> Performance:
-    """Simulate every design of a batch in every scenario, or ``paired``: each in its own."""
+    """Simulate every design of a batch in every scenario, or ``paired``: each in its own.
+
+    ``heights_m``: of a mission with climbs, above the floor, ``(element, time)``, instead of the
+    best of each. ``of_others``: those of another design, of which each flies the share that it can.
+    """
     flights = design if paired else design.over_scenarios()
-    solar_w = module_power_w(day, flights, mission)
     store = Store.of(aircraft.battery, flights.battery_energy_wh)
     if mission.climb is not None:
-        from sizing.program.schedule import best_climbs  # likewise
+        from sizing.program import schedule  # likewise
 
         levels = flight_levels(aircraft, mission, flights, day)
-        batch = solar_w.shape[:-1]
-        climbs = best_climbs(day.time_h, levels, store.flat(batch))
-        return performance_along(design, mission, solar, day, store, levels, climbs, batch)
+        batch = np.broadcast_shapes(np.shape(flights.total_mass_kg), (len(day.scenarios),))
+        case = day.time_h, levels, store.flat(batch)
+        if heights_m is None:
+            climbs = schedule.best_climbs(*case)
+        else:
+            climbs = schedule.flown_along(*case, heights_m, of_others=of_others)
+        return _performance_along(design, mission, solar, day, store, levels, climbs, batch)
+    solar_w = module_power_w(day, flights, mission)
     load = Load.of(aircraft, mission, flights, day.scenarios)
     load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
     nominal_w = load.without_thermals(mission)
@@ -334,7 +344,7 @@ def fly(
     return Performance(design, mission, solar, day, solar_w, load_w, nominal_w, store, cycle)
 
 
-def performance_along(
+def _performance_along(
     design: Design,
     mission: Mission,
     solar: SolarModel,

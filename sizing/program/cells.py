@@ -25,7 +25,7 @@ from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
-from sizing.program.climbing import Profile, fly_along, heights_along
+from sizing.program.climbing import Profile, heights_along
 from sizing.program.corrections import neighbours
 from sizing.program.cross_check import random_factors
 from sizing.program.objectives import Objective, refuse_range
@@ -237,18 +237,15 @@ class _Cells:
 
         ``of_others``: along those of another design, as far as each can.
         """
-        first = self.tasks[0]
-        cells = np.repeat(list(designs), [len(values) for values in designs.values()])
+        first, counts = self.tasks[0], [len(values) for values in designs.values()]
+        cells = np.repeat(list(designs), counts)
         places = cells[:, np.newaxis] * first.count + np.arange(first.count)
-        heights_m = None
-        if first.mission.climb is not None:
-            along = [heights_along(self.tasks[cell], profiles[cell]) for cell in designs]
-            count = [len(values) for values in designs.values()]
-            heights_m = np.concatenate(
-                [np.tile(rows, (n, 1)) for rows, n in zip(along, count, strict=True)]
-            )
+        along = zip(designs, counts, strict=True)
+        heights = [heights_along(self.tasks[cell], profiles[cell], n) for cell, n in along]
         every = list(chain.from_iterable(designs.values()))
-        perf = self._fly(every, cells, places, heights_m, keep=keep, of_others=of_others)
+        perf = self._fly(
+            every, cells, places, np.concatenate(heights), keep=keep, of_others=of_others
+        )
         flights: dict[int, Performance] = {}
         for cell in designs:
             task, of_cell = self.tasks[cell], perf.of_designs(cells == cell)
@@ -272,17 +269,16 @@ class _Cells:
         chosen = [self.tasks[c].held | self.tasks[c].design_variables(d).chosen() for c, d in pairs]
         columns = {name: np.array([values[name] for values in chosen]) for name in names}
         variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, shape[1]))
-        aircraft, mission, day = (
+        perf = fly(
             first.simulated_aircraft,
             first.mission,
+            first.solar,
+            closed_design(first.simulated_aircraft, first.mission, variables),
             self.day.at(places.ravel()),
-        )
-        design = closed_design(aircraft, mission, variables)
-        case = aircraft, mission, first.solar, design, day
-        perf = (
-            fly(*case, keep_trajectory=keep, paired=True)
-            if heights_m is None
-            else fly_along(*case, heights_m, paired=True, of_others=of_others)
+            keep_trajectory=keep,
+            paired=True,
+            heights_m=heights_m,
+            of_others=of_others,
         )
         return perf.reshaped(shape)
 

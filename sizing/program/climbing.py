@@ -12,17 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
-from sizing.day.battery import Store
-from sizing.day.heights import flight_levels
-from sizing.day.light import SolarDay, SolarModel
 from sizing.design import Design
 from sizing.held_station import flight_faster
 from sizing.mass_budget import closed_design, parametric_design
-from sizing.performance import Performance, performance_along, performance_of_designs
+from sizing.performance import Performance, fly
 from sizing.program.intervals import CutDay
-from sizing.program.schedule import flown_along
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import LEVELS, lagrange
 from solar.types import FloatArray
@@ -43,44 +37,26 @@ def simulate(
     task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]
 ) -> Performance:
     """Simulate designs in all scenarios; climbs along profiles, else at the floor."""
-    aircraft, variables = task.simulated_aircraft, task.stacked(designs)
-    if task.mission.climb is None:
-        return performance_of_designs(aircraft, task.mission, variables, task.solar, day=task.day)
-    design = closed_design(aircraft, task.mission, variables)
-    heights_m = np.tile(heights_along(task, profiles), (len(designs), 1))
-    return fly_along(aircraft, task.mission, task.solar, design, task.day, heights_m)
+    design = closed_design(task.simulated_aircraft, task.mission, task.stacked(designs))
+    return fly(
+        task.simulated_aircraft,
+        task.mission,
+        task.solar,
+        design,
+        task.day,
+        heights_m=heights_along(task, profiles, len(designs)),
+    )
 
 
-def heights_along(task: SizingTask, profiles: Mapping[int, Profile]) -> FloatArray:
-    """Return heights above the floor [m], ``(scenario, time)``; zero without a profile."""
+def heights_along(task: SizingTask, profiles: Mapping[int, Profile], count: int) -> FloatArray:
+    """Return heights above the floor [m], ``(scenario, time)``, once for each of some designs.
+
+    Zero without a profile.
+    """
     height_m = np.zeros((task.count, len(task.day.time_h)))
     for number, profile in profiles.items():
         height_m[number] = profile.at(task.day.time_h) * task.climb_height_m
-    return height_m
-
-
-def fly_along(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    design: Design,
-    day: SolarDay,
-    heights_m: FloatArray,
-    *,
-    paired: bool = False,
-    of_others: bool = False,
-) -> Performance:
-    """Simulate every design of a batch in every scenario, or ``paired``: each in its own.
-
-    ``heights_m``: above the floor, ``(element, time)``. ``of_others``: those of another design, of
-    which each flies the share that it can.
-    """
-    flights = design if paired else design.over_scenarios()
-    levels = flight_levels(aircraft, mission, flights, day)
-    store = Store.of(aircraft.battery, flights.battery_energy_wh)
-    batch = np.broadcast_shapes(np.shape(flights.total_mass_kg), (len(day.scenarios),))
-    climbs = flown_along(day.time_h, levels, store.flat(batch), heights_m, of_others=of_others)
-    return performance_along(design, mission, solar, day, store, levels, climbs, batch)
+    return np.tile(height_m, (count, 1))
 
 
 def power_beyond_floor(task: SizingTask, design: Design, number: int, day: CutDay) -> FloatArray:
