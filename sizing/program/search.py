@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Generator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import NamedTuple
@@ -144,10 +143,13 @@ class Search:
     def run(self) -> Search:
         """Search until program and simulator agree."""
         rounds = self.rounds()
-        with suppress(StopIteration):
-            needed = next(rounds)
-            while True:
-                needed = rounds.send(self._simulated(needed))
+        needed: Flights | None = next(rounds)
+        while needed is not None:
+            perf = self._simulated(needed)
+            try:
+                needed = rounds.send(perf)
+            except StopIteration:
+                needed = None
         return self
 
     def _simulated(self, needed: Flights) -> Performance:
