@@ -16,7 +16,6 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, FlightConditions, bus_voltage_v, polar_at
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
-from sizing.propulsion.shafts import shares_of_limits
 from sizing.smooth import Value
 from solar.schema import spell
 
@@ -139,7 +138,7 @@ def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
     speed_m_per_s, air = design.airspeed_m_per_s, it.conditions.air
     turns, shaft_w, _ = sized.propeller_state(design.thrust_power_w, speed_m_per_s, air)
     empty_v, _ = bus_voltage_v(it.aircraft)
-    used = shares_of_limits(sized, turns, shaft_w, speed_m_per_s, air, empty_v)
+    used = sized.shares_of_limits(turns, shaft_w, speed_m_per_s, air, empty_v)
     return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
 

@@ -2,8 +2,8 @@
 
 A climb takes several times the thrust power of level flight, a glide less than it, in air that
 changes with the level. The exact propeller is evaluated at some loads and levels; motor, controller
-and wiring behind it are formulas (:mod:`sizing.propulsion.shafts`), at the voltage of a half
-charged battery. Logarithms of power over load are tables with cubics between their nodes.
+and wiring behind it are formulas (:mod:`sizing.propulsion.chain`), at the voltage of a half charged
+battery. Logarithms of power over load are tables with cubics between their nodes.
 
 Below a quarter of level flight's thrust power the motor runs at that quarter for a part of the
 time: no propeller that turns along costs power.
@@ -20,7 +20,6 @@ from missions.air import Air
 from sizing.aircraft import Aircraft
 from sizing.design import NO_FLIGHT_W, Design
 from sizing.propulsion.chain import OperatingPointPropulsion
-from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -129,8 +128,8 @@ class ClimbChain:
         turns, shaft_w = self._propellers()
         parts, air = self.parts, Air(*(values[np.newaxis] for values in self.air))
         with np.errstate(invalid="ignore", over="ignore"):
-            power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, self.bus_v)) / self.factor
-            shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, self.bus_v)
+            power = np.asarray(parts.power_of_shafts_w(turns, shaft_w, self.bus_v)) / self.factor
+            shares = parts.shares_of_limits(turns, shaft_w, self.airspeed_m_per_s, air, self.bus_v)
             used = np.max(np.broadcast_arrays(*shares.values(), power)[:-1], axis=0)
             # Where the propeller's data end, or the wiring cannot pass the power, the tables go on,
             # beyond a limit.

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.air import Air
-from sizing.propulsion.propeller import Coefficients, Indices
+from sizing.propulsion.propeller import Coefficients, Indices, PropellerTable
 from sizing.roots import bracketed_root
 from solar.schema import Allowed, refusal
 from solar.types import FloatArray
@@ -246,3 +246,6 @@ class BladeElementPropeller:
         momentum = 4.0 * np.pi * arm / self.blades * (rotation - tangential) * loss * between
         angle = twist - np.arctan2(axial, tangential)
         return _Flow(axial, tangential, speed, np.asarray(momentum), angle)
+
+
+Propeller: TypeAlias = PropellerTable | BladeElementPropeller

@@ -26,7 +26,7 @@ from sizing.catalogues.choice import (
     entry_of_key,
 )
 from sizing.parameters import all_replaced, replaced
-from sizing.propulsion.electric import Controller, Gear, Motor
+from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.operating_point import (
     OperatingPoint,
     Propulsor,
@@ -41,7 +41,7 @@ from sizing.propulsion.part_masses import (
     motor_mass_fit,
     propeller_mass_fit,
 )
-from sizing.propulsion.propeller_choice import PropellerChoice
+from sizing.propulsion.propeller_files import PropellerChoice
 from sizing.smooth import Value
 from sizing.user_models import user_function
 from solar.schema import (
@@ -75,6 +75,8 @@ _MassModel = Annotated[
 _EfficiencyModel = Annotated[
     Text, AfterValidator(lambda name: user_function("propulsion_efficiency", name) and name)
 ]
+# Iterations of the voltage behind the wiring; each leaves at most a hundredth of the error.
+_WIRING_ROUNDS = 5
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 _RATINGS = {"climb_rate_m_per_s": "climb_power_ratio"}
 
@@ -369,6 +371,54 @@ class OperatingPointPropulsion(Record):
         thrust_w = thrust_power_w / self.propulsors
         shaft = shafts_at(self.propulsor, thrust_w / airspeed_m_per_s, airspeed_m_per_s, air)
         return shaft.rotation_per_s, shaft.power_w, shaft.power_w / thrust_w
+
+    def motor_state(self, rotation_per_s: Value, shaft_w: Value) -> MotorState:
+        """Return current and voltage of the motor behind the gear, at a power of the shaft [W]."""
+        gear = self.gear
+        torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
+        return self.motor_constants.state(60.0 * rotation_per_s * gear.ratio, torque)
+
+    def inlet(self, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
+        """Return voltage [V] and power [W] at the controller, without limits of the parts."""
+        voltage = bus_v
+        for _ in range(_WIRING_ROUNDS if self.wiring_resistance_ohm else 0):
+            power_w = self.controller.input_power_w(state, voltage)
+            voltage = bus_v - self.wiring_resistance_ohm * power_w / voltage
+        return voltage, self.controller.input_power_w(state, voltage)
+
+    def power_of_shafts_w(self, rotation_per_s: Value, shaft_w: Value, bus_v: Value) -> Value:
+        """Return the electric power of all propulsors without limits of the parts [W].
+
+        By formulas of numbers and symbols, at a rotation [1/s] and power of one shaft [W].
+        """
+        inlet_v, power_w = self.inlet(self.motor_state(rotation_per_s, shaft_w), bus_v)
+        return self.propulsors * power_w * bus_v / inlet_v / self.efficiency_factor
+
+    def shares_of_limits(
+        self,
+        rotation_per_s: Value,
+        shaft_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_v: Value,
+    ) -> dict[str, Value]:
+        """Return the use of each limit of the parts over that limit [-]."""
+        state, motor = self.motor_state(rotation_per_s, shaft_w), self.motor_constants
+        least_v = state.voltage_v + state.current_a * self.controller.resistance_ohm
+        wires_v = self.wiring_resistance_ohm * self.controller.input_power_w(state, least_v)
+        diameter_m = self.propeller.diameter_m
+        if diameter_m is None:  # the files of the table have it
+            diameter_m = self.propeller.propeller.diameter_m
+        tip = ((np.pi * rotation_per_s * diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
+        used = {
+            "bus_voltage": (least_v + wires_v / least_v) / bus_v,
+            "tip_mach": tip / (air.speed_of_sound_m_per_s * self.maximum_tip_mach),
+        }
+        if motor.maximum_current_a is not None:
+            used["motor_current"] = state.current_a / motor.maximum_current_a
+        if motor.maximum_power_w is not None:
+            used["motor_power"] = state.current_a * state.voltage_v / motor.maximum_power_w
+        return used
 
     def in_flight(
         self,

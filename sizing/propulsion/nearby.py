@@ -15,7 +15,6 @@ from pydantic import Field
 
 from missions.air import Air
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
-from sizing.propulsion.shafts import inlet, motor_state, power_of_shafts_w
 from sizing.smooth import Value
 from solar.types import FloatArray
 
@@ -78,8 +77,8 @@ class NearbyPropulsion(OperatingPointPropulsion):
     ) -> Propulsion:
         """Return the chain of efficiencies at an operating point, without limits."""
         turns, shaft_w, cost = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        state = motor_state(self, turns, shaft_w)
-        ends = [(volts, *inlet(self, state, volts)) for volts in bus_voltage_v]
+        state = self.motor_state(turns, shaft_w)
+        ends = [(volts, *self.inlet(state, volts)) for volts in bus_voltage_v]
         bus_w = np.maximum(*(power_w * volts / inlet_v for volts, inlet_v, power_w in ends))
         motor_w = state.current_a * state.voltage_v
         # Wiring loss at the full battery; what the empty one adds counts as the controller's.
@@ -99,7 +98,7 @@ class NearbyPropulsion(OperatingPointPropulsion):
     ) -> Value:
         """Return the electric power of all propulsors without limits of the parts [W]."""
         turns, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        return power_of_shafts_w(self, turns, shaft_w, bus_v)
+        return self.power_of_shafts_w(turns, shaft_w, bus_v)
 
     def propeller_state(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air

@@ -7,7 +7,7 @@ speed of rotation ``n`` in revolutions per second, so that the efficiency is ``J
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,34 +26,6 @@ class Coefficients(NamedTuple):
 
     thrust: FloatArray
     power: FloatArray
-
-
-class Propeller(Protocol):
-    """Interface of a propeller to the operating point."""
-
-    @property
-    def diameter_m(self) -> float:
-        """Diameter [m]."""
-        ...
-
-    @property
-    def trials(self) -> int:
-        """Number of speeds of rotation to try before the search for the one of a thrust."""
-        ...
-
-    def coefficients(
-        self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air
-    ) -> Coefficients:
-        """Return coefficients [-] at airspeeds [m/s] and rotations [1/s]; NaN outside the data."""
-        ...
-
-    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the data."""
-        ...
-
-    def at(self, indices: Indices) -> Propeller:
-        """Return the propellers at indices of an array of propellers; a single one unchanged."""
-        ...
 
 
 def tip_mach(
@@ -102,7 +74,8 @@ class PropellerTable:
     source: str
     any_speed: bool = False
     notes: tuple[str, ...] = ()
-    # The curves end at different advance ratios, so that many trials may fall outside the data.
+    # Speeds of rotation to try before the search for the one of a thrust: the curves end at
+    # different advance ratios, so that many may fall outside the data.
     trials: ClassVar[int] = 97
 
     def coefficients(

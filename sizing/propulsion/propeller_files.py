@@ -1,20 +1,35 @@
-"""Files of propeller tables: APC, UIUC database, and CSV."""
+"""Propeller of an aircraft's file, and files of its table: APC, UIUC database, and CSV."""
 
 from __future__ import annotations
 
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field, PrivateAttr, Strict, model_validator
 
 from missions.files.errors import InputError, Problem, file_error, left_out_note, printable, shown
 from missions.files.tables import number_of, number_rows, text_table
-from missions.files.texts import read_text
+from missions.files.texts import read_text, texts_as_read
+from missions.files.validation import wrong_file
+from sizing.catalogues.choice import CatalogueRecord, Kind
+from sizing.propulsion.blade_elements import BladeElementPropeller, Propeller
 from sizing.propulsion.propeller import PropellerTable, SpeedCurve
-from solar.schema import Allowed, refusal, spell
+from solar.schema import (
+    Allowed,
+    Flag,
+    NonNegativeReal,
+    PositiveReal,
+    Text,
+    refusal,
+    spell,
+    wrong_value,
+)
 
 _INCH_M = 0.0254
 _MPH_M_PER_S = 0.44704
@@ -270,3 +285,68 @@ def _curve(points: Sequence[_Point], static: Sequence[_Point]) -> SpeedCurve:
             for first, column in zip(at_rest, columns, strict=True)
         ]
     return SpeedCurve(speed, advance, columns[0], columns[1])
+
+
+class PropellerChoice(CatalogueRecord):
+    """Propeller by its diameter and pitch, or by the files of its table.
+
+    ``product`` names a catalogue entry, which gives the keys that the file omits. ``table`` and
+    ``any_speed``: see :func:`sizing.read_propeller`; with a table, ``diameter_m`` is needed only
+    where its files omit it.
+    """
+
+    _entries: ClassVar[Mapping[str, Kind]] = {"product": "propellers"}
+
+    product: Text | None = None
+    diameter_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
+    pitch_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
+    blades: Annotated[int, Strict(), Field(ge=2, le=12)] = 2
+    chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
+    table: Text | tuple[Text, ...] | None = None
+    any_speed: Flag = False
+    mass_kg: NonNegativeReal | None = None
+    # Texts of the tables by path, read when the record was made.
+    _texts: dict[str, str] | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _check_choice(self) -> PropellerChoice:
+        if self.table is None:
+            for key in ("diameter_m", "pitch_m"):
+                if getattr(self, key) is None:
+                    text = "required key is missing (or product, or table with its files)"
+                    raise wrong_value(key, text)
+            return self
+        odd = self.model_fields_set & {"pitch_m", "blades", "chords"}
+        if odd:
+            text = "is of no use with a table, which has the coefficients"
+            raise wrong_value(min(odd), text)
+        try:
+            _ = self.propeller
+        except (InputError, OSError) as error:
+            raise wrong_file("table", error) from error
+        return self
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Files of the table; empty without a table."""
+        return (self.table,) if isinstance(self.table, str) else self.table or ()
+
+    def texts_read(self) -> dict[str, str]:
+        """Return the text of every file of the table by its path, read once."""
+        if self._texts is None or tuple(self._texts) != self.paths:
+            self._texts = {path: read_text(path) for path in self.paths}
+        return self._texts
+
+    def contents_read(self) -> str | None:
+        """Return the joined texts of the table, which count for equality."""
+        return "".join(self.texts_read().values()) or None
+
+    @cached_property
+    def propeller(self) -> Propeller:
+        """Propeller by its table or by blade elements."""
+        if self.table is None:
+            assert self.diameter_m is not None
+            assert self.pitch_m is not None
+            return BladeElementPropeller(self.diameter_m, self.pitch_m, self.blades, self.chords)
+        with texts_as_read(self.texts_read()):
+            return read_propeller(self.paths, self.diameter_m, any_speed=self.any_speed)

@@ -18,7 +18,7 @@ from sizing.catalogues.entries import (
     MpptEntry,
     PropellerEntry,
 )
-from sizing.propulsion.propeller_choice import PropellerChoice
+from sizing.propulsion.propeller_files import PropellerChoice
 
 ALL = [(kind, name, product) for kind in get_args(Kind) for name, product in entries(kind).items()]
 CELLS = [product for _, _, product in ALL if isinstance(product, CellEntry)]
