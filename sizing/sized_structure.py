@@ -12,8 +12,7 @@ from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import other_model
-from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import StructureParts
+from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from solar.schema import spell
 
 

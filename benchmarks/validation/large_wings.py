@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from benchmarks.validation.structures import PublishedStructure, published_structures
-from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION
+from sizing.structures.rib_wing import RIB_WING_CALIBRATION, RibWingStructure
 from studies.render.tables import Column, Table
 
 AIRCRAFT = ("atlantiksolar", "zephyr-7", "zephyr-8", "phasa-35", "heliplat", "helios")

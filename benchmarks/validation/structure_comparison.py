@@ -29,8 +29,7 @@ from sizing.structures.models import (
     SparStructure,
     StructureModel,
 )
-from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import StructureParts
+from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from studies.output.figures.drawing import (
     CHARGE,
     LOAD,

@@ -13,7 +13,7 @@ from pydantic import Field, Strict, model_validator
 
 from sizing.balance.surfaces import Wing
 from sizing.smooth import Value
-from sizing.structures.rib_wing_keys import StructureParts
+from sizing.structures.rib_wing import StructureParts
 from solar.schema import Name, PositiveReal, Real, Record, wrong_value
 
 _Margin = Annotated[float, Strict(), Field(gt=-1.0, lt=2.0)]

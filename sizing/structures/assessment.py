@@ -21,9 +21,8 @@ from sizing.structures.loads import (
     StructureInputs,
     gust_load_increment,
 )
-from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import Wing
-from sizing.structures.torsion import WingTorsion
+from sizing.structures.rib_wing import RibWingStructure, Wing
+from sizing.structures.stiffening import WingTorsion
 from solar.types import FloatArray
 
 

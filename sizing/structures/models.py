@@ -13,9 +13,8 @@ from pydantic import AfterValidator, Field
 from sizing.smooth import Value
 from sizing.structures.build import BuiltStructure
 from sizing.structures.loads import StructureInputs, root_bending_moment_nm
-from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION, WebCore
-from sizing.structures.torsion import WingTorsion
+from sizing.structures.rib_wing import RIB_WING_CALIBRATION, RibWingStructure
+from sizing.structures.stiffening import WebCore, WingTorsion
 from sizing.user_models import user_function
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Text
 

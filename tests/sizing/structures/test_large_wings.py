@@ -20,7 +20,7 @@ from sizing.mass_budget import closed_design
 from sizing.structures.assessment import assess
 from sizing.structures.loads import Station, StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import Bracing, WebCore
+from sizing.structures.stiffening import Bracing, WebCore
 from sizing.user_models import register_drag
 
 WIRE = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}

@@ -16,7 +16,7 @@ from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
 from sizing.structures.assessment import assess
 from sizing.structures.loads import Station, StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.torsion import WingTorsion
+from sizing.structures.stiffening import WingTorsion
 
 G = 9.80665
 RIB_WING = RibWingStructure(model="rib_wing")

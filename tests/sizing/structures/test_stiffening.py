@@ -7,7 +7,7 @@ from scipy.integrate import quad
 from sizing.structures.assessment import assess
 from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.torsion import FLUTTER_LIMIT, Twisting, WingTorsion, closed_cell_nm2
+from sizing.structures.stiffening import FLUTTER_LIMIT, Twisting, WingTorsion, closed_cell_nm2
 
 FOOT_M, POUND_N, MPH = 0.3048, 4.4482216, 0.44704
 
