@@ -87,7 +87,7 @@ def test_a_core_is_as_thick_as_the_web_needs_not_to_buckle(flow, facings, depth)
         plate = 5.35 * pi**2 * bending / depth**2
         return 1.0 / (1.0 / plate + 1.0 / (19e6 * thickness))
 
-    thickness = brentq(lambda t: strength(t) - flow, 1e-7, 10.0)
+    thickness = brentq(lambda t: strength(t) - flow, 1e-7, 10.0, xtol=1e-15)
     assert core.kg_per_m2(flow, facings, depth, 45e9) == pytest.approx(52.0 * thickness, rel=1e-4)
 
 
