@@ -39,7 +39,7 @@ from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import AnyPartLoad
 from sizing.roots import LightestMass
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
+from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import collect_extrapolations, keep_worst
 from sizing.validity.ranges import Extrapolation
 from solar.types import FloatArray, IntArray
@@ -190,11 +190,11 @@ class Propagation:
         """
         case = self._case(values)
         aircraft, mission, design = case.aircraft, case.mission, case.design
-        checks = list(design_checks(aircraft, mission, design, self.solar))
-        if mission.climb is not None:
-            highest_m = flights.maximum_altitude_m
-            checks = at_highest(checks, aircraft, mission, self.solar, highest_m)
-        checks += charge_rate_check(aircraft, mission, design, flights.peak_solar_w)
+        highest_m = None if mission.climb is None else flights.maximum_altitude_m
+        checks = [
+            *design_checks(aircraft, mission, design, self.solar, highest_m),
+            *charge_rate_check(aircraft, mission, design, flights.peak_solar_w),
+        ]
         sun_checks = correction_check(self.day.scenarios, self.solar, mission)
         return keep_worst(
             [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,6 @@ from solar.clearsky import THIN_AIR_FROM_M
 from solar.schema import Allowed, spell
 from solar.sun import declination
 
-# Quantities checked at the highest altitude of a flight with climbs.
-_AT_HIGHEST_ALTITUDE = ("altitude_m", "air_temperature_c")
 # Model name of rib wings with the keys of large wings, in the catalogue.
 _LARGE = "rib_wing_large"
 # In the flight of the report, 7 % less airspeed changes the solar power of FM by 0.4 %.
@@ -38,15 +36,29 @@ _AIRSPEED_TOLERANCE = 0.05
 
 
 def design_checks(
-    aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    solar: SolarModel,
+    highest_m: ArrayLike | None = None,
 ) -> Iterator[Check]:
-    """Yield the checks of a design in flight that do not depend on the scenario."""
+    """Yield the checks of a design in flight that do not depend on the scenario.
+
+    ``highest_m``: highest altitude of a flight with climbs [m], of the shape of scenarios, cells,
+    or designs with a last axis of scenarios. Altitude and air of a battery without a temperature in
+    the file are checked there, all else at the mission's altitude.
+    """
     loading = np.asarray(design.total_mass_kg) / design.wing_area_m2
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
     load_w = design.nominal_load_w(mission)
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
     yield from technology_checks(aircraft)
-    air_c, altitude_m = mission.air_state().temperature_c, mission.altitude_m
+    air = mission.air_state()
+    air_c: ArrayLike = air.temperature_c
+    altitude_m: ArrayLike = mission.altitude_m if highest_m is None else highest_m
+    if highest_m is not None and aircraft.battery.temperature is None:
+        offset_k = air.temperature_k - standard_air(mission.altitude_m).temperature_k
+        air_c = standard_air(highest_m, offset_k).temperature_c
     yield from battery_checks(aircraft.battery, air_c, altitude_m)
     yield from module_check(aircraft, mission, altitude_m)
     yield from altitude_checks(mission, solar, altitude_m)
@@ -109,29 +121,6 @@ def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) 
         thin = altitude >= THIN_AIR_FROM_M
         yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
         yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
-
-
-def at_highest(
-    checks: Iterable[Check],
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    highest_m: ArrayLike,
-) -> list[Check]:
-    """Return the checks of a flight with climbs, with altitude and air at its highest altitude.
-
-    ``checks`` are those at the lowest altitude. ``highest_m`` [m] has the shape of the scenarios,
-    cells, or designs with a last axis of scenarios.
-    """
-    offset_k = mission.air_state().temperature_k - standard_air(mission.altitude_m).temperature_k
-    air = standard_air(highest_m, offset_k)
-    high_checks = [
-        *altitude_checks(mission, solar, highest_m),
-        *module_check(aircraft, mission, highest_m),
-        *battery_checks(aircraft.battery, air.temperature_c, highest_m),
-    ]
-    below = [check for check in checks if check.range.quantity not in _AT_HIGHEST_ALTITUDE]
-    return below + [check for check in high_checks if check.range.quantity in _AT_HIGHEST_ALTITUDE]
 
 
 def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
@@ -318,14 +307,11 @@ def day_checks(
     highest_m: ArrayLike | None,
 ) -> list[Check]:
     """Return all checks of one or many designs on a day; ``highest_m``: of climbs [m]."""
-    checks = list(design_checks(aircraft, mission, design, solar))
-    if highest_m is not None:
-        checks = at_highest(checks, aircraft, mission, solar, highest_m)
     peak = np.max(day.specific_power_w_per_m2, axis=-1)
     area_m2 = np.asarray(design.variables.module_area_m2, float)[..., np.newaxis]
     elevation = correction_check(day.scenarios, solar, mission)
     return [
-        *checks,
+        *design_checks(aircraft, mission, design, solar, highest_m),
         *(check.over(area_m2.shape[:-1]) for check in elevation),
         *charge_rate_check(aircraft, mission, design, peak * area_m2),
     ]

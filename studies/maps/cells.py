@@ -120,10 +120,9 @@ def extrapolations_of_cells(
     if "wind" in columns:  # the wind of each cell replaces the mission's
         calm, winds = mission.in_wind(0.0), columns["wind"][known]
         in_wind += validity.wind_check(design, mission.wind_to_beat_m_per_s(winds))
-    of_design = list(validity.design_checks(aircraft, calm, design, solar))
-    if MAXIMUM_ALTITUDE.variable in columns:
-        highest_m = columns[MAXIMUM_ALTITUDE.variable][known]
-        of_design = validity.at_highest(of_design, aircraft, calm, solar, highest_m)
+    climbs = MAXIMUM_ALTITUDE.variable in columns
+    highest_m = columns[MAXIMUM_ALTITUDE.variable][known] if climbs else None
+    of_design = validity.design_checks(aircraft, calm, design, solar, highest_m)
     scenarios = scenarios_of(cells[known])
     checks = [*in_wind, *of_design, *validity.correction_check(scenarios, solar, mission)]
     if "charge_rate" in columns:
