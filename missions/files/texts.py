@@ -24,17 +24,46 @@ _MAX_FILES = 200
 _READ: ContextVar[Mapping[str, str] | None] = ContextVar("texts that were read", default=None)
 
 
+@contextmanager
+def reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Refuse a file that cannot be read, by its name and the reason."""
+    name = os.fspath(path)
+    if "\0" in name:
+        raise file_error(printable(name), "is not a valid file name")
+    try:
+        yield
+    except OSError as error:
+        words = {FileNotFoundError: "no such file", IsADirectoryError: "is a folder, not a file"}
+        reason = f"cannot be read: {str(error.strerror or error).lower()}"
+        raise file_error(printable(name), words.get(type(error), reason)) from error
+
+
 def open_plain(path: str | os.PathLike[str]) -> io.BufferedReader:
     """Open a plain file for reading, else raise InputError.
 
     Checked before reading: a pipe would keep its reader waiting, and a device may never end.
     """
     waiting = getattr(os, "O_NONBLOCK", 0)
-    file = open(path, "rb", opener=lambda p, flags: os.open(p, flags | waiting))  # noqa: SIM115
+    with reading(path):
+        file = open(path, "rb", opener=lambda p, flags: os.open(p, flags | waiting))  # noqa: SIM115
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()
     raise file_error(printable(os.fspath(path)), "cannot be read: is not a plain file")
+
+
+def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
+    """Read the bytes of a plain file of at most ``most_bytes``."""
+    with reading(path), open_plain(path) as file:
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise _too_large(path, most_bytes)
+    return content
+
+
+def _too_large(path: str | os.PathLike[str], most_bytes: int) -> InputError:
+    size = f"is larger than {most_bytes // 1_000_000} MB"
+    return file_error(printable(os.fspath(path)), size)
 
 
 @contextmanager
@@ -54,7 +83,7 @@ def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
 def read_text(path: str) -> str:
     """Return the text of a file, as first read within :func:`texts_as_read`."""
     known = (_READ.get() or {}).get(path)
-    return _decoded(_bytes(Path(path)), path) if known is None else known
+    return _decoded(read_plain_file(path, most_bytes=_MAX_BYTES), path) if known is None else known
 
 
 def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
@@ -66,7 +95,9 @@ def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
     known = (_READ.get() or {}).get(path)
     if known is not None:
         return known
-    files = sorted(file for file in Path(path).iterdir() if file.name.lower().endswith(suffixes))
+    with reading(path):
+        every = sorted(Path(path).iterdir())
+    files = [file for file in every if file.name.lower().endswith(suffixes)]
     if not files:
         allowed = ", ".join(suffixes)
         raise file_error(printable(path), f"has no files of that kind ({allowed})")
@@ -75,24 +106,12 @@ def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
         raise file_error(printable(path), message)
     parts, size = [], 0
     for file in files:
-        raw = _bytes(file)
+        raw = read_plain_file(file, most_bytes=_MAX_BYTES)
         size += len(raw)
         if size > _MAX_BYTES:
-            raise _too_large(path)
+            raise _too_large(path, _MAX_BYTES)
         parts.append(f"{FILE_MARK}{printable(file.name)}\n{_decoded(raw, str(file))}\n")
     return "".join(parts)
-
-
-def _bytes(file: Path) -> bytes:
-    with open_plain(file) as opened:
-        raw = opened.read(_MAX_BYTES + 1)
-    if len(raw) > _MAX_BYTES:
-        raise _too_large(str(file))
-    return raw
-
-
-def _too_large(path: str) -> InputError:
-    return file_error(printable(path), f"is too large (at most {_MAX_BYTES // 1_000_000} MB)")
 
 
 def _decoded(raw: bytes, path: str) -> str:
@@ -105,20 +124,3 @@ def _decoded(raw: bytes, path: str) -> str:
         line = raw.count(b"\n", 0, error.start) + 1
         message = f"is not UTF-8 text (byte 0x{raw[error.start]:02x})"
         raise InputError([Problem(printable(path), line, None, "", message)]) from error
-
-
-def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
-    """Read the bytes of a plain file of at most ``most_bytes``."""
-    source = printable(os.fspath(path))
-    if "\0" in os.fspath(path):
-        raise file_error(source, "cannot be read: is no name of a file")
-    try:
-        with open_plain(path) as file:
-            content = file.read(most_bytes + 1)
-    except OSError as error:
-        words = {FileNotFoundError: "no such file", IsADirectoryError: "is a folder"}
-        reason = words.get(type(error), error.strerror)
-        raise file_error(source, f"cannot be read: {str(reason).lower()}") from error
-    if len(content) > most_bytes:
-        raise file_error(source, f"is larger than {most_bytes // 1_000_000} MB")
-    return content

@@ -68,10 +68,8 @@ def located_error(document: Document, path: Sequence[str | int], message: str) -
     return InputError([_locate(document, tuple(path), message)])
 
 
-def wrong_file(key: str, error: InputError | OSError) -> PydanticCustomError:
+def wrong_file(key: str, error: InputError) -> PydanticCustomError:
     """Return a validator's error at a key whose file is wrong or cannot be read."""
-    if isinstance(error, OSError):
-        return wrong_value(key, f"cannot read {error.filename!r}: {error.strerror}")
     if (count := len(error.problems)) == 1:
         return wrong_value(key, str(error.problems[0]))
     return wrong_value(key, f"has {count} mistakes", problems=error.problems)

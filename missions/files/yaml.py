@@ -29,7 +29,7 @@ from missions.files.errors import (
     shortened,
     shown,
 )
-from missions.files.texts import open_plain
+from missions.files.texts import read_plain_file
 
 Mark: TypeAlias = tuple[int, int]
 
@@ -45,7 +45,6 @@ _MAX_ALIASES = 50
 _MAX_COPIED = 10_000
 
 _TOO_DEEP = f"nested too deeply (at most {_MAX_DEPTH} levels)"
-_TOO_LARGE = f"is too large (at most {_MAX_BYTES // 1_000_000} MB)"
 _NOT_YAML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 # Unquoted scalars that are no text. Python refuses to convert integers of thousands of digits; as
@@ -105,21 +104,7 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
     absolute paths.
     """
     source = printable(os.fspath(path))
-    try:
-        with open_plain(path) as file:
-            raw = file.read(_MAX_BYTES + 1)
-    except InputError:
-        raise
-    except FileNotFoundError as error:
-        raise file_error(source, "no such file") from error
-    except IsADirectoryError as error:
-        raise file_error(source, "is a folder, not a file") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None)
-        text = f"cannot be read: {reason.lower()}" if reason else "is not a valid file name"
-        raise file_error(source, text) from error
-    if len(raw) > _MAX_BYTES:
-        raise file_error(source, _TOO_LARGE)
+    raw = read_plain_file(path, most_bytes=_MAX_BYTES)
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -185,7 +170,7 @@ def _absolute(value: Any, folder: Path) -> Any:
 def _compose(text: str, source: str) -> tuple[Any, list[Mark]]:
     """Return the root node of the only document, None if empty, and places of aliases."""
     if len(text.encode("utf-8", "replace")) > _MAX_BYTES:
-        raise file_error(source, _TOO_LARGE)
+        raise file_error(source, f"is larger than {_MAX_BYTES // 1_000_000} MB")
     text = text.removeprefix("\ufeff")
     if odd := _NOT_YAML.search(text):
         message = f"character U+{ord(odd.group()):04X} is not allowed"

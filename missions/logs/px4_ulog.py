@@ -140,8 +140,6 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
         try:
             with _BoundedFile(source) as file:
                 log = _bounded_reader(ULog)(file, sorted(names))
-        except OSError as error:
-            raise refused(f"cannot be read: {str(error.strerror).lower()}") from None
         except InputError:
             raise
         except RecursionError:

@@ -18,6 +18,7 @@ from missions.air import (
     plain_number,
 )
 from missions.files.errors import InputError
+from missions.files.validation import wrong_file
 from missions.flight_path import FlightPath, Heading, Wind
 from missions.mission.flight import ExcessTime, Flight, Launch
 from missions.mission.scenarios import (
@@ -248,13 +249,7 @@ class Mission(FileRecord):
                     "hold_station holds a place in the wind of a month: give it without launch"
                 )
         except InputError as error:
-            first = error.problems[0]
-            if first.line is None:
-                raise wrong_value("wind", f"{first.source} {first.message}") from error
-            raise wrong_value("wind", "the table has a mistake", problems=error.problems) from error
-        except OSError as error:
-            why = f"cannot read {statistics.file!r}: {error.strerror or error}"
-            raise wrong_value("wind", why) from error
+            raise wrong_file("wind", error) from error
         except ValueError as error:
             raise wrong_value("wind", str(error)) from error
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import codecs
 import gzip
 import io
-import os
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,14 +13,13 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
 from missions.files.errors import refused
-from missions.files.texts import open_plain
+from missions.files.texts import open_plain, read_plain_file
 from missions.weather.record import Site
 
 if TYPE_CHECKING:
     import pandas as pd
 
 MAXIMUM_BYTES = 80_000_000  # unpacked as well; a table of it takes some 900 MB to read
-_TOO_LARGE = f"is larger than {MAXIMUM_BYTES // 1_000_000} MB"
 _LONGEST_LINE = 20_000
 HEAD_LENGTH = 16_384  # of a text, by which its layout is known
 # Share of the interval that has passed at a row's time.
@@ -58,22 +56,19 @@ class RawTable(NamedTuple):
 
 def text_of(path: Path) -> str | None:
     """Return a file's text, packed with gzip or not, with line feeds; None for NetCDF."""
-    try:
-        with open_plain(path) as file:
-            if file.peek(4).startswith(_NETCDF):
-                return None
-            if os.fstat(file.fileno()).st_size > MAXIMUM_BYTES:
-                raise refused(_TOO_LARGE)
-            content = file.read()
-        if content.startswith(_GZIP):
+    with open_plain(path) as file:
+        if file.peek(4).startswith(_NETCDF):
+            return None
+    content = read_plain_file(path, most_bytes=MAXIMUM_BYTES)
+    if content.startswith(_GZIP):
+        try:
             with gzip.open(io.BytesIO(content)) as packed:
                 content = packed.read(MAXIMUM_BYTES + 1)
-    except IsADirectoryError as error:
-        raise refused("is a folder") from error
-    except (OSError, EOFError, zlib.error) as error:
-        raise refused(f"cannot be read: {error}") from error
+        except (OSError, EOFError, zlib.error) as error:
+            raise refused(f"cannot be read: {error}") from error
     if len(content) > MAXIMUM_BYTES:
-        raise refused(f"{_TOO_LARGE} when it is unpacked")
+        size = f"is larger than {MAXIMUM_BYTES // 1_000_000} MB"
+        raise refused(f"{size} when it is unpacked")
     start = content[:HEAD_LENGTH]
     if not start.strip():
         raise refused("is empty")

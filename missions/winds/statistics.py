@@ -13,7 +13,7 @@ from pydantic import Field, SerializationInfo, Strict, field_serializer
 from missions.air import plain_number
 from missions.dates import month_and_day
 from missions.files.errors import printable
-from missions.files.texts import read_text
+from missions.files.texts import read_text, reading
 from missions.winds.netcdf import wind_table_from_netcdf
 from missions.winds.table import WindTable, shipped_winds, wind_table_from_text
 from solar.schema import Flag, Record, Text
@@ -69,7 +69,8 @@ class WindStatistics(Record):
         """Return a text that changes with the file's contents; None if shipped."""
         if self.file is None:
             return None
-        about = Path(self.file).stat()
+        with reading(self.file):
+            about = Path(self.file).stat()
         return f"{about.st_size} {about.st_mtime_ns}"
 
     @field_serializer("file")

@@ -87,10 +87,7 @@ def shipped_table(name: str) -> PolarTable:
 
 
 def read_polar_text(path: str) -> str:
-    """Read the text of a file, or of all files of a folder, whose path ends with a slash.
-
-    Raises InputError if it is too large or no text, and OSError if it cannot be read.
-    """
+    """Read the text of a file, or of all files of a folder, whose path ends with a slash."""
     return read_folder(path, POLAR_SUFFIXES) if path.endswith("/") else read_text(path)
 
 

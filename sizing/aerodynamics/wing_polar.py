@@ -124,7 +124,7 @@ class WingPolar(CompletedRecord):
             return data
         try:
             table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
-        except (InputError, OSError):  # which the checks of the record report
+        except InputError:  # which the checks of the record report
             return {"section_lift_ratio": 1.0, **data}
         efficiency = table.span_efficiency
         assert efficiency is not None  # every polar of a wing has one
@@ -145,7 +145,7 @@ class WingPolar(CompletedRecord):
             raise wrong_value("section_lift_ratio", text, got=self.section_lift_ratio)
         try:
             highest = self.highest_lift_coefficient
-        except (InputError, OSError) as error:
+        except InputError as error:
             raise wrong_file("airfoil", error) from error
         except ValueError as error:
             raise wrong_value("airfoil", str(error)) from error

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal, TypeVar
 
 from missions.files.errors import InputError, file_error, printable, shortened
 from missions.files.texts import read_text
-from missions.files.validation import validate
+from missions.files.validation import validate, wrong_file
 from missions.files.yaml import ENTRY_KEYS, Document, parse_yaml
 from sizing.catalogues.entries import (
     BatteryEntry,
@@ -158,12 +158,7 @@ def entry_of_key(key: str, kind: Kind, name: str) -> Entry:
     except InputError as error:
         if not is_entry_path(name):
             raise wrong_value(key, error.problems[0].message) from error
-        # Their places in the entry's file are added when the aircraft is validated.
-        count = len(error.problems)
-        why = f"that file has {'a mistake' if count == 1 else f'{count} mistakes'}"
-        raise wrong_value(key, why, problems=error.problems) from error
-    except OSError as error:
-        raise wrong_value(key, f"cannot read {name!r}: {error.strerror}") from error
+        raise wrong_file(key, error) from error
 
 
 def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
@@ -171,7 +166,7 @@ def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
     name = data.get(key)
     try:
         return entry(kind, name) if isinstance(name, str) else None
-    except (InputError, OSError):
+    except InputError:
         return None
 
 

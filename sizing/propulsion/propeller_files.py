@@ -322,7 +322,7 @@ class PropellerChoice(CatalogueRecord):
             raise wrong_value(min(odd), text)
         try:
             _ = self.propeller
-        except (InputError, OSError) as error:
+        except InputError as error:
             raise wrong_file("table", error) from error
         return self
 

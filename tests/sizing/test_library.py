@@ -58,7 +58,7 @@ def test_polar_is_looked_for_beside_the_file_that_names_it(folder):
     for airfoil in ("e214", "none.csv"):
         write_bird(folder / f"{airfoil}.yaml", airfoil)
     assert airfoil_of(load_aircraft(folder / "e214.yaml")) == "e214"  # of the shipped ones
-    with pytest.raises(InputError, match=rf"cannot read '{folder}/none\.csv'"):
+    with pytest.raises(InputError, match=rf"{folder}/none\.csv: no such file"):
         load_aircraft(folder / "none.csv.yaml")
 
 

@@ -201,7 +201,7 @@ def test_file_that_is_no_log(tmp_path, content, expected):
 
 
 def test_paths_that_are_no_plain_files_and_lines_without_end_are_refused(tmp_path):
-    refused = {tmp_path / "none.csv": "cannot be read", tmp_path: "cannot be read"}
+    refused = {tmp_path / "none.csv": "no such file", tmp_path: "is a folder, not a file"}
     for path, words in (refused | {"/dev/zero": "is not a plain file"}).items():
         with pytest.raises(InputError, match=words):
             read_flight_log(path)

@@ -66,14 +66,14 @@ def test_a_given_wind_stays_as_it_is_and_one_of_zero_may_stand_beside_a_percenti
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"altitude_m": 536.0}, r"the shipped table has altitude_m 9126 to 33043 \(got 536\)"),
+        ({"altitude_m": 536.0}, r"the shipped table: has altitude_m 9126 to 33043 \(got 536\)"),
         ({"latitude_deg": 89.0}, r"latitude_deg -88 to 88 \(got 89\)"),
         ({"wind": {"percentile": 99.0}}, r"percentile 95 \(got 99\): give wind.file with others"),
         ({"wind": {"percentile": 100.0}}, "less than 100"),
         ({"wind": {}}, "percentile"),
         ({"wind": {"percentile": "95"}}, "percentile"),
         ({"wind_m_per_s": 3.0}, r"give wind or wind_m_per_s \(got 3 m/s\), not both"),
-        ({"wind": P95 | {"file": "none.csv"}}, "cannot read 'none.csv': No such file"),
+        ({"wind": P95 | {"file": "none.csv"}}, "none.csv: no such file"),
     ],
 )
 def test_what_no_table_knows_is_refused(changes, message):
@@ -108,8 +108,7 @@ def test_a_mistake_in_a_table_is_told_with_its_line(tmp_path):
     )
     with pytest.raises(InputError) as refused:
         validate(parse_yaml(text, "mine.yaml"), Mission)
-    places = [(problem.source, problem.line) for problem in refused.value.problems]
-    assert places == [("mine.yaml", 4), (str(path), 7)]
+    assert str(refused.value).startswith(f"mine.yaml:4:1: wind: {path}:7: month: must be")
 
 
 def test_a_changed_table_makes_another_mission(tmp_path):
