@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from missions.files.errors import InputError
-from missions.files.overrides import with_overrides
+from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
-from missions.files.validation import validate
-from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing import mass_budget
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -28,7 +26,7 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.smooth import Value
 from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
-from solar.schema import Record, spell
+from solar.schema import spell
 from solar.types import FloatArray
 from studies.output import gridded
 from studies.quantities import (
@@ -56,15 +54,15 @@ _OF_SIZINGS = (PAYLOAD_POWER.variable, "shortfall")
 
 @dataclass(frozen=True)
 class SweepConfiguration:
-    """Inputs common to all points; aircraft and mission as plain data of files.
+    """Inputs common to all points.
 
     ``tables``: texts of files that the aircraft names, for workers on other machines. ``names``: by
     key, names whose indices are the values. ``cover``: the module area is the largest that the wing
     takes. ``total_mass_kg``: of all simulated points, if known.
     """
 
-    aircraft: Mapping[str, Any]
-    mission: Mapping[str, Any]
+    aircraft: Aircraft
+    mission: Mission
     keys: tuple[str, ...]
     solar: SolarModel
     objective: Objective | None
@@ -76,41 +74,32 @@ class SweepConfiguration:
     @property
     def measured(self) -> bool:
         """Whether the aircraft's masses and power are measured ones."""
-        return bool(self.aircraft["airframe"]["kind"] == "measured")
+        return isinstance(self.aircraft.airframe, MeasuredAirframe)
 
     def files(self, values: Mapping[str, float]) -> tuple[Aircraft, Mission]:
         """Return aircraft and mission with values set by key, checked like files.
 
         Keys of the mission begin with ``mission.``; a value below 0 keeps a name of the file.
         """
-        of_aircraft: list[str] = []
-        of_mission: list[str] = []
+        of_aircraft, of_mission = dict[str, Any](), dict[str, Any]()
         for key, value in values.items():
             # An integer passes for a real, but not the other way round.
             whole = value == round(value) and abs(value) < 1e15
-            text = str(int(value)) if whole else repr(float(value))
-            if key in self.names:
-                if value < 0.0:
-                    continue
-                text = self.names[key][int(value)]
-            texts = of_mission if key.startswith(MISSION_PREFIX) else of_aircraft
-            texts.append(f"{key.removeprefix(MISSION_PREFIX)}={text}")
-        aircraft, mission = (
-            Document("aircraft", dict(self.aircraft)),
-            Document("mission", dict(self.mission)),
-        )
+            number = int(value) if whole else float(value)
+            if key in self.names and value < 0.0:
+                continue
+            of_record = of_mission if key.startswith(MISSION_PREFIX) else of_aircraft
+            chosen = self.names[key][int(value)] if key in self.names else number
+            of_record[key.removeprefix(MISSION_PREFIX)] = chosen
         with texts_as_read(self.tables):
-            return (
-                validate(with_overrides(aircraft, of_aircraft), Aircraft),
-                validate(with_overrides(mission, of_mission, prefix=MISSION_PREFIX), Mission),
-            )
+            return with_values(self.aircraft, of_aircraft), with_values(self.mission, of_mission)
 
     @property
     def described(self) -> dict[str, tuple[str, str]]:
         """Unit and long name of the columns of points."""
         if self.objective is not None:
             return gridded.DESCRIBED
-        climbs = bool(self.mission.get("climb")) or varies_climb(self.keys)
+        climbs = self.mission.climb is not None or varies_climb(self.keys)
         return described_flights(climbs=climbs)
 
 
@@ -123,22 +112,6 @@ def described_flights(*, climbs: bool) -> dict[str, tuple[str, str]]:
 def varies_climb(keys: Iterable[str]) -> bool:
     """Return true if a key belongs to the mission's climbs."""
     return any(key.startswith(f"{MISSION_PREFIX}climb.") for key in keys)
-
-
-def plain_data(value: Any) -> Any:
-    """Return the data of a file that a record could be read from: fields set, and kinds."""
-    if isinstance(value, Record):
-        fields = {
-            field.alias or name: getattr(value, name)
-            for name, field in type(value).model_fields.items()
-            if name in value.model_fields_set or name == "kind"
-        }
-        return plain_data(fields)
-    if isinstance(value, Mapping):
-        return {key: plain_data(item) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [plain_data(item) for item in value]
-    return value
 
 
 def _reason_not_to_fly(

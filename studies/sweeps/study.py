@@ -43,7 +43,6 @@ from studies.sweeps.axes import (
 )
 from studies.sweeps.points import (
     SweepConfiguration,
-    plain_data,
     simulate_points,
     varies_climb,
 )
@@ -160,8 +159,8 @@ def prepare(
     check_user_models(aircraft, mission)
     objective = None if resize is None else gridded.resize_objective(resize)
     configuration = SweepConfiguration(
-        plain_data(aircraft),
-        plain_data(mission),
+        aircraft,
+        mission,
         tuple(axis.key for axis in axes),
         solar,
         objective,

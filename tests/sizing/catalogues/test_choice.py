@@ -8,7 +8,6 @@ from missions.files.texts import texts_as_read
 from missions.files.writing import to_yaml
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from studies.sweeps.points import plain_data
 
 DESIGN = "atlantiksolar-design"
 NCR18650B = 3.6 * 3.25 / 0.0485  # Wh/kg: minimum capacity at 25 C and largest mass of its sheet
@@ -22,7 +21,7 @@ mass_kg_per_m2: 0.5
 
 def written(folder, **changes):
     """File of the shipped design without what catalogues give, and with changes by section."""
-    data = plain_data(load_aircraft(DESIGN))
+    data = load_aircraft(DESIGN).model_dump(mode="json", exclude_unset=True)
     for key in ("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2"):
         del data["modules"][key]
     del data["battery"]["charge_limit"], data["battery"]["specific_energy_wh_per_kg"]
@@ -73,7 +72,7 @@ def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path):
     assert modules.mppt_mass_kg_per_w == pytest.approx(0.108 / 118.0, rel=1e-5)
     cells = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [20, 20]}]}
     strings = {"cells_in_series": 20, "coldest_c": -10.0, "hottest_c": 60.0}
-    data = plain_data(aircraft)
+    data = aircraft.model_dump(mode="json", exclude_unset=True)
     del data["modules"]["area_m2"]
     data["modules"]["layout"] = cells | {"strings": strings}
     voltage = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.2]}
