@@ -10,12 +10,13 @@ import click
 from sizing.program.objectives import RESIZE_NAMES
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import CommandOptions, argument, option
+from studies.cli.telling import tell_error
 from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange, latitude_deg
 from studies.output import formats
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 
 if TYPE_CHECKING:
-    from studies.cli import files
+    from studies.case import Case as Loaded
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -57,7 +58,7 @@ class Case(CommandOptions):
         """Values that stand in place of the mission's own."""
         return {}
 
-    def load(self) -> files.Case:
+    def load(self) -> Loaded:
         """Return the case of the options; what is wrong with its files is told together."""
         from studies.cli import files  # not for help
 
@@ -65,7 +66,7 @@ class Case(CommandOptions):
         values = self.mission_values
         return case.with_mission(**values) if values else case
 
-    def load_flyable(self) -> files.Case:
+    def load_flyable(self) -> Loaded:
         """Return a case whose aircraft can fly the mission's path and climbs."""
         case = self.load()
         case.require_path()
@@ -118,10 +119,23 @@ class Mass(Case):
         metavar="KG",
     )
 
-    def load(self) -> files.Case:
-        """Return the case with the known mass, of the mission as it is flown."""
+    def load(self) -> Loaded:
+        """Return the case with the known mass, of the mission as it is flown; note the rest."""
+        from sizing.mass_budget import ImpossibleDesignError  # not for help
+        from solar.schema import spell
+
         case = super().load()
-        return case if self.mass_kg is None else case.with_total_mass(self.mass_kg)
+        if self.mass_kg is None:
+            return case
+        try:
+            known = case.with_total_mass(self.mass_kg)
+        except ImpossibleDesignError as error:
+            raise click.BadParameter(str(error), param_hint="--mass") from None
+        key = known.aircraft.airframe.unaccounted_mass_key
+        now, before = (spell(getattr(of.aircraft.airframe, key), 4) for of in (known, case))
+        mass = spell(self.mass_kg)
+        tell_error(f"solar-uav: --mass {mass}: airframe.{key} is {now} instead of {before}")
+        return known
 
 
 class Place(Case):

@@ -18,8 +18,9 @@ from click.core import ParameterSource
 from missions.files.errors import printable
 from missions.files.writing import write_files_atomically
 from sizing.results.result import Result
+from studies.case import DEFAULT_MISSION, Case
 from studies.cli.command import CommandOptions, check_outputs
-from studies.cli.files import DEFAULT_MISSION, Case, mission_beside
+from studies.cli.files import mission_beside
 from studies.cli.telling import tell_error
 from studies.output import gridded
 from studies.output.figures.drawing import to_bytes

@@ -10,7 +10,8 @@ from typing import Any
 from missions.files.texts import read_plain_file
 from missions.files.writing import write_files_atomically
 from sizing.performance import performance
-from studies.cli.files import Case
+from studies.case import Case
+from studies.cli.files import uncertain_inputs
 from studies.cli.outputs import PAGE, PRINTED
 from studies.cli.telling import progress_of
 from studies.output.run_folder import RESULTS, RunFolder
@@ -72,7 +73,7 @@ def write_report(case: Case, subject: Subject, path: str, *, with_pdf: bool = Fa
     with progress_of("sections", lines=False) as progress:
         progress(0, len(document.makers(subject)))
         if subject.verification is None:
-            with case.uncertain_inputs():
+            with uncertain_inputs(case):
                 _ = subject.uncertainty  # a mistake is told before any other work
         page = document.render(subject, progress)
         if is_page:

@@ -22,7 +22,7 @@ from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 from studies.explorer.security import Guard, error_body
 from studies.explorer.session import Session
 from studies.explorer.settings import AnsweredError, Refusal, RefusedError, shown
-from studies.explorer.worker import SizingTask, Worker, report_page, sizing_record
+from studies.explorer.worker import Worker, report_page, sizing_record
 
 _SEASONS = ("none", "coarse", "exact")
 _LOOK_S = 0.2  # between two looks whether the page still waits for a sizing
@@ -116,22 +116,21 @@ class Explorer:
             message = self.session.describe()["cannot_size"]
             raise RefusedError([Refusal("objective", objective.value, message)])
         made = self.session.inputs(settings, every_scenario=every)
-        task = SizingTask(made.aircraft, made.mission, objective, made.solar)
-        return await self._worked(request, sizing_record, task)
+        return await self._worked(request, sizing_record, made, objective)
 
     async def _report_page(self, request: Request, body: dict[str, Any]) -> dict[str, Any]:
         """Report on the point, as a file to be saved."""
         _only(body, "settings")
-        task = self.session.report_task(self.session.settings(body.get("settings")))
-        page = await self._worked(request, report_page, task)
+        made = self.session.inputs(self.session.settings(body.get("settings")))
+        page = await self._worked(request, report_page, made)
         return {"name": self.session.file_names()["report"]} | page
 
     async def _worked(
-        self, request: Request, work: Callable[[Any], dict[str, Any]], task: Any
+        self, request: Request, work: Callable[..., dict[str, Any]], *task: Any
     ) -> dict[str, Any]:
         """Let the process work, as long as the page waits for it."""
         loop = asyncio.get_running_loop()
-        running = loop.run_in_executor(self._waiting, self.worker.run, work, task)
+        running = loop.run_in_executor(self._waiting, self.worker.run, work, *task)
         while not (await asyncio.wait({running}, timeout=_LOOK_S))[0]:
             if await request.is_disconnected() and not running.done():
                 await loop.run_in_executor(None, self.worker.end)

@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft
-from sizing.day.light import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
+from missions.mission import Scenarios
+from sizing.day.light import DEFAULT_STEP_H, SolarDay, solar_day
 from sizing.design import Design
 from sizing.performance import performance
 from solar.types import FloatArray
+from studies.case import Case
 from studies.quantities import EXCESS_TIME
 
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
@@ -59,17 +59,11 @@ class SeasonMaps:
         self._light = lru_cache(_KEPT)(lambda *settings: _Light([]))
 
     def excess_time(
-        self,
-        aircraft: Aircraft,
-        mission: Mission,
-        solar: SolarModel,
-        *,
-        coarse: bool,
-        design: Design | None = None,
+        self, case: Case, *, coarse: bool, design: Design | None = None
     ) -> dict[str, Any]:
         """Return the excess time of the cells of a map.
 
-        ``aircraft``, ``mission``: what flies, in which air, with which load; the mission's own
+        ``case``: what flies, in which air, with which load; the mission's own
         place plays no part. ``coarse``: every second row and column, in steps of a quarter of an
         hour; slow models always have these, and flights with climbs these rows and columns.
         ``design``: of the aircraft on the mission, where it is known already. Returns
@@ -77,6 +71,7 @@ class SeasonMaps:
         decimals, null where it is unlimited; a row that is not yet known is null, and so is one
         whose wind nobody knows. ``complete`` says whether there is none of the former.
         """
+        aircraft, mission, solar = case.aircraft, case.mission, case.solar
         on_path = solar.needs_path
         few = coarse or mission.climb is not None  # whose march takes as long as four others
         step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H

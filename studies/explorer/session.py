@@ -10,19 +10,15 @@ import re
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from missions.dates import date_code
 from missions.files.errors import InputError
-from missions.files.overrides import with_overrides
-from missions.files.validation import validate
 from missions.files.writing import file_text, names_a_device
-from missions.files.yaml import Document
-from missions.mission import Mission
-from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.aircraft import MeasuredAirframe
 from sizing.day.light import SolarModel
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
@@ -32,60 +28,35 @@ from sizing.results.analysis import Analysis, analyse
 from sizing.results.numbers import finite
 from solar._version import __version__
 from solar.schema import significant, spell
+from studies.case import Case
 from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
-from studies.explorer.worker import ReportTask
-from studies.output.run_folder import InputFile, RunInputs
 from studies.output.season_scale import page_scale
 
 _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
 _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
 
 
-@dataclass(frozen=True)
-class Inputs:
-    """Settings as files: what is computed from, and what is saved.
-
-    ``files``: data of both by ``aircraft`` and ``mission``. ``solar``: model and correction.
-    """
-
-    aircraft: Aircraft
-    mission: Mission
-    files: dict[str, Document]
-    solar: SolarModel
-
-
 class Session:
     """An aircraft on a mission, and every change that the page can make to them.
 
-    ``aircraft_file``, ``mission_file``: files as they were read, overrides applied; validated here.
+    ``case``: aircraft and mission as their files have them, and the model at the start.
     ``command``: how the command line names both, for the command that the page shows.
     """
 
-    def __init__(
-        self,
-        aircraft_file: Document,
-        mission_file: Document,
-        solar: SolarModel | None = None,
-        *,
-        command: Sequence[str] | None = None,
-    ) -> None:
-        self.aircraft = validate(aircraft_file, Aircraft)
-        self.mission = validate(mission_file, Mission)
-        self.solar = SolarModel() if solar is None else solar
-        self._files = aircraft_file, mission_file
-        names = [document.source.removesuffix(" (shipped)") for document in self._files]
-        self.command = [names[0], "-m", names[1]] if command is None else list(command)
+    def __init__(self, case: Case, *, command: Sequence[str] = ()) -> None:
+        self.case, self.aircraft, self.mission = case, case.aircraft, case.mission
+        self.command = list(command)
         self._maps = SeasonMaps()
         self._last_day: tuple[Settings, dict[str, Any], Design] | None = None
         # The scenario that is hardest to fly is where the page begins.
-        start = _analysed(self.aircraft, self.mission, self.solar)
+        start = analyse(**case.arguments, replay=False)
         scenarios = start.performance.day.scenarios
         self.scenarios = [scenarios.label(i) for i in range(len(scenarios))]
         at = (float(scenarios.latitude_deg[start.worst]), int(scenarios.day_of_year[start.worst]))
         self.fields: dict[str, Field | Choice] = fields_of(
-            self.aircraft, self.mission, self.solar, at
+            self.aircraft, self.mission, case.solar, at
         )
 
     @property
@@ -137,7 +108,7 @@ class Session:
         """Check what a page sent: see :func:`studies.explorer.settings.read_settings`."""
         return read_settings({} if data is None else data, self.fields)
 
-    def inputs(self, settings: Settings, *, every_scenario: bool = False) -> Inputs:
+    def inputs(self, settings: Settings, *, every_scenario: bool = False) -> Case:
         """Return aircraft and mission of settings, as their files would be.
 
         ``every_scenario``: keep latitudes and dates of the mission's file instead of the single
@@ -160,15 +131,13 @@ class Session:
             of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
         of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
         try:
-            files = {
-                "aircraft": with_overrides(self._files[0], of_aircraft),
-                "mission": with_overrides(self._files[1], of_mission),
-            }
-            aircraft = validate(files["aircraft"], Aircraft)
-            mission = validate(files["mission"], Mission)
+            return Case(
+                self.case.aircraft_file.changed(of_aircraft),
+                self.case.mission_file.changed(of_mission),
+                solar=settings.solar,
+            )
         except InputError as error:
             raise RefusedError(_refusals(error, settings), "contradiction") from None
-        return Inputs(aircraft, mission, files, settings.solar)
 
     def _at_point(self, settings: Settings) -> dict[str, Any]:
         """Return values that move the mission to a point; none where it is there already."""
@@ -186,7 +155,7 @@ class Session:
         """Analyse the point, as ``solar-uav analyse`` does."""
         made = self.inputs(settings)
         with _told_to_the_page(made.solar):
-            return _analysed(made.aircraft, made.mission, made.solar)
+            return analyse(**made.arguments, replay=False)
 
     def day(self, settings: Settings) -> dict[str, Any]:
         """Return day curve and numbers of the point, JSON-ready.
@@ -229,9 +198,7 @@ class Session:
         made, known = self.inputs(settings), self._last_day
         design = known[2] if known is not None and known[0] == settings else None
         with _told_to_the_page(made.solar):
-            return self._maps.excess_time(
-                made.aircraft, made.mission, made.solar, coarse=coarse, design=design
-            )
+            return self._maps.excess_time(made, coarse=coarse, design=design)
 
     def file_names(self) -> dict[str, str]:
         """Return names for what is saved: ``aircraft``, ``mission`` and ``report``."""
@@ -244,18 +211,6 @@ class Session:
             "mission": f"{stem}-mission.yaml",
             "report": f"{stem}.html",
         }
-
-    def report_task(self, settings: Settings) -> ReportTask:
-        """Return the task of a report on the point, which takes seconds."""
-        made = self.inputs(settings)
-        files = {
-            kind: InputFile(f"{document.source}, as explored", None)
-            for kind, document in made.files.items()
-        }
-        aircraft, mission = (document.data for document in made.files.values())
-        return ReportTask(
-            made.aircraft, made.mission, RunInputs(aircraft, mission, made.solar, files)
-        )
 
     def saved(self, settings: Settings) -> dict[str, Any]:
         """Return the files, names for them, and the command that analyses them."""
@@ -270,16 +225,15 @@ class Session:
 
     def files(self, settings: Settings) -> dict[str, str]:
         """Return the texts of the two files by ``aircraft`` and ``mission``."""
-        head = f"Written by solar-uav {__version__} explore from"
+        made, head = self.inputs(settings), f"Written by solar-uav {__version__} explore from"
+        documents = {
+            "aircraft": made.aircraft_file.document,
+            "mission": made.mission_file.document,
+        }
         return {
             kind: file_text(f"{head} {document.source}", document.data)
-            for kind, document in self.inputs(settings).files.items()
+            for kind, document in documents.items()
         }
-
-
-def _analysed(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Analysis:
-    """Analyse an aircraft on its mission, without the replay of its launch."""
-    return analyse(aircraft, mission, **vars(solar), replay=False)
 
 
 @contextmanager

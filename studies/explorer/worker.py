@@ -9,22 +9,21 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from missions.files.errors import InputError
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
-from sizing.day.light import SolarModel
 from sizing.design import variable_keys
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX, with_parameter
 from sizing.performance import performance
 from sizing.program.objectives import Objective
 from solar.schema import significant, spell
+from studies.case import Case
 from studies.engine.workers import Pool
 from studies.explorer.settings import AnsweredError
 from studies.output.figures.options import ignore_settings_of_folder
-from studies.output.run_folder import RunInputs
+from studies.output.run_folder import InputFile
 from studies.render.numbers import percent
 from studies.render.words import constraint_words, parameter_words
 
@@ -35,23 +34,6 @@ LONGEST_S = 180.0
 _PAYLOAD_KEYS = ("mass_kg", "power_w")
 
 
-class SizingTask(NamedTuple):
-    """What is to be sized, for what."""
-
-    aircraft: Aircraft
-    mission: Mission
-    objective: Objective
-    solar: SolarModel
-
-
-class ReportTask(NamedTuple):
-    """What is to be reported on."""
-
-    aircraft: Aircraft
-    mission: Mission
-    inputs: RunInputs
-
-
 class Worker:
     """The process, started with the first task and kept for the next."""
 
@@ -59,7 +41,7 @@ class Worker:
         self._longest_s, self._busy = longest_s, threading.Lock()
         self._pool: Pool | None = None
 
-    def run(self, work: Callable[[Any], dict[str, Any]], task: Any) -> dict[str, Any]:
+    def run(self, work: Callable[..., dict[str, Any]], *task: Any) -> dict[str, Any]:
         """Give the process a task, and wait for it.
 
         Returns what it returns, or ``error``: why it cannot.
@@ -69,7 +51,7 @@ class Worker:
             raise AnsweredError(words, 409, "busy")
         try:
             self._pool = self._pool or Pool(1, in_process=False)
-            return self._pool.submit(_answer, work, task).result(self._longest_s)
+            return self._pool.submit(_answer, work, *task).result(self._longest_s)
         except TimeoutError:
             self.end()
             words = f"no answer within {spell(self._longest_s)} s"
@@ -86,23 +68,26 @@ class Worker:
             pool.close(at_once=True)
 
 
-def _answer(work: Callable[[Any], dict[str, Any]], task: Any) -> dict[str, Any]:
+def _answer(work: Callable[..., dict[str, Any]], *task: Any) -> dict[str, Any]:
     ignore_settings_of_folder()
     try:
-        return work(task)
+        return work(*task)
     except (InputError, ImpossibleDesignError, ValueError) as error:
         return {"error": str(error)}
 
 
-def report_page(task: ReportTask) -> dict[str, Any]:
+def report_page(case: Case) -> dict[str, Any]:
     """Report in this process: ``text`` is the page, HTML that needs no other file."""
     from studies.report import document, subject
 
-    shown = subject.Subject(task.aircraft, task.mission, task.inputs.solar, task.inputs)
+    inputs = case.inputs()
+    files = {k: InputFile(f"{file.source}, as explored", None) for k, file in inputs.files.items()}
+    inputs = replace(inputs, files=files)
+    shown = subject.Subject(case.aircraft, case.mission, case.solar, inputs)
     return {"text": document.render(shown)}
 
 
-def sizing_record(task: SizingTask) -> dict[str, Any]:
+def sizing_record(case: Case, objective: Objective) -> dict[str, Any]:
     """Size in this process.
 
     Returns ``feasible``, ``status``, ``headline`` and ``text`` (what the command line prints);
@@ -114,12 +99,12 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
     """
     from sizing.results.sizing import size
 
-    dark = task.mission.scenarios().in_polar_night()
+    scenarios = case.mission.scenarios()
+    dark = scenarios.in_polar_night()
     if dark.any():
-        where = task.mission.scenarios().label(int(dark.argmax()))
+        where = scenarios.label(int(dark.argmax()))
         raise ValueError(f"polar night: the sun never rises at {where}, so that no design flies")
-    aircraft, mission, objective, solar = task
-    study = size(aircraft, mission, objective, **vars(solar), with_margin=True)
+    study = size(**case.arguments, objective=objective, with_margin=True)
     record, guarded = study.to_dict(), study.with_margin
     error = f"one RMS error of {study.solar.model} ({percent(study.solar.rms_relative, '.0f')})"
     return {

@@ -41,9 +41,10 @@ assert solar.horizontal_specific_power(47.0, 172, 12.0, **place) > 100.0"""
 REPORT_TASK = """\
 import studies.explorer.app
 from studies.explorer.session import Session
-from missions.files.shipped import find_document as find
-made = Session(find("aircraft", "sky-sailor"), find("mission", "rafz-july"))
-made.report_task(made.settings())"""
+from studies.case import Case
+from studies.cli.files import opened
+made = Session(Case(opened("aircraft", "sky-sailor"), opened("mission", "rafz-july")))
+made.inputs(made.settings()).inputs()"""
 WITHOUT_REPORT = """\
 from studies.cli import commands, files, jobs
 from studies.cli.outputs import check_report

@@ -12,7 +12,7 @@ from studies.cli.command import command, option
 from studies.cli.values import RealRange, grid, latitude_deg
 
 if TYPE_CHECKING:
-    from studies.cli.files import Case
+    from studies.case import Case
 
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 
@@ -295,10 +295,11 @@ class Uncertainty(options.Model, options.Level, options.Drawn):
     def run(self) -> None:
         """Draw uncertain inputs, and tell what becomes of the flight."""
         from sizing.results.uncertainty import analyse_uncertainty
+        from studies.cli.files import uncertain_inputs
         from studies.cli.outputs import deliver, figure_of
 
         case = self.load_flyable()
-        with case.uncertain_inputs():
+        with uncertain_inputs(case):
             result = analyse_uncertainty(
                 **case.arguments,
                 samples=self.samples,

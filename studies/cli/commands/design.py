@@ -17,7 +17,7 @@ from studies.cli.values import Parsed, RealRange
 
 if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy
-    from studies.cli.files import Case
+    from studies.case import Case
     from studies.cli.outputs import Folder
     from studies.render.tables import Summary
     from studies.study import Study
@@ -185,6 +185,7 @@ class Size(
     def _refuse_unsizable(self, case: Case) -> None:
         """Refuse an aircraft or a mission that cannot be sized so."""
         from sizing.program.reliability import check_reliability
+        from studies.cli.files import uncertain_inputs
 
         measured = "a measured aircraft cannot be sized; allowed: parametric"
         case.require_parametric(measured)
@@ -196,7 +197,7 @@ class Size(
             case.require_whole_cells()
         least = self.reliability
         if least is not None:
-            with case.uncertain_inputs():
+            with uncertain_inputs(case):
                 check_reliability(case.aircraft, case.mission, self.goal, case.solar, least)
 
     def _designed(self, case: Case) -> SizingStudy:
@@ -434,10 +435,10 @@ class Explore(options.Model):
         from studies.explorer.session import Session
 
         case = self.load_flyable()
-        aircraft, mission = case.aircraft_file.document, case.mission_file.document
+        mission = case.mission_file.document
         words = [self.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
         words += [word for override in self.overrides for word in ("--set", override)]
-        session = Session(aircraft, mission, case.solar, command=words)
+        session = Session(case, command=words)
         from studies.explorer.serve import ADDRESS, bound_socket, serve  # of the extra
 
         try:

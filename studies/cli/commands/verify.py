@@ -236,7 +236,8 @@ class ReproduceReport(options.Drawn):
 
     def run(self) -> None:
         """Fly the morning of the report with all four models."""
-        from studies.cli.files import Case, opened
+        from studies.case import Case
+        from studies.cli.files import opened
         from studies.cli.outputs import deliver, figure_of
         from studies.models import report_reproduction as study
 

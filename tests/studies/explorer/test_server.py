@@ -16,13 +16,14 @@ import pytest
 
 pytest.importorskip("uvicorn")
 
-from missions.files.shipped import find_document
+from studies.case import Case
+from studies.cli.files import opened
 from studies.explorer.app import Explorer
 from studies.explorer.security import MAXIMUM_BODY_BYTES, new_token
 from studies.explorer.serve import ADDRESS, MOST_CONNECTIONS, bound_socket, configured
 from studies.explorer.session import Session
 from studies.explorer.settings import AnsweredError
-from studies.explorer.worker import SizingTask, Worker, sizing_record
+from studies.explorer.worker import Worker, sizing_record
 
 
 class Answer(NamedTuple):
@@ -92,9 +93,8 @@ class Server(NamedTuple):
 
 @pytest.fixture(scope="module")
 def server():
-    session = Session(
-        find_document("aircraft", "atlantiksolar-design"), find_document("mission", "rafz-july")
-    )
+    case = Case(opened("aircraft", "atlantiksolar-design"), opened("mission", "rafz-july"))
+    session = Session(case)
     listening, token, explorer = bound_socket(0), new_token(), Explorer(session)
     port = listening.getsockname()[1]
     running = configured(explorer, port=port, token=token)
@@ -411,12 +411,11 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server):
     made = server.explorer.session.inputs(server.explorer.session.settings())
     from sizing.program.objectives import Objective
 
-    task = SizingTask(made.aircraft, made.mission, Objective.min_mass, made.solar)
     worker, outcome = Worker(), []
 
     def size():
         try:
-            outcome.append(worker.run(sizing_record, task))
+            outcome.append(worker.run(sizing_record, made, Objective.min_mass))
         except AnsweredError as error:
             outcome.append(error)
 
@@ -428,7 +427,7 @@ def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server):
     assert outcome[0].kind == "ended"
     quick = Worker(longest_s=0.01)
     with pytest.raises(AnsweredError, match="no answer within") as caught:
-        quick.run(sizing_record, task)
+        quick.run(sizing_record, made, Objective.min_mass)
     assert caught.value.kind == "ended"
 
 

@@ -9,12 +9,15 @@ from numpy.testing import assert_allclose
 
 from missions.files.overrides import with_overrides
 from missions.files.shipped import find_document, shipped_text
+from missions.files.validation import validate
 from missions.library import load_mission
-from missions.mission import Scenarios
+from missions.mission import Mission, Scenarios
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import catalogue
 from sizing.results.analysis import analyse
+from studies.case import Case, Loaded
+from studies.cli.files import opened
 from studies.explorer.fields import DAY, LATITUDE, Field
 from studies.explorer.season import COARSE_STEP_H, DAYS, LATITUDES_DEG
 from studies.explorer.session import Session
@@ -35,7 +38,7 @@ MOVED = {
 
 
 def session(aircraft="atlantiksolar-design", mission="rafz-july"):
-    return Session(find_document("aircraft", aircraft), find_document("mission", mission))
+    return Session(Case(opened("aircraft", aircraft), opened("mission", mission)))
 
 
 DESIGN = session()
@@ -131,12 +134,12 @@ def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam():
 def test_a_held_place_is_mapped_where_the_wind_is_known():
     """The shipped winds end at 88 degrees; below the design's airspeed they change nothing."""
     aloft = {"altitude_m": 20000.0, "wind": {"percentile": 95.0}, "air": {}}
-    file = with_overrides(find_document("mission", "rafz-july"), aloft)
-    held = with_overrides(file, {"wind": {"percentile": 95.0, "hold_station": True}})
-    plane = find_document("aircraft", "stratosphere-design")
+    file = opened("mission", "rafz-july").changed(aloft)
+    held = file.changed({"wind": {"percentile": 95.0, "hold_station": True}})
+    plane = opened("aircraft", "stratosphere-design")
     maps = []
     for document in (file, held):
-        one = Session(plane, document)
+        one = Session(Case(plane, document))
         maps.append(one.season(one.settings(), coarse=True))
         if document is held:
             winter = one.settings({"mission.day_of_year": 15})
@@ -294,11 +297,9 @@ def climbing(**changes):
     values = {"launch": None, "climb": climb} | changes
     if "minimum_altitude_m" in climb:
         del document.data["altitude_m"]
-    return Session(
-        find_document("aircraft", "atlantiksolar-as2"),
-        with_overrides(document, values),
-        SolarModel(),
-    )
+    document = with_overrides(document, values)
+    mission = Loaded(validate(document, Mission), document)
+    return Session(Case(opened("aircraft", "atlantiksolar-as2"), mission))
 
 
 def test_day_with_climbs_has_its_altitude_and_its_limits_as_fields():

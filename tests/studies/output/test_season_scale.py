@@ -6,7 +6,8 @@ import pytest
 import missions
 import sizing
 import studies
-from missions.files.shipped import find_document
+from studies.case import Case
+from studies.cli.files import opened
 from studies.explorer.session import Session
 from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
 
@@ -46,8 +47,8 @@ def test_figures_and_pages_have_the_same_scale():
     grid = {"latitudes": np.arange(-90.0, 91.0, 10.0), "days": np.arange(1, 366, 28)}
     figure = studies.plot_map(studies.feasibility_map(aircraft, mission, **grid))
     shades = next(one for one in figure.axes[0].collections if getattr(one, "filled", False))
-    files = (find_document("aircraft", aircraft.name), find_document("mission", mission.name))
-    session = Session(*files)
+    files = (opened("aircraft", aircraft.name), opened("mission", mission.name))
+    session = Session(Case(*files))
     scale = session.describe()["season_scale"]
     assert shades.levels.tolist() == [*scale["levels_h"], scale["unlimited_h"]]
     middles = np.array([-20.0, -10.5, -7.5, -4.5, -1.5, 1.5, 4.5, 7.5, 10.5, 18.0, 48.0])
