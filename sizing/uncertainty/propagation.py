@@ -21,22 +21,15 @@ from numpy.typing import ArrayLike
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.balance import blocks
-from sizing.day.battery import Store
-from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import Endurance, longest_flight
-from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.light import SolarModel, solar_day
-from sizing.day.load import Load, part_load_of
-from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
-from sizing.design import Design, FlightConditions, variables_of
+from sizing.design import NO_FLIGHT_W, Design, FlightConditions, variables_of
 from sizing.mass_budget import design_of, measured_design, parametric_design
 from sizing.parameters import with_parameter
-from sizing.program.climbing_flights import ClimbFlights
-from sizing.program.schedule import best_climbs, flown_along
+from sizing.performance import Performance, fly
+from sizing.program.schedule import flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
-from sizing.propulsion.part_load import AnyPartLoad
 from sizing.roots import LightestMass
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
@@ -48,18 +41,11 @@ from solar.types import FloatArray, IntArray
 # changes little, except where days begin to close.
 _LIGHT_STEP, _STRIDE = 0.05 / 8, 8
 _TOLERANCE = 1e-10  # relative, of the total mass
-# Keys of modules and sky by which the specific power is rescaled.
-_SUN_KEYS = (
-    "modules.efficiency_stc",
-    "modules.mppt_efficiency",
+# Keys whose effect on VM and FM is not linear in the light.
+_OF_HORIZONTAL_MODELS = (
     "modules.camber_efficiency",
     "modules.diffuse_efficiency",
     "modules.temperature_coefficient_per_k",
-    "mission.clearness",
-    "mission.air.module_temperature_c",
-    "mission.air.ambient_temperature_c",
-    "mission.air.temperature_offset_k",
-    SOLAR_MODEL,
 )
 # Keys that change the path of the sun, or cannot differ within a batch.
 _FIXED = (
@@ -123,7 +109,7 @@ def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -
         if key.startswith("battery.charge_limit"):
             # All batteries of a batch share the charger's table of times.
             raise ValueError(f"{key} is the same for all draws: vary it with `sweep`")
-        if key in _SUN_KEYS[2:5] and solar.model in ("VM", "FM"):
+        if key in _OF_HORIZONTAL_MODELS and solar.model in ("VM", "FM"):
             raise ValueError(f"{key} varies with CDM and CAM alone (got {solar.model})")
 
 
@@ -211,17 +197,13 @@ class Propagation:
         ``flights`` are the results of the same draws, if known.
         """
         results = self.flights(values) if flights is None else flights
-        count = len(results.excess_time_h)
-        hours = np.full(count, np.inf)
-        insufficient = np.flatnonzero(results.excess_time_h <= 0.0)
-        if not len(insufficient):
-            return hours
-        case = self._case({key: value[insufficient] for key, value in values.items()})
+        hours = np.full(len(results.excess_time_h), np.inf)
+        short = results.excess_time_h <= 0.0
         for scenario in range(len(self.day.scenarios)):
-            at = np.flatnonzero(results.worst[insufficient] == scenario)
-            if not len(at):
-                continue
-            hours[insufficient[at]] = self._longest(case, scenario, at).endurance_h
+            at = np.flatnonzero(short & (results.worst == scenario))
+            if len(at):
+                case = self._case({key: value[at] for key, value in values.items()})
+                hours[at] = self._level_flight(case, scenario).endurance_h
         return hours
 
     def income_and_storage(
@@ -232,13 +214,10 @@ class Propagation:
         ``values`` holds values of every input by its key, shape ``(sample,)``.
         """
         case = self._case(values)
-        solar_w = self._solar_of_draws(case, scenario)
-        _, load_w = self._cycle_of(case, scenario, solar_w)
-        battery = case.aircraft.battery
-        load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
-        energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
-        income = np.mean(solar_w, axis=-1) * battery.mean_charge_efficiency / load
-        return np.asarray(income), np.asarray(energy_wh / (24.0 * load))
+        perf, battery = self._level_flight(case, scenario), case.aircraft.battery
+        load = np.mean(perf.load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
+        income = np.mean(perf.solar_power_w, axis=-1) * battery.mean_charge_efficiency / load
+        return np.asarray(income), np.asarray(case.design.battery_energy_wh / (24.0 * load))
 
     def _block(self, values: dict[str, FloatArray], stop_at_excess_time_h: float) -> Flights:
         case = self._case(values)
@@ -246,11 +225,12 @@ class Propagation:
         highest_m = np.full(case.count, np.nan)
         flies = np.isfinite(case.mass_kg)
         for scenario in range(len(self.day.scenarios)):
-            solar_w = self._solar_of_draws(case, scenario)
-            best = self._best_flights(case, scenario, solar_w, stop_at_excess_time_h)
-            excess_h, least, altitude_m = best
+            level = self._level_flight(case, scenario)
+            excess_h, least, altitude_m = self._best_flights(
+                case, scenario, level, stop_at_excess_time_h
+            )
             highest_m = np.fmax(highest_m, altitude_m)
-            peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
+            peak_w = np.maximum(peak_w, np.max(level.solar_power_w, axis=-1))
             excess.append(np.where(flies, excess_h, -24.0))
             charge.append(np.where(flies, least, 0.0))
         worst = np.argmin(excess, axis=0)
@@ -278,25 +258,15 @@ class Propagation:
         def each(value: object) -> FloatArray:
             return np.array(np.broadcast_to(np.asarray(value, float), (count,)))
 
-        power_w = each(design.propulsion_power_w)
-        flies = np.isfinite(power_w)
+        power_w, mass_kg = each(design.propulsion_power_w), each(design.total_mass_kg)
         design = design._replace(
-            propulsion_power_w=np.where(flies, power_w, 1e12),
+            total_mass_kg=mass_kg,
+            battery_energy_wh=each(design.battery_energy_wh),
+            propulsion_power_w=np.where(np.isfinite(power_w), power_w, NO_FLIGHT_W),
             constant_power_w=each(design.constant_power_w),
         )
-        energy_wh = each(design.battery_energy_wh)
-        store = Store.of(aircraft.battery, energy_wh)
-        return _Case(
-            aircraft,
-            mission,
-            design,
-            store,
-            mass_kg=each(design.total_mass_kg),
-            propulsion_w=power_w,
-            part_load=part_load_of(aircraft, mission, design),
-            solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
-            count=count,
-        )
+        factor = each(values.get(SOLAR_MODEL, 1.0))
+        return _Case(aircraft, mission, design, mass_kg, power_w, factor, count)
 
     def _scaled_constant(
         self, aircraft: Aircraft, name: str, factor: FloatArray
@@ -313,43 +283,43 @@ class Propagation:
         more_kg = parts.propulsors * part_kg * (factor - getattr(parts, name))
         return f"{_PROPULSION}fixed_mass_kg", chain.fixed_mass_kg + more_kg
 
-    def _longest(self, case: _Case, scenario: int, draws: IntArray) -> Endurance:
-        """Return the longest flights of a part of the draws in a scenario."""
-        solar_w, store = self._solar_of_draws(case, scenario), case.store.select(draws)
-        _, load_w = self._cycle_of(case, scenario, solar_w)
-        return longest_flight(self.day.time_h, solar_w[draws], load_w[draws], store)
+    def _level_flight(self, case: _Case, scenario: int) -> Performance:
+        """Return the flights of all draws in a scenario at the lowest altitude."""
+        return self._flown(case, scenario)
+
+    def _flown(
+        self, case: _Case, scenario: int, heights_m: FloatArray | None = None
+    ) -> Performance:
+        """Return the flights of all draws in a scenario, each in its own light.
+
+        ``heights_m``: of climbs, instead of the best.
+        """
+        altitudes_m = case.mission.climb_levels_m
+        missions = [
+            (self.mission.at_altitude(height_m), case.mission.at_altitude(height_m))
+            for height_m in altitudes_m
+        ]
+        powers = [
+            self._specific_power(case, scenario, *there, level)
+            for level, there in enumerate(missions)
+        ]
+        day = self.day.at(np.full(case.count, scenario))
+        return fly(
+            case.aircraft,
+            case.mission,
+            self.solar,
+            case.design,
+            replace(day, power_w_per_m2=np.stack(powers), cooling=None),
+            keep_trajectory=False,
+            paired=True,
+            heights_m=heights_m,
+        )
 
     def _best_flights(
-        self, case: _Case, scenario: int, solar_w: FloatArray, stop_at_excess_time_h: float
+        self, case: _Case, scenario: int, level: Performance, stop_at_excess_time_h: float
     ) -> tuple[FloatArray, FloatArray, ArrayLike]:
         """Return excess time [h], least state of charge [-] and highest altitude [m] of draws."""
-        cycle, _ = self._cycle_of(case, scenario, solar_w)
-        return cycle.excess_time_h, cycle.minimum_state_of_charge, np.nan
-
-    def _cycle_of(
-        self, case: _Case, scenario: int, solar_w: FloatArray
-    ) -> tuple[Cycle, FloatArray]:
-        """Return cycle and load [W] of all draws in a scenario, ``(sample, time)``."""
-        day = self.day.at([scenario])
-        design, mission, part_load = case.design, case.mission, case.part_load
-        load = Load.of(case.aircraft, mission, design, day.scenarios, part_load)
-        load_w = load.along(mission, day.time_h, day.sunrise_h, day.sunset_h)
-        cycle = simulate_cycle(
-            day.time_h,
-            solar_w,
-            load_w,
-            case.store,
-            nominal_load_w=load.without_thermals(mission),
-            keep_trajectory=False,
-            window_h=mission.flight_window_h(day.scenarios),
-        )
-        return cycle, load_w
-
-    def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
-        """Return solar power of every draw in a scenario [W], shape ``(sample, time)``."""
-        area = np.asarray(case.aircraft.modules.area_m2, float)
-        every = np.broadcast_to(area, (case.count,))[:, np.newaxis]
-        return np.asarray(every * self._specific_power(case, scenario, self.mission, case.mission))
+        return level.cycle.excess_time_h, level.cycle.minimum_state_of_charge, np.nan
 
     def _specific_power(
         self, case: _Case, scenario: int, nominal: Mission, drawn: Mission, level: int = 0
@@ -426,25 +396,25 @@ class ClimbingPropagation(Propagation):
     draws_at_once = 1024  # with the light at all levels
     draws_of_endurance = 256
 
-    def _longest(self, case: _Case, scenario: int, draws: IntArray) -> Endurance:
-        levels, store = self._levels(case, scenario).select(draws), case.store.select(draws)
-        return ClimbFlights(self.day.time_h, levels, store).longest()
+    def _level_flight(self, case: _Case, scenario: int) -> Performance:
+        return self._flown(case, scenario, np.zeros((case.count, len(self.day.time_h))))
 
     def _best_flights(
-        self, case: _Case, scenario: int, solar_w: FloatArray, stop_at_excess_time_h: float
+        self, case: _Case, scenario: int, level: Performance, stop_at_excess_time_h: float
     ) -> tuple[FloatArray, FloatArray, ArrayLike]:
         """Return these of the best flight of every draw along its height profiles, or level."""
-        levels = self._levels(case, scenario)
-        light_over_load = np.mean(solar_w, axis=-1) / levels.nominal_load_w
-        below = np.zeros(case.count, int)
-        known = (light_over_load > 0.0) & levels.flies
+        levels = level.levels
+        assert levels is not None
+        light_over_load = self._light_of(level)
+        below, known = np.zeros(case.count, int), light_over_load > 0.0
         nominal = self._nominal_light(scenario)
         below[known] = _STRIDE * np.floor(
             np.log(light_over_load[known] / nominal) / (_STRIDE * _LIGHT_STEP)
         )
         steps, places = np.unique([below, below + _STRIDE], return_inverse=True)
         heights_m = np.stack([height_m for height_m, _ in self._profiles(scenario, steps.tolist())])
-        best = np.full((3, case.count), -np.inf)
+        cycle, floor_m = level.cycle, np.full(case.count, levels.altitude_m[0])
+        best = np.stack([cycle.excess_time_h, cycle.minimum_state_of_charge, floor_m])
 
         def simulate(draws: IntArray, height_m: FloatArray) -> None:
             if not len(draws):
@@ -452,7 +422,7 @@ class ClimbingPropagation(Propagation):
             flights = flown_along(
                 self.day.time_h,
                 levels.select(draws),
-                case.store.select(draws),
+                level.store.select(draws),
                 height_m,
                 of_others=True,
             )
@@ -468,32 +438,34 @@ class ClimbingPropagation(Propagation):
         for height_m in closing_m:
             unfinished = np.flatnonzero((best[0] <= 0.0) & (np.abs(below - edge) <= _STRIDE))
             simulate(unfinished, np.tile(height_m, (len(unfinished), 1)))
-        unfinished = np.flatnonzero(best[0] <= 0.0)
-        simulate(unfinished, np.zeros((len(unfinished), len(self.day.time_h))))
         return best[0], best[1], best[2]
 
-    def _light(self, scenario: int) -> float:
-        """Return nominal mean light over load [-]; 1 where there is neither."""
-        case = self._case({})
-        levels, solar_w = self._levels(case, scenario), self._solar_of_draws(case, scenario)
-        light = float(np.mean(solar_w) / levels.nominal_load_w[0])
-        return light if levels.flies[0] and light > 0.0 else 1.0
+    def _light_of(self, level: Performance) -> FloatArray:
+        """Return mean light over load of draws [-]; 0 where one does not fly."""
+        assert level.levels is not None
+        light = np.mean(level.solar_power_w, axis=-1) / level.nominal_load_w
+        return np.where(level.levels.flies, light, 0.0)
 
     def _nominal_light(self, scenario: int) -> float:
         """Return mean light over load of the aircraft whose profiles the draws fly [-]."""
         light = self._best.light
         if scenario not in light:
-            light[scenario] = self._light(scenario)
+            light[scenario] = self._own_light(scenario)
         return light[scenario]
+
+    def _own_light(self, scenario: int) -> float:
+        """Return nominal mean light over load of this aircraft [-]; 1 where there is neither."""
+        return float(self._light_of(self._level_flight(self._case({}), scenario))[0]) or 1.0
 
     def _profiles(self, scenario: int, steps: list[int]) -> list[tuple[FloatArray, float]]:
         """Return nominal optimal heights [m] and excess times [h] at steps of light."""
         centre, known = self._nominal_light(scenario), self._best.known
         if new := [step for step in steps if (scenario, step) not in known]:
-            factors = np.exp(_LIGHT_STEP * np.array(new)) * centre / self._light(scenario)
-            case = self._case({SOLAR_MODEL: factors})
-            climbs = best_climbs(self.day.time_h, self._levels(case, scenario), case.store)
-            flights = zip(climbs.height_m, climbs.cycle.excess_time_h.tolist(), strict=True)
+            factors = np.exp(_LIGHT_STEP * np.array(new)) * centre / self._own_light(scenario)
+            best = self._flown(self._case({SOLAR_MODEL: factors}), scenario)
+            assert best.altitude_m is not None
+            heights_m = best.altitude_m - self.mission.altitude_m
+            flights = zip(heights_m, best.cycle.excess_time_h.tolist(), strict=True)
             known.update({(scenario, n): flight for n, flight in zip(new, flights, strict=True)})
         return [known[scenario, step] for step in steps]
 
@@ -510,22 +482,6 @@ class ClimbingPropagation(Propagation):
         between = self._profiles(scenario, list(range(edge + 1, edge + 2 * _STRIDE)))
         return edge, [height_m for height_m, excess_h in between if excess_h > 0.0]
 
-    def _levels(self, case: _Case, scenario: int) -> FlightLevels:
-        """Return the flight levels of every draw in a scenario, each with its own light."""
-        day, mission = self.day, case.mission
-        levels = [
-            (self.mission.at_altitude(altitude_m), mission.at_altitude(altitude_m))
-            for altitude_m in mission.climb_levels_m
-        ]
-        powers = [
-            self._specific_power(case, scenario, *missions, level)
-            for level, missions in enumerate(levels)
-        ]
-        day_of_draws = day.at(np.full(case.count, scenario))
-        day_of_draws = replace(day_of_draws, power_w_per_m2=np.stack(powers), cooling=None)
-        design = case.design._replace(total_mass_kg=case.mass_kg)
-        return flight_levels(case.aircraft, mission, design, day_of_draws)
-
 
 def propagation_of(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, profiles: Profiles | None = None
@@ -537,15 +493,13 @@ def propagation_of(
 
 @dataclass(frozen=True)
 class _Case:
-    """Aircraft, mission, designs and batteries of a batch of draws."""
+    """Aircraft, mission and designs of a batch of draws."""
 
     aircraft: Aircraft
     mission: Mission
     design: Design
-    store: Store
     mass_kg: FloatArray
     propulsion_w: FloatArray
-    part_load: AnyPartLoad
     solar_factor: FloatArray
     count: int
 
