@@ -85,6 +85,11 @@ class Performance:
         return int(np.argmin(np.where(least, energy_wh, np.inf)))
 
     @property
+    def worst_label(self) -> str:
+        """Return the scenario of least excess time in words."""
+        return self.day.scenarios.label(self.worst_scenario())
+
+    @property
     def maximum_altitude_m(self) -> FloatArray | None:
         """Return the highest altitude of every flight with climbs [m]; None without climbs."""
         return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))

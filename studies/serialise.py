@@ -35,7 +35,7 @@ RECORDS = {
         airspeed_m_per_s=design.airspeed_m_per_s power_budget airspeed_above_wind limited_flight
         relaxations extrapolations *software scenarios part_masses? varying_efficiency?
         battery_condition? whole_cells?=cells drag_coefficients? balance? wind?
-        from_catalogues? reading_notes? flight?
+        from_catalogues?=aircraft.from_catalogues reading_notes? flight?
         """,
     "Scenario": """
         *quantities model=solar.model correction=solar.correction latitude_deg day_of_year date
@@ -54,15 +54,17 @@ RECORDS = {
         objective.value=result.objective_value
         objective.required_excess_time_h=result.required_excess_time_h
         active_constraints=result.active_constraints violated_requirements=result.violations
-        solver=result.solver *software battery_condition? nearest:NearestDesign quantities
-        margins *result:Optimum power_out_w=optimum.power_out_w
-        worst_scenario=optimum.worst_scenario:WorstScenario simulated=optimum:Reached
+        solver=result.solver *software battery_condition? nearest=result.nearest:NearestDesign
+        quantities margins *result:Optimum power_out_w=optimum.power_out_w
+        worst_scenario=optimum.worst_scenario:WorstScenario simulated=reached:Reached
         power_budget=optimum.power_budget part_masses?=optimum.part_masses structure
         balance?=optimum.balance model=solar.model correction=solar.correction wind?
-        uncertainty=optimum:LeastExcessTime extrapolations from_catalogues? reading_notes?
-        range? relaxations? sensitivities? constraint_multipliers?=multipliers cross_check?
-        with_margin?:Guarded as_assumed?:Reached reliability? weather?=survival
-        whole_cells?=cells climb?=optimum.worst_scenario.climb without_climbs?:LevelFlight builds?
+        uncertainty=optimum:LeastExcessTime extrapolations
+        from_catalogues?=aircraft.from_catalogues reading_notes? range? relaxations? sensitivities?
+        constraint_multipliers?=multipliers cross_check? with_margin?:Guarded as_assumed?
+        reliability? weather?=survival whole_cells? whole_cells.solar_cells?=cells.solar_cells
+        whole_cells.strings?=cells.strings whole_cells.battery_pack?=cells.battery_pack
+        climb?=optimum.worst_scenario.climb without_climbs?:LevelFlight builds?
         """,
     "Optimum": """
         *design.variables:DesignVariables total_mass_kg=design.total_mass_kg masses_kg=design.masses
@@ -86,15 +88,15 @@ RECORDS = {
         module_area_m2=design.variables.module_area_m2
         """,
     "Reached": """
-        excess_time_h charge_margin_h minimum_state_of_charge total_mass_kg
-        model=performance.solar.model correction=performance.solar.correction
+        excess_time_h charge_margin_h minimum_state_of_charge total_mass_kg model correction
         """,
     "LeastExcessTime": """
         solar_power_rms_relative=performance.solar.rms_relative
         excess_time_low_h=low.least_excess_time_h excess_time_high_h=high.least_excess_time_h
         """,
     "NearestDesign": """
-        *design.variables.chosen total_mass_kg excess_time_h worst_scenario=worst_scenario.label
+        *design.variables.chosen total_mass_kg=design.total_mass_kg
+        excess_time_h=least_excess_time_h worst_scenario=worst_label
         """,
     "WholeCells": "loss relaxed:RelaxedCells chosen tried",
     "RelaxedCells": "value=objective_value *design.variables.chosen",
@@ -260,7 +262,9 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
             record |= _record(joined, of) if of else plain(joined)
         else:
             reached = reach(value, path)
-            if optional and (reached is None or (isinstance(reached, tuple) and not reached)):
+            if optional and (
+                reached is None or (isinstance(reached, tuple | list) and not reached)
+            ):
                 continue
             *outer, last = key.split(".")
             inside = record

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
-from sizing.results.design_result import DesignResult, check_subjects
+from sizing.results.design_result import DesignResult, check_subjects, described
 from sizing.results.measures import MEASURES, OF_SCENARIO
 from sizing.results.propulsion import (
     PartMasses,
@@ -116,13 +115,13 @@ def _in_worst(key: str, text: str) -> property:
     """Return an attribute: a measure of the worst scenario."""
 
     def value(analysis: Analysis) -> float | str:
-        reached = MEASURES[key](analysis.performance)[analysis.worst]
+        reached = analysis.values[key][analysis.worst]
         return reached if isinstance(reached, str) else float(reached)
 
     return property(value, doc=f"{text}, in the worst scenario.")
 
 
-@dataclass(frozen=True, repr=False, eq=False)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Analysis(DesignResult):
     """Performance of an aircraft in the scenarios of a mission.
 
@@ -137,24 +136,64 @@ class Analysis(DesignResult):
         What was analysed.
     performance : Performance
         Cycles of all scenarios.
+    low, high : Performance
+        Flight with the solar power one RMS error of the model lower and higher.
     flight : CalendarRun or None
         Replay of the mission's launch, where it has one.
-    known_mass_kg : float or None
-        Total mass that :attr:`relaxations` keep [kg].
+    worst : int
+        Index of the scenario with the least excess time.
+    values : dict
+        Measures of all scenarios: infinite where unlimited, NaN where there is none.
+    scenarios : tuple of Scenario
+        Every scenario.
+    limited_flight : LimitedFlight or None
+        Flights in the worst scenario; None where it is unlimited or outlasts a year.
+    relaxations : tuple of Relaxation
+        What alone would make it perpetual, smallest relative change first: battery mass, module
+        area or load. Empty where it is perpetual, for a mission with climbs, and for one with a
+        flight that lands.
+    climb : ClimbPerformance or None
+        Climbs beside flight at constant altitude; None for a mission without them.
+    climb_check_h : ClimbCheck or None
+        Both excess times of the worst scenario; None where it does not climb.
+    varying_efficiency : VaryingEfficiency or None
+        What the propulsion's efficiency of the moment changes; None where it is constant. Of the
+        repeated day, with climbs that at the mission's altitude.
+    extrapolations : tuple of Extrapolation
+        What lies outside the range of a model, each quantity once.
+    structure : StructureAssessment or None
+        What sizes the structure; None where the aircraft's model of it does not say.
+    power_budget : PowerBudget
+        Where the power of level flight goes, at the mission's altitude.
+    part_masses : PartMasses or None
+        Masses of the propulsion's parts that are estimated; None where there are none.
+    balance : BalanceAssessment or None
+        Centre of gravity, static margin and trim; None without ``airframe.balance``.
+    drag_coefficients : DragShares or None
+        Drag coefficients of the parts in level flight; None without ``airframe.drag``.
     """
 
     renderer = "studies.render.analysis"
 
-    aircraft: Aircraft
-    mission: Mission
+    design: Design
     performance: Performance
-    flight: CalendarRun | None = None
-    known_mass_kg: float | None = None
-
-    @property
-    def worst(self) -> int:
-        """Index of the scenario with the least excess time."""
-        return self.performance.worst_scenario()
+    low: Performance
+    high: Performance
+    flight: CalendarRun | None
+    worst: int
+    values: dict[str, Any]
+    scenarios: tuple[Scenario, ...]
+    limited_flight: LimitedFlight | None
+    relaxations: tuple[Relaxation, ...]
+    climb: ClimbPerformance | None
+    climb_check_h: ClimbCheck | None
+    varying_efficiency: VaryingEfficiency | None
+    extrapolations: tuple[Extrapolation, ...]
+    structure: StructureAssessment | None
+    power_budget: PowerBudget
+    part_masses: PartMasses | None
+    balance: BalanceAssessment | None
+    drag_coefficients: DragShares | None
 
     excess_time_h = _in_worst("excess_time_h", "Excess time [h]")
     charge_margin_h = _in_worst("charge_margin_h", "Time of a full battery [h]")
@@ -181,160 +220,25 @@ class Analysis(DesignResult):
     )
 
     @property
-    def design(self) -> Design:
-        """Masses and power of the aircraft."""
-        return self.performance.design
-
-    @property
     def is_perpetual(self) -> bool:
         """Whether the aircraft flies perpetually, or to its landing, in every scenario."""
         return bool(np.all(self.performance.cycle.sufficient))
-
-    @cached_property
-    def low(self) -> Performance:
-        """Flight with the solar power one RMS error of the model lower."""
-        return self._with_model_error(-1.0)
-
-    @cached_property
-    def high(self) -> Performance:
-        """Flight with the solar power one RMS error of the model higher."""
-        return self._with_model_error(1.0)
-
-    def _with_model_error(self, errors: float) -> Performance:
-        flight, solar = self.performance, self.performance.solar
-        day = flight.day.scaled(1.0 + errors * solar.rms_relative)
-        return performance(self.aircraft, flight.mission, solar, day=day, design=flight.design)
-
-    @cached_property
-    def climb(self) -> ClimbPerformance | None:
-        """Climbs beside flight at constant altitude; None for a mission without them."""
-        flight = self.performance
-        if flight.mission.climb is None:
-            return None
-        return compare_with_constant(self.aircraft, flight)
-
-    @cached_property
-    def limited_flight(self) -> LimitedFlight | None:
-        """Flights in the worst scenario; None where it is unlimited or outlasts a year."""
-        launch_h, endurance_h = self.best_launch_h, self.endurance_h
-        if not np.isfinite(endurance_h):
-            return None
-        from_sunrise_h = from_noon_h = np.nan
-        if np.isfinite(self.sunrise_h):
-            launches_h = [self.sunrise_h, 12.0]
-            from_sunrise_h, from_noon_h = self.performance.flight_time_h(self.worst, launches_h)
-        before_sun_h = (self.equal_power_morning_h - launch_h - endurance_h) % 24.0
-        return LimitedFlight(
-            launch_h, endurance_h, before_sun_h, float(from_sunrise_h), float(from_noon_h)
-        )
-
-    @cached_property
-    def relaxations(self) -> tuple[Relaxation, ...]:
-        """What alone would make it perpetual, smallest relative change first.
-
-        Of battery mass, module area and load; empty where it is perpetual, for a mission with
-        climbs, and for one with a flight that lands.
-        """
-        if self.mission.climb is not None or self.mission.flight is not None:
-            return ()
-        return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
-
-    @cached_property
-    def climb_check_h(self) -> ClimbCheck | None:
-        """Both excess times of the worst scenario; None where it does not climb."""
-        program_h = self.performance.program_excess_h
-        if program_h is None or np.isnan(program_h[self.worst]):
-            return None
-        by_minute_h = fine_step_excess_time_h(self.aircraft, self.performance)
-        return ClimbCheck(float(program_h[self.worst]), by_minute_h)
-
-    @cached_property
-    def extrapolations(self) -> tuple[Extrapolation, ...]:
-        """What lies outside the range of a model, each quantity once."""
-        outside = extrapolations(self.aircraft, self.performance)
-        if self.flight is not None:
-            solar = self.performance.solar
-            of_replay = replay_extrapolations(self.aircraft, self.mission, solar, self.flight)
-            outside = keep_worst([*outside, *of_replay])
-        return add_effects(outside, self.aircraft, lambda: self.performance)
-
-    @cached_property
-    def structure(self) -> StructureAssessment | None:
-        """What sizes the structure; None where the aircraft's model of it does not say."""
-        return structure_assessment(self.aircraft, self.performance.design)
-
-    @cached_property
-    def power_budget(self) -> PowerBudget:
-        """Where the power of level flight goes, at the mission's altitude."""
-        return power_budget(self.aircraft, self.mission, self.design)
-
-    @cached_property
-    def part_masses(self) -> PartMasses | None:
-        """Masses of the propulsion's parts that are estimated; None where there are none."""
-        return part_masses(self.aircraft, self.design)
-
-    @cached_property
-    def balance(self) -> BalanceAssessment | None:
-        """Centre of gravity, static margin and trim; None without ``airframe.balance``."""
-        return balance_assessment(self.aircraft, self.design)
-
-    @cached_property
-    def drag_coefficients(self) -> DragShares | None:
-        """Drag coefficients of the parts in level flight; None without ``airframe.drag``."""
-        return drag_shares(self.aircraft, self.performance.design)
 
     @property
     def masses_kg(self) -> dict[str, float] | None:
         """Mass budget [kg]; None for a measured aircraft, whose parts are not known."""
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
-        masses = self.performance.design.masses._asdict()
-        return {item: float(mass) for item, mass in masses.items()}
-
-    @cached_property
-    def varying_efficiency(self) -> VaryingEfficiency | None:
-        """What the propulsion's efficiency of the moment changes; None where it is constant.
-
-        Of the repeated day, with climbs that at the mission's altitude.
-        """
-        performance = self.performance if self.climb is None else self.climb.constant
-        return varying_efficiency(self.aircraft, performance)
-
-    @cached_property
-    def values(self) -> dict[str, Any]:
-        """Measures of all scenarios: infinite where unlimited, NaN where there is none."""
-        return {key: MEASURES[key](self.performance) for key in OF_SCENARIO}
-
-    def scenario(self, index: int | None = None) -> dict[str, Any]:
-        """Return the measures of a scenario, by default of the worst."""
-        at = self.worst if index is None else index
-        return {key: values[at] for key, values in self.values.items()}
-
-    @cached_property
-    def scenarios(self) -> tuple[Scenario, ...]:
-        """Every scenario."""
-        at, climbs, solar = self.performance.day.scenarios, self.climb, self.performance.solar
-        places = zip(at.latitude_deg.tolist(), at.day_of_year.tolist(), strict=True)
-        low_h, high_h = (flight.cycle.excess_time_h.tolist() for flight in (self.low, self.high))
-        return tuple(
-            Scenario(
-                solar,
-                latitude_deg,
-                day,
-                date_code(day),
-                at.label(i),
-                self.scenario(i),
-                low_h[i],
-                high_h[i],
-                None if climbs is None else ClimbOfDay(climbs, i),
-            )
-            for i, (latitude_deg, day) in enumerate(places)
-        )
+        return {item: float(mass) for item, mass in self.design.masses._asdict().items()}
 
     @property
     def worst_scenario(self) -> Scenario:
         """Scenario with the least excess time."""
         return self.scenarios[self.worst]
+
+    def scenario(self, index: int | None = None) -> dict[str, Any]:
+        """Return the measures of a scenario, by default of the worst."""
+        return self.scenarios[self.worst if index is None else index].quantities
 
     @property
     def airspeed_above_wind(self) -> bool | None:
@@ -415,4 +319,108 @@ def analyse(
     flight = None
     if replay and mission.launch is not None:
         flight = calendar_run(aircraft, mission, solar)
-    return Analysis(aircraft, mission, simulated, flight, known_mass_kg)
+    return analysis_of(aircraft, mission, simulated, flight, known_mass_kg)
+
+
+def analysis_of(
+    aircraft: Aircraft,
+    mission: Mission,
+    simulated: Performance,
+    flight: CalendarRun | None = None,
+    known_mass_kg: float | None = None,
+) -> Analysis:
+    """Return the analysis of an aircraft whose flight was simulated, and perhaps replayed."""
+    solar, design, worst = simulated.solar, simulated.design, simulated.worst_scenario()
+    low, high = (
+        performance(
+            aircraft,
+            simulated.mission,
+            solar,
+            day=simulated.day.scaled(1.0 + error * solar.rms_relative),
+            design=design,
+        )
+        for error in (-1.0, 1.0)
+    )
+    values = {key: MEASURES[key](simulated) for key in OF_SCENARIO}
+    climb = None
+    if simulated.mission.climb is not None:
+        climb = compare_with_constant(aircraft, simulated)
+    relaxed: tuple[Relaxation, ...] = ()
+    if mission.climb is None and mission.flight is None:
+        relaxed = relaxed_flight(aircraft, simulated, known_mass_kg)
+    outside = extrapolations(aircraft, simulated)
+    if flight is not None:
+        of_replay = replay_extrapolations(aircraft, mission, solar, flight)
+        outside = keep_worst([*outside, *of_replay])
+    level_flight = simulated if climb is None else climb.constant
+    return Analysis(
+        **described(aircraft, mission, design),
+        design=design,
+        performance=simulated,
+        low=low,
+        high=high,
+        flight=flight,
+        worst=worst,
+        values=values,
+        scenarios=_scenarios(simulated, low, high, values, climb),
+        limited_flight=_limited_flight(simulated, {key: values[key][worst] for key in values}),
+        relaxations=relaxed,
+        climb=climb,
+        climb_check_h=_climb_check(aircraft, simulated),
+        varying_efficiency=varying_efficiency(aircraft, level_flight),
+        extrapolations=add_effects(outside, aircraft, lambda: simulated),
+        structure=structure_assessment(aircraft, design),
+        power_budget=power_budget(aircraft, mission, design),
+        part_masses=part_masses(aircraft, design),
+        balance=balance_assessment(aircraft, design),
+        drag_coefficients=drag_shares(aircraft, design),
+    )
+
+
+def _scenarios(
+    simulated: Performance,
+    low: Performance,
+    high: Performance,
+    values: dict[str, Any],
+    climb: ClimbPerformance | None,
+) -> tuple[Scenario, ...]:
+    """Return every scenario, with its measures and what the model's error does there."""
+    at = simulated.day.scenarios
+    ends_h = zip(low.cycle.excess_time_h.tolist(), high.cycle.excess_time_h.tolist(), strict=True)
+    return tuple(
+        Scenario(
+            simulated.solar,
+            float(at.latitude_deg[i]),
+            int(at.day_of_year[i]),
+            date_code(int(at.day_of_year[i])),
+            at.label(i),
+            {key: each[i] for key, each in values.items()},
+            *low_and_high_h,
+            None if climb is None else ClimbOfDay(climb, i),
+        )
+        for i, low_and_high_h in enumerate(ends_h)
+    )
+
+
+def _limited_flight(simulated: Performance, worst: dict[str, Any]) -> LimitedFlight | None:
+    """Return the flights in the worst scenario, of these measures."""
+    launch_h, endurance_h = float(worst["best_launch_h"]), float(worst["endurance_h"])
+    if not np.isfinite(endurance_h):
+        return None
+    from_sunrise_h = from_noon_h = np.nan
+    if np.isfinite(worst["sunrise_h"]):
+        launches_h = [worst["sunrise_h"], 12.0]
+        at = simulated.worst_scenario()
+        from_sunrise_h, from_noon_h = simulated.flight_time_h(at, launches_h)
+    before_sun_h = float((worst["equal_power_morning_h"] - launch_h - endurance_h) % 24.0)
+    return LimitedFlight(
+        launch_h, endurance_h, before_sun_h, float(from_sunrise_h), float(from_noon_h)
+    )
+
+
+def _climb_check(aircraft: Aircraft, simulated: Performance) -> ClimbCheck | None:
+    """Return the excess time of the worst scenario by the program and in steps of a minute."""
+    program_h, worst = simulated.program_excess_h, simulated.worst_scenario()
+    if program_h is None or np.isnan(program_h[worst]):
+        return None
+    return ClimbCheck(float(program_h[worst]), fine_step_excess_time_h(aircraft, simulated))

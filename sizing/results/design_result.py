@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.catalogues.choice import CatalogueValue
 from sizing.design import Design
 from sizing.results.conditions import BatteryCondition, Wind, battery_condition, wind_of
 from sizing.results.numbers import finite
@@ -30,11 +29,23 @@ def _of_design(key: str, text: str) -> property:
     return property(value, doc=f"{text}; NaN without a design.")
 
 
-class DesignResult(Result, ABC):
-    """Result on a mission with a design, of which nothing is known where there is none."""
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class DesignResult(Result):
+    """Result on a mission with a design, of which nothing is known where there is none.
+
+    ``design``: masses and power; None without a design. ``battery_condition``: battery in the
+    mission's air; None where nothing there changes it. ``cells``: solar and battery cells; None
+    without whole cells. ``wind``: wind of every scenario; None for one that the mission gives.
+    ``reading_notes``: what was left out of the files.
+    """
 
     aircraft: Aircraft
     mission: Mission
+    design: Design | None
+    battery_condition: BatteryCondition | None
+    cells: dict[str, Any] | None
+    wind: Wind | None
+    reading_notes: tuple[str, ...]
 
     wingspan_m = _of_design("variables.wingspan_m", "Wingspan [m]")
     battery_mass_kg = _of_design("variables.battery_mass_kg", "Battery mass [kg]")
@@ -44,38 +55,19 @@ class DesignResult(Result, ABC):
     propulsion_power_w = _of_design("propulsion_power_w", "Power of level flight [W]")
     airspeed_m_per_s = _of_design("airspeed_m_per_s", "Airspeed [m/s]")
 
-    @property
-    @abstractmethod
-    def design(self) -> Design | None:
-        """Masses and power; None without a design."""
 
-    @property
-    def battery_condition(self) -> BatteryCondition | None:
-        """Battery in the mission's air; None where nothing there changes it."""
-        design = self.design
-        mass_kg = None if design is None else float(design.variables.battery_mass_kg)
-        air_c, height_m = self.mission.air_state().temperature_c, self.mission.altitude_m
-        return battery_condition(self.aircraft, air_c, height_m, mass_kg)
-
-    @property
-    def cells(self) -> dict[str, Any] | None:
-        """Solar and battery cells; None without whole cells."""
-        return cells_record(self.aircraft) or None
-
-    @property
-    def wind(self) -> Wind | None:
-        """Wind of every scenario; None for one that the mission gives."""
-        return wind_of(self.mission)
-
-    @property
-    def from_catalogues(self) -> tuple[CatalogueValue, ...]:
-        """Values of the aircraft that catalogues gave."""
-        return tuple(self.aircraft.from_catalogues())
-
-    @property
-    def reading_notes(self) -> tuple[str, ...]:
-        """What was left out of the files."""
-        return (*self.aircraft.reading_notes(), *self.mission.reading_notes())
+def described(aircraft: Aircraft, mission: Mission, design: Design | None) -> dict[str, Any]:
+    """Return what all results of a design have; of none the battery is that of the file."""
+    mass_kg = None if design is None else float(design.variables.battery_mass_kg)
+    air_c, height_m = mission.air_state().temperature_c, mission.altitude_m
+    return {
+        "aircraft": aircraft,
+        "mission": mission,
+        "battery_condition": battery_condition(aircraft, air_c, height_m, mass_kg),
+        "cells": cells_record(aircraft) or None,
+        "wind": wind_of(mission),
+        "reading_notes": (*aircraft.reading_notes(), *mission.reading_notes()),
+    }
 
 
 def check_subjects(aircraft: object, mission: object) -> None:

@@ -54,7 +54,7 @@ def requirement_margins(
     mission, design, worst = performance.mission, performance.design, performance.worst_scenario()
     excess_h = float(performance.cycle.excess_time_h[worst])
     charge_percent = 100.0 * float(performance.cycle.minimum_state_of_charge[worst])
-    at = performance.day.scenarios.label(worst)
+    at = performance.worst_label
     charge_name, charge_label = "minimum_state_of_charge", f"minimum state of charge, {at}"
     margins = [
         _absolute("excess_time_h", f"excess time, {at}", excess_h, required_h, "h"),

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, cast
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.day.light import SolarModel, solar_day
-from sizing.performance import performance_of_designs
+from sizing.day.light import SolarModel
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.margin import MarginCase
@@ -26,8 +24,7 @@ from sizing.program.size import size_aircraft
 from sizing.program.whole_cells import size_whole_cells
 from sizing.results.design_result import check_subjects
 from sizing.results.qualities import designs_by_build
-from sizing.results.sizing_study import SizingStudy
-from sizing.validity.checks import check_user_models
+from sizing.results.sizing_study import SizingStudy, study_of
 from solar.names import CorrectionName, ModelName
 
 
@@ -135,21 +132,20 @@ def size(
         if of_optimum:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
         return _reliable(subject, demanding, goal, solar, least=reliability)
-    study = _of_repeated_days(subject, mission, goal, solar, required_h)
-    optimum = (study.aircraft, mission, study.result, solar)
-    aspects: dict[str, Any] = {}
-    if study.feasible and with_sensitivities:
-        multipliers = sorted(constraint_multipliers(study.result), key=lambda row: -row.gain)
+    cooled, result, aspects = _of_repeated_days(subject, mission, goal, solar, required_h)
+    optimum = (cooled, mission, result, solar)
+    if result.feasible and with_sensitivities:
+        multipliers = sorted(constraint_multipliers(result), key=lambda row: -row.gain)
         aspects |= {"sensitivities": sensitivities(*optimum[:3]), "multipliers": multipliers}
-    if study.feasible and with_cross_check:
+    if result.feasible and with_cross_check:
         aspects["cross_check"] = cross_check(*optimum)
-    if study.feasible and with_margin and study.coverage is None:
+    if result.feasible and with_margin and not goal.of_range:
         aspects["with_margin"] = _with_margin(*optimum)
-    if with_builds and study.coverage is None:
+    if with_builds and not goal.of_range:
         aspects["builds"] = designs_by_build(
-            subject, mission, goal, solar, study.result, required_excess_time_h=required_h
+            subject, mission, goal, solar, result, required_excess_time_h=required_h
         )
-    return replace(study, aircraft=aircraft, **aspects)
+    return study_of(aircraft, mission, result, solar, cooled=cooled, **aspects)
 
 
 def _of_repeated_days(
@@ -158,23 +154,23 @@ def _of_repeated_days(
     objective: Objective,
     solar: SolarModel,
     required_h: float | None,
-) -> SizingStudy:
+) -> tuple[Aircraft, SizingResult, dict[str, Any]]:
     """Return the sizing for perpetual flight, with what would help an infeasible one.
 
-    A mission with climbs is sized for level flight as well. The aircraft of the result has the
-    cooling of the optimum's airflow.
+    A mission with climbs is sized for level flight as well. The aircraft has the cooling of the
+    optimum's airflow.
     """
     if objective.of_range:
         coverage = widest_range(
             aircraft, mission, objective, solar, required_excess_time_h=required_h
         )
-        return study_of(aircraft, mission, coverage.sizing, solar, coverage=coverage)
+        return aircraft, coverage.sizing, {"coverage": coverage}
     cooled, result = sized_in_own_flow(
         aircraft, mission, objective, solar, required_excess_time_h=required_h
     )
-    level = None
+    others: dict[str, Any] = {}
     if mission.climb is not None:
-        level = size_aircraft(
+        others["without_climbs"] = size_aircraft(
             cooled,
             mission.at_altitude(mission.altitude_m),
             objective,
@@ -182,24 +178,9 @@ def _of_repeated_days(
             explain=False,
             required_excess_time_h=required_h,
         )
-    infeasible = result.status is SizingStatus.infeasible
-    relaxed = tuple(relaxations(cooled, mission, result, solar)) if infeasible else ()
-    return study_of(cooled, mission, result, solar, relaxations=relaxed, without_climbs=level)
-
-
-def study_of(
-    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel, **others: Any
-) -> SizingStudy:
-    """Return a sizing, its optimum also without the mission's uncertainty margins."""
-    without_margins = None
-    if result.design is not None and result.simulated is not None:
-        check_user_models(aircraft, mission, result.design)
-        if mission.uncertainty_margins.is_set:
-            plain, scenarios = mission.without_margins(), result.simulated.day.scenarios
-            day = solar_day(aircraft, plain, solar, scenarios=scenarios)
-            variables = result.design.variables
-            without_margins = performance_of_designs(aircraft, plain, variables, solar, day=day)
-    return SizingStudy(aircraft, mission, solar, result, without_margins=without_margins, **others)
+    if result.status is SizingStatus.infeasible:
+        others["relaxations"] = tuple(relaxations(cooled, mission, result, solar))
+    return cooled, result, others
 
 
 def _with_margin(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,11 +14,11 @@ from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.chosen_parts import sized_data
-from sizing.day.light import SolarModel
+from sizing.day.light import SolarModel, solar_day
 from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
-from sizing.performance import Performance
+from sizing.performance import Performance, performance_of_designs
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.ranges import WidestRange
@@ -28,21 +27,20 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
-from sizing.results.analysis import Analysis
-from sizing.results.conditions import BatteryCondition
-from sizing.results.design_result import DesignResult
+from sizing.results.analysis import Analysis, analysis_of
+from sizing.results.design_result import DesignResult, described
 from sizing.results.margins import RequirementMargin, requirement_margins
 from sizing.results.measures import MEASURES
 from sizing.results.numbers import NEGLIGIBLE
-from sizing.results.parts import cells_record
 from sizing.results.qualities import BuiltDesign
 from sizing.results.result import SERIALISER, data_frame
 from sizing.results.season import Survival
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
-from sizing.validity.checks import record_check, stall_margin_within_polar
+from sizing.validity.checks import check_user_models, record_check, stall_margin_within_polar
 from sizing.validity.extrapolations import add_effects, collect_extrapolations, extrapolations
 from sizing.validity.ranges import Extrapolation
+from solar.names import CorrectionName, ModelName
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,7 +73,31 @@ _OF_SCENARIO = (
 )
 
 
-@dataclass(frozen=True, repr=False, eq=False)
+class Reached(NamedTuple):
+    """What a sized design reaches in its worst scenario, by a solar power model."""
+
+    excess_time_h: float
+    charge_margin_h: float
+    minimum_state_of_charge: float
+    total_mass_kg: float
+    model: ModelName
+    correction: CorrectionName
+
+    @classmethod
+    def of(cls, flight: Performance | None) -> Reached | None:
+        """Return what a flight reaches; None without one."""
+        if flight is None:
+            return None
+        worst, solar = flight.worst_scenario(), flight.solar
+        excess_h, margin_h, charge = (
+            float(MEASURES[key](flight)[worst])
+            for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
+        )
+        total_kg = float(flight.design.total_mass_kg)
+        return cls(excess_h, margin_h, charge, total_kg, solar.model, solar.correction)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class SizingStudy(DesignResult):
     """A sizing and what was asked about it.
 
@@ -93,8 +115,22 @@ class SizingStudy(DesignResult):
         What parameters and constraints are worth at the optimum, where asked for.
     cross_check : CrossCheck or None
         Optimality cross-check by simulation, where asked for.
-    without_margins : Performance or None
-        Optimum without the mission's uncertainty margins, where it has any.
+    optimum : Analysis or None
+        Optimum as it was simulated.
+    reached, as_assumed : Reached or None
+        What it reaches in its worst scenario; as assumed: without the mission's uncertainty
+        margins, where it has any.
+    quantities : dict or None
+        Quantities of the optimum that may be bounded; outside of the airfoil's polar the stall is
+        the fenced.
+    margins : list of RequirementMargin
+        Margin of the optimum on every requirement; empty without one.
+    structure : StructureAssessment or None
+        What sizes the structure of the optimum, or else of the nearest design. None where the
+        structure's model does not say, or no design could be simulated.
+    extrapolations : tuple of Extrapolation
+        What the optimum takes from outside the range of a model. Where excess time alone is
+        missing, what the nearest design takes, which flies all the same.
     with_margin : SizingStudy or None
         Sizing that keeps the requirement with one RMS error less solar power, where asked for.
     reliability : Reliability or None
@@ -112,16 +148,20 @@ class SizingStudy(DesignResult):
 
     renderer = "studies.render.sizing"
 
-    aircraft: Aircraft
-    mission: Mission
     solar: SolarModel
     result: SizingResult
+    optimum: Analysis | None
+    reached: Reached | None
+    as_assumed: Reached | None
+    quantities: dict[str, float] | None
+    margins: list[RequirementMargin]
+    structure: StructureAssessment | None
+    extrapolations: tuple[Extrapolation, ...]
     coverage: WidestRange | None = None
     relaxations: tuple[Relaxation, ...] = ()
-    sensitivities: list[Sensitivity] | None = field(default=None)
-    multipliers: list[ConstraintMultiplier] | None = field(default=None)
+    sensitivities: list[Sensitivity] | None = None
+    multipliers: list[ConstraintMultiplier] | None = None
     cross_check: CrossCheck | None = None
-    without_margins: Performance | None = None
     with_margin: SizingStudy | None = None
     reliability: Reliability | None = None
     survival: Survival | None = None
@@ -150,14 +190,9 @@ class SizingStudy(DesignResult):
         return self.result.objective
 
     @property
-    def design(self) -> Design | None:
-        """Masses and power of the optimum."""
-        return self.result.design
-
-    @property
     def variables(self) -> DesignVariables | None:
         """Wingspan, aspect ratio, battery mass, module area ... of the optimum."""
-        return None if self.result.design is None else self.result.design.variables
+        return None if self.design is None else self.design.variables
 
     def sized_aircraft(self) -> Aircraft:
         """Return the aircraft with the optimum put in, ready to be analysed or written to a file.
@@ -190,59 +225,9 @@ class SizingStudy(DesignResult):
         return self.mission.model_copy(update={"payload": payload})
 
     def _optimum(self) -> Design:
-        if self.result.design is None:
+        if self.design is None:
             raise ValueError(f"the sizing is {self.status.label}: it has no design")
-        return self.result.design
-
-    @cached_property
-    def optimum(self) -> Analysis | None:
-        """The optimum as it was simulated; None without one."""
-        return self._analysis_of(self.result.simulated)
-
-    @cached_property
-    def as_assumed(self) -> Analysis | None:
-        """The optimum without the mission's uncertainty margins; None where it has none."""
-        return self._analysis_of(self.without_margins)
-
-    @cached_property
-    def nearest(self) -> Analysis | None:
-        """Design that comes closest, of an infeasible sizing."""
-        return self._analysis_of(self.result.nearest)
-
-    def _analysis_of(self, flight: Performance | None) -> Analysis | None:
-        return None if flight is None else Analysis(self.aircraft, self.mission, flight)
-
-    @cached_property
-    def structure(self) -> StructureAssessment | None:
-        """What sizes the structure of the optimum, or else of the nearest design.
-
-        None where the structure's model does not say, or no design could be simulated. A design
-        that no mass closes is taken at twice the mass of all but its structure and propulsion.
-        """
-        nearest = self.result.nearest
-        design = self.result.design or (None if nearest is None else nearest.design)
-        if design is None:
-            return None
-        if not np.isfinite(design.total_mass_kg):
-            carried_kg = float(sum(design.masses[2:], 0.0))
-            design = parametric_design(
-                self.aircraft, self.mission, design.variables.mapped(float), 2.0 * carried_kg
-            )
-        return structure_assessment(self.aircraft, design)
-
-    @property
-    def battery_condition(self) -> BatteryCondition | None:
-        """Battery of the optimum, or else of the nearest design, in the mission's air."""
-        shown = self.optimum or self.nearest
-        return super().battery_condition if shown is None else shown.battery_condition
-
-    @property
-    def cells(self) -> dict[str, Any] | None:
-        """Designs of whole cells, the relaxed optimum and the loss; None where not asked for."""
-        if (whole := self.whole_cells) is None:
-            return None
-        record: dict[str, Any] = import_module(SERIALISER).serialise(whole)
-        return record | (cells_record(self.aircraft) if whole.aircraft is not None else {})
+        return self.design
 
     @property
     def range(self) -> dict[str, Any] | None:
@@ -254,42 +239,6 @@ class SizingStudy(DesignResult):
             ends = {"from": date_code(int(first)), "to": date_code(int(last))}
             return {**ends, "days": int(coverage.extent)}
         return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
-
-    @cached_property
-    def extrapolations(self) -> tuple[Extrapolation, ...]:
-        """What the optimum takes from outside the range of a model.
-
-        Where excess time alone is missing, what the nearest design takes, which flies all the same.
-        """
-        result, flight = self.result, self.result.simulated
-        if flight is None and all(
-            violation.requirement == "excess_time" for violation in result.violations
-        ):
-            flight = result.nearest
-        if flight is None:
-            return ()
-        notes = extrapolations(self.aircraft, flight)
-        if self.survival is not None:
-            site = self.survival.weather.site
-            notes += collect_extrapolations([record_check(self.survival.mission, site.altitude_m)])
-        return add_effects(notes, self.aircraft, lambda: flight)
-
-    @cached_property
-    def quantities(self) -> dict[str, float] | None:
-        """Quantities that may be bounded; outside of the airfoil's polar the stall is the fenced.
-
-        None where no optimum was found.
-        """
-        design = self.result.design
-        if design is None:
-            return None
-        flight = DesignInFlight(self.aircraft, design)
-        values: dict[str, float] = {name: float(of(flight)) for name, of in QUANTITIES.items()}
-        margin = float(stall_margin_within_polar(flight))
-        if margin != values["stall_margin"]:
-            values["stall_margin"] = margin
-            values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
-        return values
 
     def design_values(self) -> dict[str, float]:
         """Return the numbers of the optimum that tables show."""
@@ -305,15 +254,6 @@ class SizingStudy(DesignResult):
         values = self.design_values() if self.feasible else dict.fromkeys(_OF_DESIGN, np.nan)
         rows = import_module(SERIALISER).rows_of(values)
         return data_frame(rows, columns=["quantity", "value", "unit"])
-
-    @property
-    def margins(self) -> list[RequirementMargin]:
-        """Margin of the optimum on every requirement; empty without one."""
-        simulated = self.result.simulated
-        if simulated is None or self.design is None:
-            return []
-        required_h = max(self.result.required_excess_time_h, 0.0)
-        return requirement_margins(self.aircraft, simulated, required_h)
 
     @property
     def masses_kg(self) -> dict[str, float] | None:
@@ -332,3 +272,102 @@ class SizingStudy(DesignResult):
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
         reached = {key: np.nan if perf is None else MEASURES[key](perf) for key in _OF_SCENARIO}
         return data_frame(places | reached)
+
+
+def study_of(
+    aircraft: Aircraft,
+    mission: Mission,
+    result: SizingResult,
+    solar: SolarModel,
+    *,
+    cooled: Aircraft | None = None,
+    whole_cells: WholeCells | None = None,
+    survival: Survival | None = None,
+    **others: Any,
+) -> SizingStudy:
+    """Return a sizing with all that is known of its optimum, or of the nearest design.
+
+    ``cooled``: the aircraft with the cooling of the optimum's airflow, where it is another.
+    ``others``: what else was asked for, by the names of the attributes.
+    """
+    design, simulated, nearest = result.design, result.simulated, result.nearest
+    optimum = as_assumed = quantities = None
+    margins: list[RequirementMargin] = []
+    if simulated is not None:
+        optimum = analysis_of(aircraft, mission, simulated)
+    if design is not None and simulated is not None:
+        check_user_models(cooled or aircraft, mission, design)
+        as_assumed = _without_margins(cooled or aircraft, mission, design, simulated)
+        required_h = max(result.required_excess_time_h, 0.0)
+        margins = requirement_margins(aircraft, simulated, required_h)
+    if design is not None:
+        quantities = _quantities(aircraft, design)
+    shown = design or (None if nearest is None else nearest.design)
+    common = described(aircraft, mission, shown)
+    laid = whole_cells is not None and whole_cells.aircraft is not None
+    return SizingStudy(
+        **common | {"cells": common["cells"] if laid else None},
+        design=design,
+        solar=solar,
+        result=result,
+        optimum=optimum,
+        reached=Reached.of(simulated),
+        as_assumed=Reached.of(as_assumed),
+        quantities=quantities,
+        margins=margins,
+        structure=None if shown is None else _structure(aircraft, mission, shown),
+        extrapolations=_extrapolations(aircraft, result, survival),
+        whole_cells=whole_cells,
+        survival=survival,
+        **others,
+    )
+
+
+def _without_margins(
+    aircraft: Aircraft, mission: Mission, design: Design, simulated: Performance
+) -> Performance | None:
+    """Return the flight without the mission's uncertainty margins; None where it has none."""
+    if not mission.uncertainty_margins.is_set:
+        return None
+    plain, solar = mission.without_margins(), simulated.solar
+    day = solar_day(aircraft, plain, solar, scenarios=simulated.day.scenarios)
+    return performance_of_designs(aircraft, plain, design.variables, solar, day=day)
+
+
+def _structure(aircraft: Aircraft, mission: Mission, design: Design) -> StructureAssessment | None:
+    """Return what sizes the structure of a design.
+
+    One that no mass closes is taken at twice the mass of all but its structure and propulsion.
+    """
+    if not np.isfinite(design.total_mass_kg):
+        carried_kg = float(sum(design.masses[2:], 0.0))
+        variables = design.variables.mapped(float)
+        design = parametric_design(aircraft, mission, variables, 2.0 * carried_kg)
+    return structure_assessment(aircraft, design)
+
+
+def _extrapolations(
+    aircraft: Aircraft, result: SizingResult, survival: Survival | None
+) -> tuple[Extrapolation, ...]:
+    """Return what the optimum, or else the nearest design, takes from outside of a model."""
+    flight, missed = result.simulated, {row.requirement for row in result.violations}
+    if flight is None and missed <= {"excess_time"}:
+        flight = result.nearest
+    if flight is None:
+        return ()
+    outside = extrapolations(aircraft, flight)
+    if survival is not None:
+        site = survival.weather.site
+        outside += collect_extrapolations([record_check(survival.mission, site.altitude_m)])
+    return add_effects(outside, aircraft, lambda: flight)
+
+
+def _quantities(aircraft: Aircraft, design: Design) -> dict[str, float]:
+    """Return the quantities that may be bounded, the stall within the airfoil's polar."""
+    flight = DesignInFlight(aircraft, design)
+    values: dict[str, float] = {name: float(of(flight)) for name, of in QUANTITIES.items()}
+    margin = float(stall_margin_within_polar(flight))
+    if margin != values["stall_margin"]:
+        values["stall_margin"] = margin
+        values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin
+    return values

@@ -16,8 +16,8 @@ from sizing.program.result import SizingStatus
 from sizing.program.survival import SurvivalSizing, check_survival, in_the_record
 from sizing.results.design_result import check_subjects
 from sizing.results.season import SeasonDays, Survival
-from sizing.results.sizing import checked_objective, study_of
-from sizing.results.sizing_study import SizingStudy
+from sizing.results.sizing import checked_objective
+from sizing.results.sizing_study import SizingStudy, study_of
 from solar.names import CorrectionName, ModelName
 
 

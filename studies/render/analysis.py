@@ -30,14 +30,11 @@ if TYPE_CHECKING:
 def headline(analysis: Analysis) -> str:
     """Return aircraft, mission, excess time and status in one line."""
     excess = " ".join(q.EXCESS_TIME.fact(analysis.excess_time_h))
+    where = analysis.worst_scenario.label
     return (
-        f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}: {excess}, "
+        f"{analysis.aircraft.name} on {analysis.mission.name} at {where}: {excess}, "
         f"{_status(analysis)}"
     )
-
-
-def _where(analysis: Analysis) -> str:
-    return analysis.performance.day.scenarios.label(analysis.worst)
 
 
 def _status(analysis: Analysis) -> str:
@@ -53,7 +50,7 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
     """Return the blocks of an analysis by what they are about, in the order of reading."""
     everything, scenarios = level >= ALL, len(analysis.performance.cycle.status)
     title = (
-        f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}"
+        f"{analysis.aircraft.name} on {analysis.mission.name}, {analysis.worst_scenario.label}"
         f"{f', worst of {scenarios} scenarios' if scenarios > 1 else ''}: {_status(analysis)}"
     )
     facts = in_columns(_analysis_facts(analysis, level), analysis, level)

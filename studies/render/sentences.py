@@ -293,8 +293,7 @@ def uncertainty_line(analysis: Analysis) -> str:
     low, high, mission = analysis.low, analysis.high, analysis.mission
     ends_h = [low.least_excess_time_h, high.least_excess_time_h]
     # Less sun may turn a scenario with a short day into the worst one.
-    weakest = low.worst_scenario()
-    at = "" if weakest == analysis.worst else f" ({low.day.scenarios.label(weakest)})"
+    at = "" if low.worst_scenario() == analysis.worst else f" ({low.worst_label})"
     means = (
         f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
         if hours(ends_h[0]) == hours(ends_h[1])

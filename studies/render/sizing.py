@@ -83,7 +83,7 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     if level >= ALL:
         shown += record_blocks(study.to_dict(), study.objective)
         shown += [
-            *part_blocks(study.optimum, cells=study.cells is not None),
+            *part_blocks(study.optimum, cells=study.whole_cells is not None),
             requirement_table(study.margins),
         ]
     return [*shown, *_builds(study, level), *_confidence(study, level)]
@@ -119,14 +119,13 @@ def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[
 
 
 def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
-    """Return whole cells, what they cost, and the designs that were tried."""
-    cells = study.cells
-    if study.whole_cells is None or cells is None:
+    """Return what whole cells cost, and where they lie, which level 2 has with the parts."""
+    if study.whole_cells is None:
         return []
-    placed = cells.get("solar_cells")
+    placed = None if level >= ALL else (study.cells or {}).get("solar_cells")
     return [
-        say.loss_line(cells, study.objective),
-        *([] if placed is None or level >= ALL else [say.cells_line(placed)]),
+        say.loss_line(serialise(study.whole_cells), study.objective),
+        *([] if placed is None else [say.cells_line(placed)]),
     ]
 
 
@@ -159,9 +158,9 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     if study.reliability is not None:
         return [*shown, say.reliability_text(study)]
     shown += _survival(study, level)
-    if study.cells is not None:
-        every = [neighbour_table(study.cells, study.objective)] if level >= ALL else []
-        return [*shown, *_whole_cells(study, level), *every]
+    if study.whole_cells is not None:
+        tried = neighbour_table(serialise(study.whole_cells), study.objective)
+        return [*shown, *_whole_cells(study, level), *([tried] if level >= ALL else [])]
     if study.status.name != "infeasible" or study.coverage is not None:
         return shown
     if not study.relaxations:

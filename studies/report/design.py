@@ -81,7 +81,7 @@ def aircraft_section(subject: Subject) -> Section:
 def budget_section(subject: Subject) -> Section:
     """Return where mass, power and the energy of the day go."""
     analysis = subject.analysis
-    where = analysis.performance.day.scenarios.label(analysis.worst)
+    where = analysis.performance.worst_label
     measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)  # in a single part
     names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
     each = analysis.performance.design.masses._asdict().items()

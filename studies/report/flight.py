@@ -41,7 +41,7 @@ _ON_CELLS = "#111111"
 def day_section(subject: Subject) -> Section:
     """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
-    where = analysis.performance.day.scenarios.label(analysis.worst)
+    where = analysis.performance.worst_label
     several = len(analysis.performance.cycle.status) > 1
     height = 1.2 + 2.0 * panel_count(analysis)
     caption = (

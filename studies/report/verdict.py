@@ -56,7 +56,7 @@ def _judged(subject: Subject) -> tuple[str, str]:
     lows, highs = (float(np.min(p.cycle.excess_time_h)) for p in (analysis.low, analysis.high))
     required, excess = mission.required_excess_time_h, analysis.excess_time_h
     several = len(analysis.performance.cycle.status) > 1
-    where = analysis.performance.day.scenarios.label(analysis.worst)
+    where = analysis.performance.worst_label
     weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
     who = f"{subject.aircraft.name} on {mission.name}"
     measured = model_error_note(mission.altitude_m)
