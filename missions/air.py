@@ -97,8 +97,21 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
     """
     z = np.asarray(altitude_m, float)
     Allowed(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M).check("altitude_m", z)
-    standard_k, pressure = _standard_temperature_and_pressure(geopotential_altitude_m(z))
-    return air_at(standard_k + np.asarray(temperature_offset_k, float), pressure)
+    h = geopotential_altitude_m(z)
+    temperature = np.full_like(h, _SEA_LEVEL_TEMPERATURE_K)
+    pressure = np.full_like(h, _SEA_LEVEL_PRESSURE_PA)
+    tops = [base for base, _ in _LAYERS[1:]] + [np.inf]
+    for (base, gradient), top in zip(_LAYERS, tops, strict=True):
+        # Below sea level the lowest layer is extended downwards.
+        rise = np.clip(h, -np.inf if base == 0.0 else base, top) - base
+        top_temperature = temperature + gradient * rise
+        if gradient == 0.0:
+            factor = np.exp(-GRAVITY_M_PER_S2 * rise / (GAS_CONSTANT_AIR * temperature))
+        else:
+            exponent = -GRAVITY_M_PER_S2 / (GAS_CONSTANT_AIR * gradient)
+            factor = (top_temperature / temperature) ** exponent
+        temperature, pressure = top_temperature, pressure * factor
+    return air_at(temperature + np.asarray(temperature_offset_k, float), pressure)
 
 
 def pressure_altitude_m(pressure_pa: ArrayLike) -> FloatArray:
@@ -218,22 +231,3 @@ def plate_convection_w_per_m2k(
     laminar = 0.664 * np.sqrt(np.minimum(reynolds, transition_reynolds))
     beyond = 0.037 * (np.maximum(reynolds, transition_reynolds) ** 0.8 - transition_reynolds**0.8)
     return np.asarray((laminar + beyond) * prandtl ** (1.0 / 3.0) * conductivity / chord)
-
-
-def _standard_temperature_and_pressure(h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    temperature = np.full_like(h, _SEA_LEVEL_TEMPERATURE_K)
-    pressure = np.full_like(h, _SEA_LEVEL_PRESSURE_PA)
-    tops = [base for base, _ in _LAYERS[1:]] + [np.inf]
-    for (base, gradient), top in zip(_LAYERS, tops, strict=True):
-        # Below sea level the lowest layer is extended downwards.
-        lower = -np.inf if base == 0.0 else base
-        rise = np.clip(h, lower, top) - base
-        rise = rise if base == 0.0 else np.maximum(rise, 0.0)
-        top_temperature = temperature + gradient * rise
-        if gradient == 0.0:
-            factor = np.exp(-GRAVITY_M_PER_S2 * rise / (GAS_CONSTANT_AIR * temperature))
-        else:
-            exponent = -GRAVITY_M_PER_S2 / (GAS_CONSTANT_AIR * gradient)
-            factor = (top_temperature / temperature) ** exponent
-        temperature, pressure = top_temperature, pressure * factor
-    return temperature, pressure

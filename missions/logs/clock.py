@@ -126,8 +126,17 @@ def times_from_text(
         if len(halves):
             hour = halves[1].astype(int) % 12 + 12 * halves[3].str.lower().eq("p").astype(int)
             text[halves.index] = halves[0] + hour.map("{:02d}".format) + halves[2]
-        if other.any():
-            text[other] = _as_iso(text[other], notes, american=len(halves) > 0)
+        # Other forms as ISO 8601; a day above 12, AM or PM tells the order of 07/12/2015.
+        rest = text[other]
+        parts = rest.str.extract(_SLASHED).dropna().astype(int)
+        day_first = bool((parts[0] > 12).any())
+        if len(parts) and (day_first or len(halves) or (parts[1] > 12).any()):
+            notes.append(f"dates are read as {'day/month/year' if day_first else 'month/day/year'}")
+            order = r"\3-\2-\1 " if day_first else r"\3-\1-\2 "
+            rest = rest.str.replace(_SLASHED, order, regex=True)
+        for pattern, iso in _REWRITTEN:
+            rest = rest.str.replace(pattern, iso, regex=True)
+        text[other] = rest
     if text.str.contains(",", regex=False, na=False).any():
         text = text.str.replace(r"(:\d\d),(\d)", r"\1.\2", regex=True)
     zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
@@ -152,19 +161,6 @@ def times_from_text(
     unknown = written & np.isnan(time_s)
     why = _NO_ZONE if zone is None else _NO_HOUR
     return Times(time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, tuple(notes))
-
-
-def _as_iso(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
-    """Rewrite other forms as ISO 8601; a day above 12, AM or PM tells the order of 07/12/2015."""
-    parts = text.str.extract(_SLASHED).dropna().astype(int)
-    day_first = bool((parts[0] > 12).any())
-    if len(parts) and (day_first or american or (parts[1] > 12).any()):
-        notes.append(f"dates are read as {'day/month/year' if day_first else 'month/day/year'}")
-        form = r"\3-\2-\1 " if day_first else r"\3-\1-\2 "
-        text = text.str.replace(_SLASHED, form, regex=True)
-    for pattern, form in _REWRITTEN:
-        text = text.str.replace(pattern, form, regex=True)
-    return text
 
 
 def _seconds(instants: pd.Series) -> FloatArray:

@@ -214,13 +214,16 @@ def recipes_for(
         except ValueError as error:
             problems.append(str(error))
     taken = {column for recipe in recipes.values() for column in recipe.columns}
-    for quantity in QUANTITIES if guess else ():
-        if (
-            quantity not in recipes
-            and (column := _guess_column(quantity, header, taken)) is not None
-        ):
-            exact = column.column in (quantity, TIME, EPOCH)
-            recipes[quantity] = Recipe(quantity, ((column,),), guessed=not exact)
+    for quantity in [name for name in QUANTITIES if guess and name not in recipes]:
+        # The exact name comes first, then the likeliest of the other ones.
+        names = [quantity, *((TIME, EPOCH) if quantity == "time" else ())]
+        free = [name for name in header if name not in taken]
+        exact = next((Factor(name, None) for name in names if name in free), None)
+        alike = [_match_alias(quantity, name) for name in free if name not in QUANTITIES]
+        known = [match for match in alike if match is not None]
+        if exact is not None or known:
+            column = exact or min(known, key=lambda match: match[0])[1]
+            recipes[quantity] = Recipe(quantity, ((column,),), guessed=exact is None)
             if quantity not in _PARTS:  # one voltage may serve the power and itself
                 taken.add(column.column)
     if guess and "solar_power_w" not in recipes:
@@ -306,17 +309,6 @@ def _words_of_name(name: str) -> list[str]:
     """Split a name, also in camel case, into words in lower case."""
     apart = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
     return re.findall(r"[a-z0-9%°µ]+", apart.lower())
-
-
-def _guess_column(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:
-    """Return the likeliest column of a quantity; the exact name comes first."""
-    free = [name for name in header if name not in taken]
-    for name in (quantity, TIME, EPOCH) if quantity == "time" else (quantity,):
-        if name in free:
-            return Factor(name, None)
-    matches = [_match_alias(quantity, name) for name in free if name not in QUANTITIES]
-    known = [match for match in matches if match is not None]
-    return min(known, key=lambda match: match[0])[1] if known else None
 
 
 def _match_alias(quantity: str, name: str) -> tuple[int, Factor] | None:

@@ -62,8 +62,11 @@ class DayAxis:
         nodes = np.minimum(first[:, np.newaxis] + np.arange(per_day + 1), len(light.time_s) - 1)
         clock_h = light.time_solar_h[first]
         midnight_h = np.where(clock_h > 12.0, clock_h - HOURS_PER_DAY, clock_h)
-        # Dates at the site's noon, not Greenwich's.
-        noon_h = HOURS_PER_DAY / 2.0 - midnight_h + light.site.calendar_offset_h
+        # Dates at the site's noon, not Greenwich's, on its zone's side of the date line. A file
+        # without a time zone has an offset of zero; the longitude alone sets its calendar.
+        solar_h = light.site.longitude_deg / 15.0
+        zone_h = solar_h + 24.0 * float(np.rint((light.site.utc_offset_h - solar_h) / 24.0))
+        noon_h = HOURS_PER_DAY / 2.0 - midnight_h + zone_h
         date = (light.time_s[first] + SECONDS_PER_HOUR * noon_h).astype("datetime64[s]")
         date = date.astype("datetime64[D]")
         return cls(

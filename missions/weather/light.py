@@ -57,7 +57,16 @@ def light_at_altitude(
     whole numbers of them.
     """
     Allowed(1.0, 3.0 * SECONDS_PER_HOUR).check("step_s", step_s)
-    weather = _coarsen(weather, step_s)
+    many = int(step_s / weather.interval_s + 1e-9)
+    if many > 1:  # means over whole numbers of its intervals, up to the step
+        rows = len(weather) // many * many
+        means: dict[str, Any] = {
+            name: values[:rows].reshape(-1, many).mean(axis=1)
+            for name, values in vars(weather).items()
+            if isinstance(values, np.ndarray)
+        }
+        means["start_s"] = weather.start_s[:rows:many]
+        weather = replace(weather, interval_s=weather.interval_s * many, **means)
     parts = max(1, int(np.ceil(weather.interval_s / step_s - 1e-9)))
     while (SECONDS_PER_DAY * parts / weather.interval_s) % 1.0 > 1e-9:
         parts += 1
@@ -137,19 +146,3 @@ def _interpolate_to_nodes(values: FloatArray, parts: int) -> FloatArray:
     """Interpolate interval means at the middles of their steps."""
     places = (np.arange(len(values) * parts) + 0.5) / parts - 0.5
     return np.interp(places, np.arange(len(values)), values)
-
-
-def _coarsen(weather: Weather, step_s: float) -> Weather:
-    """Average a record over whole numbers of its intervals, up to the step."""
-    many = int(step_s / weather.interval_s + 1e-9)
-    if many <= 1:
-        return weather
-    rows = len(weather) // many * many
-
-    means: dict[str, Any] = {
-        name: values[:rows].reshape(-1, many).mean(axis=1)
-        for name, values in vars(weather).items()
-        if isinstance(values, np.ndarray)
-    }
-    means["start_s"] = weather.start_s[:rows:many]
-    return replace(weather, interval_s=weather.interval_s * many, **means)

@@ -48,15 +48,6 @@ class Site:
         place = f"{north}, {east}, {round(self.altitude_m)} m"
         return f"{self.name} ({place})" if self.name else place
 
-    @property
-    def calendar_offset_h(self) -> float:
-        """Mean solar time minus universal time [h], on the time zone's side of the date line.
-
-        A file without a time zone has an offset of zero; the longitude alone sets its calendar.
-        """
-        solar_h = self.longitude_deg / 15.0
-        return solar_h + 24.0 * float(np.rint((self.utc_offset_h - solar_h) / 24.0))
-
 
 @dataclass(frozen=True)
 class Weather:

@@ -87,7 +87,11 @@ def wind_table_from_netcdf(
         north = np.argsort(latitudes)
         winds = np.empty((len(north), len(levels), len(known), len(percentiles)))
         for row, i in zip(winds, north.tolist(), strict=True):  # one by one, for the memory
-            speed = _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors)
+            parts = (values_of(wind[:, i, levels]) for wind in (u, v))
+            speed = np.hypot(*(factor * part for factor, part in zip(factors, parts, strict=True)))
+            if np.any(speed > STRONGEST_M_PER_S):
+                fastest = spell(np.nanmax(speed), 4)
+                raise refused(f"has a wind of {fastest} m/s: a code of missing values or its unit")
             for column, month in enumerate(known):
                 row[:, column] = np.percentile(speed[months == month], percentiles, axis=(0, 2)).T
         if not np.isfinite(winds).all():
@@ -253,12 +257,3 @@ def altitudes_m(level: Any) -> FloatArray:
         raise refused(f"has levels in {unit or 'no unit'} (known: {known})")
     # Pressures of zero or below are as high as the least one.
     return pressure_altitude_m(np.maximum(values * _PASCALS[unit], 1e-9))
-
-
-def _speed_m_per_s(u: xr.DataArray, v: xr.DataArray, factors: list[float]) -> FloatArray:
-    """Return the wind speed at a latitude [m/s], shape ``(time, level, longitude)``."""
-    speed = np.hypot(factors[0] * values_of(u), factors[1] * values_of(v))
-    if np.any(speed > STRONGEST_M_PER_S):
-        fastest = spell(np.nanmax(speed), 4)
-        raise refused(f"has a wind of {fastest} m/s: a code of missing values or its unit")
-    return np.asarray(speed)

@@ -43,14 +43,18 @@ _ALPHA_DEG, _DRAG = Allowed(-90.0, 90.0), Allowed(0.0, 10.0, above=True, below=T
 _MOST_ROWS = 50_000  # beyond any set of polars
 
 _NO_POLAR = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
-_SECTION = re.compile(r"^\s*Calculated polar for\s*:\s*,?(.*)$", re.IGNORECASE)
-# First line of the CSV of airfoiltools.com, and the lines of its header that are used.
-_OF_A_SITE = re.compile(r"^\s*Xfoil polar\.", re.IGNORECASE)
+# First lines of a polar, the last one in the CSV of airfoiltools.com.
+_STARTS: dict[Literal["section", "wing"], re.Pattern[str]] = {
+    "section": re.compile(
+        r"^\s*(?:Calculated polar for\s*:\s*,?(.*)$|Xfoil polar\.)", re.IGNORECASE
+    ),
+    "wing": re.compile(r"^\s*(?:Wing|Plane) name\s*:\s*,?(.*)$", re.IGNORECASE),
+}
+# Lines of that site's header that are used.
+_ENTRIES = {"reynolds number": "reynolds", "mach": "mach", "ncrit": "ncrit"}
 _ENTRY = re.compile(
     r"^\s*(Airfoil|Reynolds number|Mach|Ncrit)\s*,\s*([^,]*\S)[\s,]*$", re.IGNORECASE
 )
-_WING = re.compile(r"^\s*(?:Wing|Plane) name\s*:\s*,?(.*)$", re.IGNORECASE)
-_STARTS: dict[Literal["section", "wing"], re.Pattern[str]] = {"section": _SECTION, "wing": _WING}
 _WING_POLAR = re.compile(r"^\s*(?:Wing polar|Plane polar|Polar) name\s*:\s*,?(.*)$", re.IGNORECASE)
 _TYPE = re.compile(r"^\s*(\d)\s+(\d)\s+Reynolds number", re.IGNORECASE)
 _FIXED_ALPHA = re.compile(r"^\s*Alpha\s*=", re.IGNORECASE)
@@ -136,10 +140,8 @@ def is_foreign(text: str) -> bool:
     """Return whether a text is from XFOIL or XFLR5 rather than a polar table."""
     if text.startswith(FILE_MARK):
         return True
-    head = [line for _, line in zip(range(40), text.splitlines(), strict=False)]
-    return any(
-        pattern.match(line) for line in head for pattern in (_SECTION, _WING, _PROGRAM, _OF_A_SITE)
-    )
+    known = (*_STARTS.values(), _PROGRAM)
+    return any(form.match(line) for line in text.splitlines()[:40] for form in known)
 
 
 def read_polars(text: str, source: str) -> list[FilePolar]:
@@ -154,17 +156,19 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
     for file, number, line in _lines(text, source):
         if _PROGRAM.match(line):
             program = " ".join(line.split())
-        start = _new_polar(file, number, line, program)
-        if line.strip() and (not polars or polars[-1].source != file) and start is None:
-            empty.setdefault(file, number)
-        if start is not None:
-            polars.append(start)
+        starts = ((kind, form.match(line)) for kind, form in _STARTS.items())
+        kind, start = next((pair for pair in starts if pair[1]), ("section", None))
+        if start:
+            name = printable(" ".join((start[1] or "").split()).strip(","))[:80] or "unnamed"
+            polars.append(FilePolar(file, number, kind, name, program))
             empty.pop(file, None)
         elif polars and polars[-1].source == file:
             try:
                 count += _read_line(polars[-1], number, line)
             except ValueError as error:
                 problems.append(polars[-1].problem(number, str(error)))
+        elif line.strip():
+            empty.setdefault(file, number)
         if count > _MOST_ROWS:
             raise InputError([Problem(file, number, None, "", f"more than {_MOST_ROWS} rows")])
     if not polars:
@@ -189,17 +193,6 @@ def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
         yield file, number, line.rstrip("\r")
 
 
-def _new_polar(file: str, number: int, line: str, program: str) -> FilePolar | None:
-    """Return a new polar if a line starts one, else None."""
-    if _OF_A_SITE.match(line):
-        return FilePolar(file, number, "section", "unnamed", program)
-    for kind, expression in _STARTS.items():
-        if match := expression.match(line):
-            name = printable(" ".join(match[1].split()).strip(","))[:80] or "unnamed"
-            return FilePolar(file, number, kind, name, program)
-    return None
-
-
 def _read_line(polar: FilePolar, number: int, line: str) -> bool:
     """Read a line below the first one of a polar, and return whether it is a row."""
     if not line.strip() or _RULE.match(line):
@@ -217,6 +210,7 @@ def _read_line(polar: FilePolar, number: int, line: str) -> bool:
 
 def _read_header(polar: FilePolar, line: str) -> None:
     """Read a line of the header; unknown lines are skipped."""
+    air = polar.mach, polar.reynolds
     if match := _TYPE.match(line):
         polar.reynolds_type = int(match[1])
         if polar.reynolds_type not in (1, 2):
@@ -227,9 +221,15 @@ def _read_header(polar: FilePolar, line: str) -> None:
     elif match := _SETTINGS.search(line):
         exponent = 10.0 ** min(int(match[3] or 0), 99)
         polar.ncrit = None if match[4] is None else _float(match[4])
-        _take_air(polar, _float(match[1]), _float(match[2]) * exponent)
+        polar.mach, polar.reynolds = _float(match[1]), _float(match[2]) * exponent
     elif match := _ENTRY.match(line):
-        _take_entry(polar, match[1].lower(), match[2])
+        key, value = match[1].lower(), match[2]
+        if key == "airfoil":
+            polar.name = printable(value)[:80]
+        elif re.fullmatch(_NUMBER, value):
+            setattr(polar, _ENTRIES[key], _float(value))
+        else:
+            raise ValueError(refusal(f"{key} must be a number", shown(value)))
     elif match := _TRIP.search(line):
         polar.trip = (_float(match[1]), _float(match[2]))
     elif match := _WING_POLAR.match(line):
@@ -245,30 +245,13 @@ def _read_header(polar: FilePolar, line: str) -> None:
         raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
     elif line.lower().lstrip().startswith("alpha"):
         _take_columns(polar, line)
-
-
-def _take_entry(polar: FilePolar, key: str, value: str) -> None:
-    """Read a line of a web site's header."""
-    if key == "airfoil":
-        polar.name = printable(value)[:80]
+    if (polar.mach, polar.reynolds) == air:
         return
-    if not re.fullmatch(_NUMBER, value):
-        raise ValueError(refusal(f"{key} must be a number", shown(value)))
-    if key == "ncrit":
-        polar.ncrit = _float(value)
-    elif key == "mach":
-        _take_air(polar, _float(value), polar.reynolds)
-    else:
-        _take_air(polar, polar.mach, _float(value))
-
-
-def _take_air(polar: FilePolar, mach: float, reynolds: float) -> None:
-    polar.mach, polar.reynolds = mach, reynolds
-    _MACH.check("Mach", mach)
-    if reynolds == 0.0:
+    _MACH.check("Mach", polar.mach)
+    if polar.reynolds == 0.0:
         raise ValueError(refusal(f"Re must be {_REYNOLDS}", "0, an inviscid polar"))
-    if not math.isnan(reynolds):
-        _REYNOLDS.check("Re", reynolds)
+    if not math.isnan(polar.reynolds):
+        _REYNOLDS.check("Re", polar.reynolds)
 
 
 def _take_columns(polar: FilePolar, line: str) -> None:

@@ -147,11 +147,11 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
 
     level, slow, stall = trimmed(lift), trimmed(slow_lift), trimmed(stall_lift)
     slow_ratio = (lift / slow_lift) ** 0.5
-    directional = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
+    yaw, rudder = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
     slow_drag = drag_coefficient(slow_lift, it.reynolds_number * slow_ratio)
     elevator = elevator_deflection(tail, neutral, level, slow, slow_lift - lift)
     elevator_at_stall = elevator_deflection(tail, neutral, level, stall, stall_lift - lift)
-    sideslip = float(directional.rudder / directional.slope)
+    sideslip = float(rudder / yaw)
     slow_speed = float(design.airspeed_m_per_s) * slow_ratio
     motors = getattr(airframe.propulsion, "propulsors", 1)
     twin = motors == 2 and getattr(airframe.structure, "booms", 1) == 2
@@ -170,8 +170,8 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
         elevator_deg=degrees(elevator),
         elevator_at_stall_deg=degrees(elevator_at_stall),
         elevator_limit_deg=tail.elevator_deflection_deg,
-        directional_slope=float(directional.slope),
+        directional_slope=float(yaw),
         sideslip_deg=degrees(sideslip),
         crosswind_m_per_s=slow_speed * sin(sideslip),
-        motor_out=float(yawing / directional.rudder) if twin else None,
+        motor_out=float(yawing / rudder) if twin else None,
     )

@@ -193,8 +193,21 @@ class BuiltUpPolar:
     def shares(self, reynolds: Value) -> DragShares:
         """Return the drag of the parts."""
         profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
-        components = self._components(profile, reynolds)
-        return DragShares(profile, induced, *components, other, self._trim_drag())
+        components, trim_drag = self._components(profile, reynolds), 0.0
+        if self.static_margin is not None:
+            wing, planes = self.wing, self.tail.planes(self.wing)
+            body_m3 = 0.0 if self.components is None else self.components.volume_m3
+            neutral_m = neutral_point(wing, self.tail, planes, body_m3).x_m
+            trim_drag = trim(
+                wing,
+                self.tail,
+                planes,
+                lift=self.flight_lift_coefficient,
+                moment=self.moment,
+                gravity_x_m=neutral_m - self.static_margin * wing.aerodynamic_chord_m,
+                span_efficiency=self.base.span_efficiency,
+            ).drag
+        return DragShares(profile, induced, *components, other, trim_drag)
 
     def _components(
         self, profile: Value, reynolds: Value
@@ -226,20 +239,3 @@ class BuiltUpPolar:
             pods = pods + friction * factor * pod.wetted_m2 / area_m2
         gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)
         return horizontal, vertical, booms, pods, gaps
-
-    def _trim_drag(self) -> Value:
-        """Return the trim drag at the static margin [-]."""
-        if self.static_margin is None:
-            return 0.0
-        wing, planes = self.wing, self.tail.planes(self.wing)
-        body_m3 = 0.0 if self.components is None else self.components.volume_m3
-        neutral_m = neutral_point(wing, self.tail, planes, body_m3).x_m
-        return trim(
-            wing,
-            self.tail,
-            planes,
-            lift=self.flight_lift_coefficient,
-            moment=self.moment,
-            gravity_x_m=neutral_m - self.static_margin * wing.aerodynamic_chord_m,
-            span_efficiency=self.base.span_efficiency,
-        ).drag

@@ -141,20 +141,12 @@ def elevator_deflection(
     return (slow.tail_lift - level.tail_lift - by_angle) / effect
 
 
-class DirectionalStability(NamedTuple):
-    """Weathercock stability and rudder, coefficients on wing area and span.
-
-    ``slope``: ``dC_n/d beta`` [1/rad]. ``rudder``: yawing moment of the largest deflection [-].
-    """
-
-    slope: Value
-    rudder: Value
-
-
 def directional_stability(
     wing: Wing, tail: Tail, planes: TailPlanes, *, gravity_x_m: Value, body_m3: float
-) -> DirectionalStability:
-    """Return the yawing moments of fins, pods and rudder.
+) -> tuple[Value, Value]:
+    """Return ``dC_n/d beta`` [1/rad], and the yawing moment of the largest rudder deflection [-].
+
+    Both are coefficients on wing area and span.
 
     Fins: ``a_v S_v l/(S b)`` times ``(1 + d sigma/d beta) eta`` of Raymer, eq. 16.47 and 16.48, at
     1.55 times their aspect ratio. Pods: ``-2 volume/(S b)`` as in pitch.
@@ -167,4 +159,4 @@ def directional_stability(
     body = 2.0 * body_m3 / (wing.area_m2 * wing.wingspan_m)
     effect = control_effectiveness(tail.rudder_chord_fraction) * tail.dynamic_pressure_ratio
     deflection = tail.rudder_deflection_deg * pi / 180.0
-    return DirectionalStability(slope * sidewash - body, slope * effect * deflection)
+    return slope * sidewash - body, slope * effect * deflection

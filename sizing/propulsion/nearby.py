@@ -7,7 +7,7 @@ are fitted to exact values.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -23,21 +23,17 @@ from solar.types import FloatArray
 _HALF_WIDTHS, _DEGREES = (1.0, 0.35), (9, 4)
 
 
-class _Polynomials(NamedTuple):
-    """Polynomials for the logarithms of ``n D / V`` and of shaft power over thrust power."""
-
-    centre: FloatArray
-    turns: FloatArray
-    cost: FloatArray
-
-
 class NearbyPropulsion(OperatingPointPropulsion):
-    """Parts with polynomials for their propeller, and without limits. Not in files."""
+    """Parts with polynomials for their propeller, and without limits. Not in files.
+
+    ``polynomials``: their centre, and those of the logarithms of ``n D / V`` and of shaft power
+    over thrust power.
+    """
 
     is_exact = False
     is_limited = False
 
-    polynomials: Any = Field(exclude=True, repr=False)
+    polynomials: tuple[FloatArray, ...] = Field(exclude=True, repr=False)
 
     @classmethod
     def of(
@@ -64,7 +60,7 @@ class NearbyPropulsion(OperatingPointPropulsion):
         rows = np.log(np.stack([turns * diameter_m / speed_m_per_s, cost], axis=1)[known])
         coefficients = np.linalg.lstsq(basis, rows, rcond=1e-10)[0]
         shape = tuple(n + 1 for n in _DEGREES)
-        polynomials = _Polynomials(centre, *(column.reshape(shape) for column in coefficients.T))
+        polynomials = (centre, *(column.reshape(shape) for column in coefficients.T))
         fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
         return cls.model_construct(**fields, polynomials=polynomials)
 
@@ -106,15 +102,15 @@ class NearbyPropulsion(OperatingPointPropulsion):
         """Return rotation [1/s], power of one shaft [W], and shaft over thrust power [-]."""
         thrust_w = thrust_power_w / self.propulsors
         diameter_m = self.propeller.propeller.diameter_m
-        polynomials = self.polynomials
+        centre, *polynomials = self.polynomials
         numbers = _numbers(thrust_w, airspeed_m_per_s, air, diameter_m)
         place: list[Any] = [
             np.clip((np.log(number) - middle) / half, -1.0, 1.0)
-            for number, middle, half in zip(numbers, polynomials.centre, _HALF_WIDTHS, strict=True)
+            for number, middle, half in zip(numbers, centre, _HALF_WIDTHS, strict=True)
         ]
         turns, cost = (
             np.exp(chebyshev.chebval2d(place[0], place[1], coefficients))
-            for coefficients in polynomials[1:]
+            for coefficients in polynomials
         )
         return turns * airspeed_m_per_s / diameter_m, thrust_w * cost, cost
 

@@ -110,13 +110,24 @@ class PropellerTable:
             weight = np.clip(weight, 0.0, 1.0)
             weight = weight if self.any_speed else np.where(beyond, np.nan, weight)
         upper = np.minimum(place + 1, len(speeds) - 1)
-        columns = (
-            [_curve_at(advance, curve.advance_ratio, getattr(curve, name)) for curve in self.curves]
-            for name in Coefficients._fields
-        )
-        return Coefficients(
-            *(_weighted_mean(np.array(column), place, upper, weight) for column in columns)
-        )
+
+        def mean_of(name: str) -> FloatArray:
+            """Return the weighted mean of two curves; a curve of weight 0 may end earlier."""
+            curves = []
+            for curve in self.curves:
+                known = curve.advance_ratio
+                near = np.where(np.abs(advance - known[0]) < _EDGE, known[0], advance)
+                near = np.where(np.abs(near - known[-1]) < _EDGE, known[-1], near)
+                values = getattr(curve, name)
+                curves.append(np.interp(near, known, values, left=np.nan, right=np.nan))
+            low, high = (
+                np.take_along_axis(np.array(curves), number[np.newaxis], axis=0)[0]
+                for number in (place, upper)
+            )
+            mean = (1.0 - weight) * low + weight * high
+            return np.asarray(np.where(weight == 0.0, low, np.where(weight == 1.0, high, mean)))
+
+        return Coefficients(*map(mean_of, Coefficients._fields))
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the data."""
@@ -131,20 +142,3 @@ class PropellerTable:
     def at(self, indices: Indices) -> PropellerTable:
         """Return this propeller, the same at all points."""
         return self
-
-
-def _curve_at(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
-    """Interpolate values along a curve; NaN beyond its ends."""
-    near = np.where(np.abs(advance - known[0]) < _EDGE, known[0], advance)
-    near = np.where(np.abs(near - known[-1]) < _EDGE, known[-1], near)
-    return np.asarray(np.interp(near, known, values, left=np.nan, right=np.nan))
-
-
-def _weighted_mean(
-    curves: FloatArray, lower: np.ndarray, upper: np.ndarray, weight: FloatArray
-) -> FloatArray:
-    """Return the weighted mean of two curves; a curve of weight 0 may end earlier."""
-    low = np.take_along_axis(curves, lower[np.newaxis], axis=0)[0]
-    high = np.take_along_axis(curves, upper[np.newaxis], axis=0)[0]
-    mean = (1.0 - weight) * low + weight * high
-    return np.asarray(np.where(weight == 0.0, low, np.where(weight == 1.0, high, mean)))

@@ -210,6 +210,12 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     if wires is not None:
         lift, mass = station.braced_lift_moment, station.braced_mass_moment
         landed = station.braced_landed_moment if wires.landing_wires else landed
+    nose, torsion = "gauge", model.torsion
+    if torsion is not None:
+        needed = {k: float(v) for k, v in torsion.needed_nm2(model.twisting(wing)).items()}
+        largest_need = max(needed, key=lambda name: needed[name])
+        if _at_gauge_nm2(model, torsion, wing) < needed[largest_need]:
+            nose = largest_need
     level = GRAVITY_M_PER_S2 * (wing.total_mass_kg * lift - wing.relief_kg * mass)
     landing = GRAVITY_M_PER_S2 * wing.relief_kg * landed
     bent_1g, turned_1g = _tip_bending(model, wing, station, integral, load=level, needs=needs)
@@ -223,13 +229,13 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         spar_caps=caps,
         spar_caps_case=_case(next(iter(caps)), needs, station, cases),
         spar_web=_shares((model.web_needs_m(wing, model.shear_n(wing, station)),), station),
-        nose=_nose_criterion(model, wing),
+        nose=nose,
         tip_deflection_1g=bent_1g,
         tip_deflection_limit=up * bent_1g,
         tip_deflection_landing=model.landing_load_factor * bent_landing,
         tip_slope_1g_deg=turned_1g,
         tip_slope_limit_deg=up * turned_1g,
-        torsion=None if model.torsion is None else _torsion(model, model.torsion, wing),
+        torsion=None if torsion is None else _torsion(model, torsion, wing, needed),
         wing_battery_kg=inputs.wing_battery_kg + inputs.pod_battery_kg - float(wing.pod_battery_kg),
         pod_battery_kg=float(wing.pod_battery_kg),
     )
@@ -290,15 +296,6 @@ def _tip_bending(
     return float(deflection), degrees(float(integral(curvature) * half_span))
 
 
-def _nose_criterion(model: RibWingStructure, wing: Wing) -> str:
-    """Return the criterion that sizes the nose's sheet."""
-    if model.torsion is None:
-        return "gauge"
-    needed = model.torsion.needed_nm2(model.twisting(wing))
-    name = max(needed, key=lambda each: float(needed[each]))
-    return name if _at_gauge_nm2(model, model.torsion, wing) < needed[name] else "gauge"
-
-
 def _at_gauge_nm2(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> float:
     """Return the torsional stiffness with the nose's sheet at its gauge [N m2]."""
     wall = torsion.sheet_shear_modulus_pa * wing.sheet_m
@@ -306,8 +303,9 @@ def _at_gauge_nm2(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> 
     return float(nose + model.box_torsional_stiffness_nm2(wing))
 
 
-def _torsion(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> Torsion:
-    needed = {k: float(v) for k, v in torsion.needed_nm2(model.twisting(wing)).items()}
+def _torsion(
+    model: RibWingStructure, torsion: WingTorsion, wing: Wing, needed: dict[str, float]
+) -> Torsion:
     stiff = wing._replace(sheet_m=wing.sheet_m + model.stiffening_sheet_m(wing))
     stiffness = _at_gauge_nm2(model, torsion, stiff)
     twist = torsion.maximum_twist_deg * needed["twist_at_limit_load"] / stiffness

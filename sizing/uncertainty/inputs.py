@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -30,8 +29,6 @@ from sizing.structures.build import build_qualities
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 
-_CONFIDENCE_Z = 1.959964  # of 95 %
-
 
 @dataclass(frozen=True)
 class Proportion:
@@ -49,12 +46,11 @@ class Proportion:
         inference, J. Am. Stat. Assoc. 22, 209-212. It holds for independent draws, and is
         conservative for the points of a Sobol sequence.
         """
-        count, z = len(marks), _CONFIDENCE_Z
-        share = float(np.mean(marks))
-        centre = (share + z * z / (2.0 * count)) / (1.0 + z * z / count)
-        half = z * math.sqrt(share * (1.0 - share) / count + z * z / (4.0 * count * count))
-        half /= 1.0 + z * z / count
-        return cls(share, max(centre - half, 0.0), min(centre + half, 1.0))
+        from scipy.stats import binomtest
+
+        found = binomtest(int(np.count_nonzero(marks)), len(marks))
+        ends = found.proportion_ci(0.95, method="wilson")
+        return cls(float(np.mean(marks)), float(ends.low), float(ends.high))
 
     def text(self) -> str:
         """Return share and interval in per cent."""
@@ -118,16 +114,13 @@ class UncertainInputs:
         """True if no two inputs are correlated."""
         return bool(np.array_equal(self.correlation, np.eye(len(self))))
 
-    @cached_property
-    def _root(self) -> FloatArray:
-        return np.asarray(np.linalg.cholesky(self.correlation), float)
-
     def values(self, shares: FloatArray) -> dict[str, FloatArray]:
         """Return the values of each input by its key at points of the unit cube, ``(sample,)``."""
         if not self.independent:
             from scipy.special import ndtr, ndtri
 
-            shares = ndtr(self._root @ ndtri(np.clip(shares, 1e-12, 1.0 - 1e-12)))
+            root = np.linalg.cholesky(self.correlation)
+            shares = ndtr(root @ ndtri(np.clip(shares, 1e-12, 1.0 - 1e-12)))
         return {
             scattering.key: scattering.values(share)
             for scattering, share in zip(self.inputs, shares, strict=True)
@@ -168,23 +161,18 @@ def uncertain_inputs(
         ]
     if model_error and solar.rms_relative > 0.0:
         inputs.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
-    inputs += _scatter_of_build(aircraft, {scattering.key for scattering in inputs})
-    correlation, wrong = _correlations(
-        aircraft.name, [scattering.key for scattering in inputs], pairs
-    )
+    keys = [scattering.key for scattering in inputs]
+    build = value_at(aircraft, BUILD_KEY)
+    # The scatter of the build quality, unless the file has one for the structure.
+    if isinstance(build, str) and not {BUILD_KEY, *FITTED_KEYS}.intersection(keys):
+        quality = build_qualities()[build]
+        scatter = LogNormal(distribution="lognormal", relative_sigma=math.expm1(quality.log_sigma))
+        inputs.append(UncertainInput(BUILD_KEY, quality.factor, scatter))
+        keys.append(BUILD_KEY)
+    correlation, wrong = _correlations(aircraft.name, keys, pairs)
     if problems or wrong:
         raise InputError([*problems, *wrong])
     return UncertainInputs(tuple(inputs), correlation)
-
-
-def _scatter_of_build(aircraft: Aircraft, named: set[str]) -> list[UncertainInput]:
-    """Return the scatter of the build quality, unless the file has one for the structure."""
-    build = value_at(aircraft, BUILD_KEY)
-    if not isinstance(build, str) or named & {BUILD_KEY, *FITTED_KEYS}:
-        return []
-    quality = build_qualities()[build]
-    scatter = LogNormal(distribution="lognormal", relative_sigma=math.expm1(quality.log_sigma))
-    return [UncertainInput(BUILD_KEY, quality.factor, scatter)]
 
 
 def _has_operating_point(owner: Aircraft | Mission) -> bool:

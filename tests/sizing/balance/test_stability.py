@@ -102,10 +102,10 @@ def test_a_stable_aircraft_flies_slower_with_the_elevator_up():
 
 
 def test_fins_steady_and_pods_unsteady():
-    plain, with_pod = (
+    (plain, rudder), (with_pod, same) = (
         directional_stability(WING, TAIL, PLANES, gravity_x_m=0.1, body_m3=volume)
         for volume in (0.0, 0.01)
     )
-    assert plain.slope > with_pod.slope
-    assert plain.slope - with_pod.slope == pytest.approx(0.02 / (WING.area_m2 * 5.65))
-    assert plain.rudder == with_pod.rudder > 0.0
+    assert plain > with_pod
+    assert plain - with_pod == pytest.approx(0.02 / (WING.area_m2 * 5.65))
+    assert rudder == same > 0.0
