@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, pairwise
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -30,19 +30,14 @@ from solar.schema import (
 )
 from solar.shading import TailGeometry
 
+_KEY = "modules.layout"  # of the layout in the aircraft's file
 # Tolerance of rounding, far below any gap: relative to a cell, or in metres.
 _ROUNDING = 1e-9
 # Tolerance of the mean of relative chords, which files round.
 _MEAN_TOLERANCE = 0.01
+# Starts [m] and numbers of the cells of a row between keep-outs.
+_Stretches: TypeAlias = list[tuple[float, int]]
 _Row = Annotated[NonNegativeInteger, Field(le=MOST_CELLS)]
-
-
-class LayoutError(ValueError):
-    """Layout that does not fit on a wing; ``key`` is relative to ``modules.layout``."""
-
-    def __init__(self, key: str, message: str) -> None:
-        super().__init__(message)
-        self.key = key
 
 
 class Wing(NamedTuple):
@@ -200,12 +195,12 @@ class CellLayout(Record):
         return [*((-y, front, rear) for y, front, rear in reversed(right) if y > 0.0), *right]
 
     def placed(self, wing: Wing, tail: TailGeometry | None) -> list[PlacedCell]:
-        """Return all cells; raise :class:`LayoutError` where they do not fit on wing or tail."""
+        """Return all cells; refuse those that do not fit on wing or tail."""
         right = [cell for number in range(len(self.bays)) for cell in self._bay(number, wing)]
         return [*(cell.mirrored() for cell in right), *right, *self._on_tail(tail)]
 
     def _bay(self, number: int, wing: Wing) -> Iterator[PlacedCell]:
-        bay = self.bays[number]
+        bay, key = self.bays[number], f"{_KEY}.bays.{number}.cells"
         if not bay.cells:
             return
         room_m, _ = self._band(bay, wing)
@@ -215,31 +210,27 @@ class CellLayout(Record):
             cells_m, needed, has = (
                 spell(size_m, 4) for size_m in (self.cell_chord_m, deep_m, max(room_m, 0.0))
             )
-            raise LayoutError(
-                f"bays.{number}.cells",
-                f"{rows} of cells of {cells_m} m need {needed} m of chord, the bay has {has} m: "
-                f"at most {self.rows_that_fit(bay, wing)}",
-            )
-        for row, (cells, front_m) in enumerate(
-            zip(bay.cells, self._fronts(bay, wing, len(bay.cells)), strict=True)
-        ):
-            stretches = self._stretches(bay, wing, front_m)
+            text = f"{rows} of cells of {cells_m} m need {needed} m of chord, the bay has {has} m"
+            raise wrong_value(key, f"{text}: at most {self.rows_that_fit(bay, wing)}")
+        places = zip(bay.cells, self._rows(bay, wing, len(bay.cells)), strict=True)
+        for row, (cells, (front_m, stretches)) in enumerate(places):
             if cells > (most := sum(count for _, count in stretches)):
                 size_m, gap_m = spell(self.cell_span_m), spell(self.gap_m)
                 text = f"the cells of {size_m} m with gaps of {gap_m} m that the row holds"
-                text = refusal(f"must be at most {most}, {text}", cells)
-                raise LayoutError(f"bays.{number}.cells.{row}", text)
+                raise wrong_value(f"{key}.{row}", f"must be at most {most}, {text}", got=cells)
             yield from islice(self._laid(stretches, front_m), cells)
 
     def rows_that_fit(self, bay: Bay, wing: Wing) -> int:
         """Return the number of rows that fit in the chord of a bay."""
         return _pieces(self._band(bay, wing)[0], self.cell_chord_m, self.gap_m)
 
-    def _fronts(self, bay: Bay, wing: Wing, count: int) -> list[float]:
-        """Return the front edges of rows centred in a bay's part of the chord [m]."""
+    def _rows(self, bay: Bay, wing: Wing, count: int) -> Iterator[tuple[float, _Stretches]]:
+        """Yield front edge [m] and stretches of rows centred in a bay's part of the chord."""
         room_m, front_m = self._band(bay, wing)
         first_m = front_m + (room_m - self._length(count, self.cell_chord_m)) / 2.0
-        return [first_m + row * (self.cell_chord_m + self.gap_m) for row in range(count)]
+        for row in range(count):
+            at_m = first_m + row * (self.cell_chord_m + self.gap_m)
+            yield at_m, self._stretches(bay, wing, at_m)
 
     def _band(self, bay: Bay, wing: Wing) -> tuple[float, float]:
         """Return depth and front of a bay's part of the chord for straight rows [m]."""
@@ -252,7 +243,7 @@ class CellLayout(Record):
         front_m = max(edge + bay.front * chord for edge, chord in ends)
         return min(edge + bay.rear * chord for edge, chord in ends) - front_m, front_m
 
-    def _stretches(self, bay: Bay, wing: Wing, front_m: float) -> list[tuple[float, int]]:
+    def _stretches(self, bay: Bay, wing: Wing, front_m: float) -> _Stretches:
         """Return the stretches of a row between keep-outs: start [m] and number of cells."""
         rear_m, half_m = front_m + self.cell_chord_m, wing.wingspan_m / 2.0
         # Half a gap to the other half of the wing.
@@ -297,7 +288,9 @@ class CellLayout(Record):
         if not self.tail_cells:
             return
         if tail is None:
-            raise LayoutError("tail_cells", "needs modules.tail, the size of the horizontal tail")
+            raise wrong_value(
+                f"{_KEY}.tail_cells", "needs modules.tail, the size of the horizontal tail"
+            )
         deep_m = self._length(len(self.tail_cells), self.cell_chord_m)
         wide_m = self._length(max(self.tail_cells), self.cell_span_m)
         for needed_m, has_m, what in (
@@ -306,7 +299,7 @@ class CellLayout(Record):
         ):
             if needed_m > has_m + _ROUNDING:
                 text = f"the cells need {spell(needed_m, 4)} m of the tail's {what}, it has "
-                raise LayoutError("tail_cells", f"{text}{spell(has_m, 4)} m")
+                raise wrong_value(f"{_KEY}.tail_cells", f"{text}{spell(has_m, 4)} m")
         first_m = tail.horizontal_aft_m + (tail.horizontal_chord_m - deep_m) / 2.0
         for row, count in enumerate(self.tail_cells):
             front_m = first_m + row * (self.cell_chord_m + self.gap_m)
@@ -318,26 +311,27 @@ class CellLayout(Record):
 
     # ---- As many as fit
 
+    def _as_many_rows(self, wing: Wing) -> Iterator[tuple[int, int, float, _Stretches]]:
+        """Yield bay, row, front edge [m] and stretches of all rows that fit on half of a wing."""
+        for number, bay in enumerate(self.bays):
+            rows = self._rows(bay, wing, self.rows_that_fit(bay, wing))
+            yield from ((number, row, *place) for row, place in enumerate(rows))
+
     def capacity(self, wing: Wing) -> int:
         """Return the number of cells that fit on half of a wing."""
-        return sum(
-            count
-            for bay in self.bays
-            for front_m in self._fronts(bay, wing, self.rows_that_fit(bay, wing))
-            for _, count in self._stretches(bay, wing, front_m)
-        )
+        return sum(count for *_, parts in self._as_many_rows(wing) for _, count in parts)
 
     def with_cells(self, per_half: int, wing: Wing, strings: Strings | None) -> CellLayout:
         """Return the layout with a number of cells on each half, from the middle outwards."""
         most = self.capacity(wing)
         if per_half > most:
-            raise LayoutError("bays", f"half of the wing holds {most} cells, not {per_half}")
+            text = f"half of the wing holds {most} cells, not {per_half}"
+            raise wrong_value(f"{_KEY}.bays", text)
         counts = [[0] * self.rows_that_fit(bay, wing) for bay in self.bays]
         places = [
             (cell.right_m, row, number)
-            for number, bay in enumerate(self.bays)
-            for row, front_m in enumerate(self._fronts(bay, wing, self.rows_that_fit(bay, wing)))
-            for cell in islice(self._laid(self._stretches(bay, wing, front_m), front_m), per_half)
+            for number, row, front_m, stretches in self._as_many_rows(wing)
+            for cell in islice(self._laid(stretches, front_m), per_half)
         ]
         for _, row, number in sorted(places)[:per_half]:
             counts[number][row] += 1

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from sizing.catalogues.choice import known_entry
 from sizing.catalogues.entries import CellEntry, MpptEntry
-from sizing.layout.cells import CellLayout, LayoutError, Wing
+from sizing.layout.cells import CellLayout, Wing
 from solar.schema import Record, is_positive, spell, wrong_value
 from solar.shading import TailGeometry
 
@@ -88,10 +88,7 @@ def check_layout(
     battery_v: tuple[float, float] | None,
 ) -> None:
     """Refuse cells that do not fit on wing and tail, and strings that do not fit the MPPT."""
-    try:
-        layout.placed(wing, tail)
-    except LayoutError as error:
-        raise wrong_value(f"modules.layout.{error.key}", str(error)) from error
+    layout.placed(wing, tail)
     strings = layout.strings
     if strings is None:
         return

@@ -8,7 +8,7 @@ from builders import DESIGN, shipped_mission
 import sizing
 from missions.files.errors import InputError
 from sizing.aircraft import Aircraft
-from sizing.layout.cells import CellLayout, LayoutError, Wing
+from sizing.layout.cells import CellLayout, Wing
 
 SUNPOWER = {"cell_span_m": 0.125, "cell_chord_m": 0.125}
 # Modules of AS-2: 20 cells in each central row and 12 in each outer one (docs/shading.md).
@@ -118,7 +118,7 @@ def test_counts_follow_from_the_middle_outwards():
     fewer = layout.with_cells(25, wing, None)
     assert fewer.bays[0].cells == (13, 12)
     assert len(fewer.placed(wing, None)) == 50
-    with pytest.raises(LayoutError, match="holds 44 cells, not 45"):
+    with pytest.raises(ValueError, match="holds 44 cells, not 45"):
         layout.with_cells(45, wing, None)
 
 
