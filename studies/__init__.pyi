@@ -30,6 +30,6 @@ from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep
 from .uncertainty import plot_uncertainty as plot_uncertainty
-from .weather.plots import plot_weather as plot_weather
+from .weather import plot_weather as plot_weather
 
 __version__: str

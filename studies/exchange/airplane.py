@@ -78,14 +78,14 @@ def _airplane(asb: Any, aircraft: Aircraft, gravity_m: float | None) -> Any:
 
 
 def _wing(asb: Any, surface: LiftingSurface) -> Any:
-    shape, (lift, drag) = surface.shape, surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    lift, drag = surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     polar = {f"CL{i}": value for i, value in enumerate(lift, 1)}
     polar |= {f"CD{i}": value for i, value in enumerate(drag, 1)}
-    if shape.airfoil is not None:
-        airfoil = asb.Airfoil(shape.airfoil)
+    if surface.airfoil is not None:
+        airfoil = asb.Airfoil(surface.airfoil)
     else:
         coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
-        thickness = shape.thickness_ratio
+        thickness = surface.thickness_ratio
         points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=thickness)
         name = f"symmetric {spell(100.0 * thickness)} %"
         airfoil = asb.Airfoil(name, coordinates=points)

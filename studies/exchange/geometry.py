@@ -34,13 +34,6 @@ class Section(NamedTuple):
     twist_deg: float
 
 
-class SectionShape(NamedTuple):
-    """Shape of the sections: an airfoil by name, or symmetric with a thickness ratio."""
-
-    airfoil: str | None
-    thickness_ratio: float
-
-
 # Three ascending lift coefficients of a section, and their profile drag, as AVL takes them.
 ProfileDrag = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -49,13 +42,15 @@ ProfileDrag = tuple[tuple[float, float, float], tuple[float, float, float]]
 class LiftingSurface:
     """Wing or tail plane.
 
-    ``symmetric``: the sections describe the right half alone. ``sections``: from root to tip.
+    ``symmetric``: the sections describe the right half alone. ``sections``: from root to tip, of an
+    airfoil by its name, or symmetric with a thickness ratio.
     """
 
     name: str
     symmetric: bool
     sections: tuple[Section, ...]
-    shape: SectionShape
+    thickness_ratio: float
+    airfoil: str | None = None
     drag: ProfileDrag | None = None
 
 
@@ -83,8 +78,28 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
     ``gravity_m``: centre of gravity behind the leading edge of the wing root, None if unknown.
     """
     drawing = Drawing(aircraft)
-    shape, shape_note = _wing_shape(aircraft, drawing)
-    wing = LiftingSurface("wing", True, _wing_sections(drawing), shape, _profile_drag(aircraft))
+    polar, thickness = getattr(aircraft.airframe, "aerodynamics", None), drawing.thickness_ratio
+    airfoil, is_airfoil = None, isinstance(polar, WingPolar)
+    why = "the table has no coordinates" if is_airfoil else "the file names none"
+    shape_note = (
+        f"Section: symmetric, {spell(100.0 * thickness)} % thick, as {why}: angles of attack count "
+        "from zero lift."
+    )
+    if isinstance(polar, WingPolar) and polar.contents_read() is None:
+        airfoil, shape_note = polar.airfoil, f"Section: {polar.airfoil}."
+    profile_drag, other_drag = _drag(aircraft)
+    # Sections at root, planform breaks, begin of the dihedral, and tip.
+    half = drawing.wingspan_m / 2.0
+    places = {0.0, half, *(y for y, _ in drawing.chords)}
+    if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
+        places.add(drawing.dihedral_from_m)
+    sections = tuple(
+        Section(
+            drawing.front_at(y), y, drawing.height_m(y), drawing.chord_at(y), drawing.incidence_deg
+        )
+        for y in sorted(places)
+    )
+    wing = LiftingSurface("wing", True, sections, thickness, airfoil, profile_drag)
     notes = [
         drawing.notes[0],
         shape_note,
@@ -109,21 +124,8 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
         chord_m=float(wing_chords.aerodynamic_chord_m),
         wingspan_m=span,
         reference_x_m=quarter_m if gravity_m is None else gravity_m,
-        other_drag_coefficient=_other_drag(aircraft),
+        other_drag_coefficient=other_drag,
         notes=tuple(notes),
-    )
-
-
-def _wing_sections(drawing: Drawing) -> tuple[Section, ...]:
-    """Return the sections at root, planform breaks, begin of the dihedral, and tip."""
-    half = drawing.wingspan_m / 2.0
-    places = {0.0, half, *(y for y, _ in drawing.chords)}
-    if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
-        places.add(drawing.dihedral_from_m)
-    twist_deg = drawing.incidence_deg
-    return tuple(
-        Section(drawing.front_at(y), y, drawing.height_m(y), drawing.chord_at(y), twist_deg)
-        for y in sorted(places)
     )
 
 
@@ -131,7 +133,7 @@ def _tail_surfaces(aircraft: Aircraft, drawing: Drawing) -> list[LiftingSurface]
     tail, sized = drawing.tail, getattr(aircraft.airframe, "tail", None)
     polar = getattr(aircraft.airframe, "aerodynamics", None)
     thickness = polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
-    shape = SectionShape(None, thickness if sized is None else float(sized.thickness_ratio))
+    thickness = thickness if sized is None else float(sized.thickness_ratio)
     half, height = 0.5 * tail.horizontal_span_m, tail.height_m
     horizontal = tuple(
         Section(tail.horizontal_aft_m, y, height, tail.horizontal_chord_m, 0.0) for y in (0.0, half)
@@ -143,64 +145,40 @@ def _tail_surfaces(aircraft: Aircraft, drawing: Drawing) -> list[LiftingSurface]
         Section(tail.vertical_aft_m, apart, z, tail.vertical_chord_m, 0.0) for z in ends
     )
     return [
-        LiftingSurface("horizontal tail", True, horizontal, shape),
-        LiftingSurface("vertical tail", apart > 0.0, vertical, shape),
+        LiftingSurface("horizontal tail", True, horizontal, thickness),
+        LiftingSurface("vertical tail", apart > 0.0, vertical, thickness),
     ]
 
 
-def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str]:
-    """Return the airfoil of the polar, else a symmetric section, and a note."""
-    airframe = aircraft.airframe
-    polar = airframe.aerodynamics if isinstance(airframe, ParametricAirframe) else None
-    thickness = drawing.thickness_ratio
-    if isinstance(polar, WingPolar) and polar.contents_read() is None:
-        return SectionShape(polar.airfoil, thickness), f"Section: {polar.airfoil}."
-    why = "the table has no coordinates" if isinstance(polar, WingPolar) else "the file names none"
-    note = (
-        f"Section: symmetric, {spell(100.0 * thickness)} % thick, as {why}: angles of attack count "
-        "from zero lift."
-    )
-    return SectionShape(None, thickness), note
+def _drag(aircraft: Aircraft) -> tuple[ProfileDrag | None, float]:
+    """Return the wing section's profile drag, and the drag of all else on the wing area [-].
 
-
-def _profile_drag(aircraft: Aircraft) -> ProfileDrag | None:
-    """Return the wing section's profile drag, None for measured aircraft or user-defined drag.
-
-    Of a parabolic polar at its reference Reynolds number, for all lift; of a wing's polar at zero
-    lift, least drag and stall, at the design's Reynolds number.
+    None and 0 for measured aircraft or user-defined drag. Of a parabolic polar at its reference
+    Reynolds number, for all lift; of a wing's polar at zero lift, least drag and stall, at the
+    Reynolds number of level flight at the design point.
     """
-    polar = getattr(aircraft.airframe, "aerodynamics", None)
-    if polar is None or isinstance(polar, UserDragPolar):
-        return None
-    if not isinstance(polar, WingPolar):
-        drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
-        return (-highest, 0.0, highest), (drag, drag, drag)
-    lift = np.linspace(0.0, polar.section_lift_ratio * polar.maximum_lift_coefficient, 101)
-    drags = polar.calibration * np.asarray(polar.polar.profile_drag(lift, _reynolds(polar)))
-    least = 1 + int(np.argmin(drags[1:-1]))
-    low, middle, high = (float(drags[i]) for i in (0, least, -1))
-    lifts = 0.0, float(lift[least]), float(lift[-1])
-    return lifts, (max(low, middle), middle, max(high, middle))
-
-
-def _other_drag(aircraft: Aircraft) -> float:
-    """Return the drag coefficient of all but the wing, on the wing area [-]; 0 if unknown."""
-    polar = getattr(aircraft.airframe, "aerodynamics", None)
-    if polar is None or isinstance(polar, UserDragPolar):
-        return 0.0
     airframe = aircraft.airframe
-    if isinstance(airframe, ParametricAirframe) and airframe.drag is not None:
+    if not isinstance(airframe, ParametricAirframe) or isinstance(
+        polar := airframe.aerodynamics, UserDragPolar
+    ):
+        return None, 0.0
+    if isinstance(polar, WingPolar):
+        at_lift = polar.flight_lift_coefficient
+        reynolds = float(polar.design_reynolds * at_lift**-0.5)
+        parts = polar.build_up(at_lift, polar.design_aspect_ratio, reynolds)
+        other = polar.calibration * (parts.tail + parts.fuselage + parts.parasitic)
+        lift = np.linspace(0.0, polar.section_lift_ratio * polar.maximum_lift_coefficient, 101)
+        drags = polar.calibration * np.asarray(polar.polar.profile_drag(lift, reynolds))
+        least = 1 + int(np.argmin(drags[1:-1]))
+        low, middle, high = (float(drags[i]) for i in (0, least, -1))
+        lifts = 0.0, float(lift[least]), float(lift[-1])
+        profile: ProfileDrag = (lifts, (max(low, middle), middle, max(high, middle)))
+    else:
+        reynolds, other = polar.reference_reynolds, polar.parasitic_drag_coefficient
+        drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
+        profile = ((-highest, 0.0, highest), (drag, drag, drag))
+    if airframe.drag is not None:
         built = polar_with_tail(airframe, polar, airframe.wingspan_m, airframe.aspect_ratio)
         assert isinstance(built, BuiltUpPolar)
-        reynolds = _reynolds(polar) if isinstance(polar, WingPolar) else polar.reference_reynolds
-        return float(built.shares(reynolds).parasitic)
-    if not isinstance(polar, WingPolar):
-        return float(polar.parasitic_drag_coefficient)
-    lift = polar.flight_lift_coefficient
-    parts = polar.build_up(lift, polar.design_aspect_ratio, _reynolds(polar))
-    return float(polar.calibration * (parts.tail + parts.fuselage + parts.parasitic))
-
-
-def _reynolds(polar: WingPolar) -> float:
-    """Return the Reynolds number of level flight at the design point [-]."""
-    return float(polar.design_reynolds * polar.flight_lift_coefficient**-0.5)
+        other = built.shares(reynolds).parasitic
+    return profile, float(other)

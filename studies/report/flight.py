@@ -22,7 +22,7 @@ from studies.report.blocks import Block, Section
 from studies.report.figures import page_figure, page_options
 from studies.report.subject import Subject
 from studies.uncertainty import plot_uncertainty
-from studies.weather.plots import plot_weather
+from studies.weather import plot_weather
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot

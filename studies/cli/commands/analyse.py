@@ -97,7 +97,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             result,
             table=("days", result.to_frame),
             files={self.table_years: table_of("years", result.to_years_frame)},
-            plot=figure_of("studies.weather.plots:plot_weather", result, figure=self.figure),
+            plot=figure_of("studies.weather:plot_weather", result, figure=self.figure),
             record=record,
         )
 

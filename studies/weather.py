@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.dates import MONTH_NAMES
 from sizing.day.record import WeatherRun
@@ -80,8 +79,8 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     day_of_month = (axis.date - axis.date.astype("datetime64[M]")).astype(int)
     if several:
         first, last = int(axis.year.min()), int(axis.year.max())
-        starts, width = _MONTH_STARTS, 366
-        rows, columns = axis.year - first, starts[axis.month - 1] + day_of_month
+        width = 366
+        rows, columns = axis.year - first, _MONTH_STARTS[axis.month - 1] + day_of_month
         names = [str(year) for year in range(first, last + 1)]
     else:
         present = sorted(set(axis.month.tolist()))
@@ -98,7 +97,13 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     )
     bar = figure.colorbar(image, ax=axes, pad=0.01)
     bar.set_label("flown from dawn [h]" if none else "state of charge at dawn [%]")
-    _name_days(axes, names, starts if several else None)
+    shown_rows = range(0, len(names), 1 + len(names) // 20)
+    axes.set_yticks(shown_rows, [names[i] for i in shown_rows])
+    if several:
+        axes.set_xticks(_MONTH_STARTS, MONTH_NAMES)
+    else:
+        axes.set_xticks(range(0, 31, 2), [str(day) for day in range(1, 32, 2)])
+        axes.set_xlabel("day of the month")
     if none:  # every day would be crossed
         return
     axes.plot(
@@ -132,17 +137,6 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         labelcolor="white",
     )
     legend.set_in_layout(True)
-
-
-def _name_days(axes: Axes, names: list[str], months: NDArray[Any] | None) -> None:
-    """Name the rows of a calendar, and the months or the days of a month over them."""
-    shown = range(0, len(names), 1 + len(names) // 20)
-    axes.set_yticks(shown, [names[i] for i in shown])
-    if months is not None:
-        axes.set_xticks(months, MONTH_NAMES)
-    else:
-        axes.set_xticks(range(0, 31, 2), [str(day) for day in range(1, 32, 2)])
-        axes.set_xlabel("day of the month")
 
 
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:

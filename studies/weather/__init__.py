@@ -1,1 +1,0 @@
-"""Figures of weather records that are flown through."""
