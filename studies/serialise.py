@@ -33,7 +33,7 @@ RECORDS = {
         masses_kg structure battery_energy_wh=design.battery_energy_wh
         propulsion_power_w=design.propulsion_power_w
         airspeed_m_per_s=design.airspeed_m_per_s power_budget airspeed_above_wind limited_flight
-        relaxations extrapolations *software scenarios part_masses? varying_efficiency?
+        relaxations extrapolations *software scenarios part_masses? beyond_parts?
         battery_condition? whole_cells?=cells drag_coefficients? balance? wind?
         from_catalogues?=aircraft.from_catalogues reading_notes? flight?
         """,

@@ -105,16 +105,6 @@ def _single_part_load(
     return _part_load(propulsion, flight, np.asarray(level_w), ends, bus_v)
 
 
-def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
-    """Return the largest relative error of a single design's table, half-way between its nodes."""
-    part = part_load_of(aircraft, mission, design)
-    assert isinstance(part, PartLoad)
-    propulsion, flight = flight_of(aircraft, mission, design)
-    load, bus_v = part.between(), aircraft.battery.nominal_voltage_v
-    exact_w = propulsion.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
-    return float(np.max(np.abs(part.at(load) * design.propulsion_power_w / exact_w - 1.0)))
-
-
 class Load(NamedTuple):
     """Electric load of designs over the thrust power of the moment, the time last.
 
@@ -133,18 +123,16 @@ class Load(NamedTuple):
         mission: Mission,
         design: Design,
         scenarios: Scenarios | None = None,
-        part_load: AnyPartLoad | None = None,
     ) -> Load:
         """Return the load of designs, whose last axis broadcasts with the scenarios.
 
         ``scenarios``: with the winds of a place that is held; flight as fast as they are has the
-        efficiency of that airspeed. ``part_load``: where it is known already; it plays no part
-        where the place is held.
+        efficiency of that airspeed.
         """
         if mission.holds_station:
             winds = mission.scenario_winds_m_per_s(scenarios)
-            design, part_load = held_flight(aircraft, mission, design, winds), None
-        part = (part_load or part_load_of(aircraft, mission, design)).spread(1)
+            design = held_flight(aircraft, mission, design, winds)
+        part = part_load_of(aircraft, mission, design).spread(1)
         # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
         level_w = np.asarray(design.propulsion_power_w)
         level_w = np.where(np.isfinite(level_w), level_w, NO_FLIGHT_W)

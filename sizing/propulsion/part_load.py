@@ -66,12 +66,6 @@ class PartLoad:
         """True where the chain has no power at some load of the table, of the designs' shape."""
         return np.asarray(self.coefficients[0] >= _PROHIBITIVE)
 
-    def between(self) -> FloatArray:
-        """Return the loads half-way between the nodes of the table of a single design [-]."""
-        nodes = _points(len(self.coefficients))
-        places = (nodes[1:] + nodes[:-1]) / 2.0 if len(nodes) > 1 else nodes
-        return np.asarray(self.loads[0] + self.loads[1] * places)
-
     def spread(self, axes: int) -> PartLoad:
         """Return the table with axes added behind the axes of designs."""
 

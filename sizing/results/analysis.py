@@ -30,10 +30,9 @@ from sizing.results.measures import MEASURES, OF_SCENARIO
 from sizing.results.propulsion import (
     PartMasses,
     PowerBudget,
-    VaryingEfficiency,
+    beyond_parts,
     part_masses,
     power_budget,
-    varying_efficiency,
 )
 from sizing.results.result import data_frame
 from sizing.sized_structure import structure_assessment
@@ -156,9 +155,8 @@ class Analysis(DesignResult):
         Climbs beside flight at constant altitude; None for a mission without them.
     climb_check_h : ClimbCheck or None
         Both excess times of the worst scenario; None where it does not climb.
-    varying_efficiency : VaryingEfficiency or None
-        What the propulsion's efficiency of the moment changes; None where it is constant. Of the
-        repeated day, with climbs that at the mission's altitude.
+    beyond_parts : str or None
+        Why the propulsion's parts cannot do the greatest load of the day; None if they can.
     extrapolations : tuple of Extrapolation
         What lies outside the range of a model, each quantity once.
     structure : StructureAssessment or None
@@ -187,7 +185,7 @@ class Analysis(DesignResult):
     relaxations: tuple[Relaxation, ...]
     climb: ClimbPerformance | None
     climb_check_h: ClimbCheck | None
-    varying_efficiency: VaryingEfficiency | None
+    beyond_parts: str | None
     extrapolations: tuple[Extrapolation, ...]
     structure: StructureAssessment | None
     power_budget: PowerBudget
@@ -352,7 +350,6 @@ def analysis_of(
     if flight is not None:
         of_replay = replay_extrapolations(aircraft, mission, solar, flight)
         outside = keep_worst([*outside, *of_replay])
-    level_flight = simulated if climb is None else climb.constant
     return Analysis(
         **described(aircraft, mission, design),
         design=design,
@@ -367,7 +364,7 @@ def analysis_of(
         relaxations=relaxed,
         climb=climb,
         climb_check_h=_climb_check(aircraft, simulated),
-        varying_efficiency=varying_efficiency(aircraft, level_flight),
+        beyond_parts=beyond_parts(aircraft, simulated),
         extrapolations=add_effects(outside, aircraft, lambda: simulated),
         structure=structure_assessment(aircraft, design),
         power_budget=power_budget(aircraft, mission, design),

@@ -1,6 +1,6 @@
 """Propulsion in results: where the electric power of level flight goes, masses that are estimated.
 
-And what the efficiency of the moment changes against that of level flight.
+And whether the parts can do the load of the day.
 """
 
 from __future__ import annotations
@@ -12,13 +12,11 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.cycle import simulate_cycle
-from sizing.day.load import Load, flight_of, interpolation_error, load_shape
+from sizing.day.load import flight_of, load_shape
 from sizing.design import Design
 from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
-from sizing.propulsion.part_load import PROPORTIONAL
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 
 if TYPE_CHECKING:
@@ -118,75 +116,16 @@ def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
     )
 
 
-@dataclass(frozen=True)
-class Instant:
-    """Propulsion at an instant of the day, computed by the exact chain.
+def beyond_parts(aircraft: Aircraft, performance: Performance) -> str | None:
+    """Return why the propulsion's parts cannot do the greatest load of the day; None if they can.
 
-    ``hour``: solar time [h]. ``load``: thrust power over that of level flight [-]. ``efficiency``:
-    thrust power over bus power [-], NaN where the parts cannot do it, for a ``reason``.
+    Of a single design, with climbs that of level flight.
     """
-
-    hour: float
-    load: float
-    state_of_charge: float
-    bus_voltage_v: float
-    efficiency: float
-    reason: str
-
-
-@dataclass(frozen=True)
-class VaryingEfficiency:
-    """Scenario of least excess time, by the efficiency of the moment and by that of level flight.
-
-    ``level_excess_time_h``, ``level_minimum_state_of_charge``: by that of level flight at the
-    voltage that takes more. ``night``, ``most``: where the charge and where the load are least and
-    most; ``most`` is None for a load that does not vary. ``interpolation_error``: largest one of
-    the table, relative to the power, half-way between its nodes.
-    """
-
-    excess_time_h: float
-    level_excess_time_h: float
-    minimum_state_of_charge: float
-    level_minimum_state_of_charge: float
-    night: Instant
-    most: Instant | None
-    interpolation_error: float
-
-
-def varying_efficiency(aircraft: Aircraft, performance: Performance) -> VaryingEfficiency | None:
-    """Return what the varying efficiency changes for a single design; None where it is constant."""
     if aircraft.propulsion_by_parts is None:
         return None
-    design, mission, at = performance.design, performance.mission, performance.worst_scenario()
-    day = performance.day.at([at])
-    constant = Load.of(aircraft, mission, design, day.scenarios, PROPORTIONAL)
-    level = simulate_cycle(
-        day.time_h,
-        performance.solar_power_w[[at]],
-        constant.along(mission, day.time_h, day.sunrise_h, day.sunset_h),
-        performance.store.flat(performance.cycle.status.shape).select(slice(at, at + 1)),
-        nominal_load_w=design.nominal_load_w(mission),
-    )
-    charge = performance.cycle.energy_wh[at] / float(
-        np.ravel(performance.store.battery_energy_wh)[0]
-    )
-    bus_v = aircraft.battery.nominal_voltage_v
+    mission, day = performance.mission, performance.day
     shape = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
-    load = np.broadcast_to(shape, (1, len(day.time_h)))[0]
-    propulsion, flight = flight_of(aircraft, mission, design)
-
-    def instant(node: int) -> Instant:
-        point = propulsion.point(flight.thrust_w * load[node], *flight[1:], (bus_v, bus_v))
-        hour, share, soc = (float(values[node]) for values in (day.time_h, load, charge))
-        return Instant(hour, share, soc, bus_v, float(point.efficiency), str(point.reason))
-
-    varies = np.ptp(load) > 0.0
-    return VaryingEfficiency(
-        excess_time_h=float(performance.cycle.excess_time_h[at]),
-        level_excess_time_h=float(level.excess_time_h[0]),
-        minimum_state_of_charge=float(performance.cycle.minimum_state_of_charge[at]),
-        level_minimum_state_of_charge=float(level.minimum_state_of_charge[0]),
-        night=instant(int(np.argmin(charge))),
-        most=instant(int(np.argmax(load))) if varies else None,
-        interpolation_error=interpolation_error(aircraft, mission, design),
-    )
+    propulsion, flight = flight_of(aircraft, mission, performance.design)
+    bus_v = aircraft.battery.nominal_voltage_v
+    point = propulsion.point(flight.thrust_w * np.max(shape), *flight[1:], (bus_v, bus_v))
+    return str(point.reason) or None

@@ -80,7 +80,7 @@ def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
     ``cells``: whether those of the file are the design's.
     """
     shares, balance = analysis.drag_coefficients, analysis.balance
-    varying, placed = analysis.varying_efficiency, (analysis.cells or {}).get("solar_cells")
+    beyond, placed = analysis.beyond_parts, (analysis.cells or {}).get("solar_cells")
     placed = placed if cells else None
     every = (
         part_tables(analysis, *(part for part in parts if cells or part != "cells"))
@@ -94,7 +94,7 @@ def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
         *(tables for tables in every if tables),
         *([] if placed is None else [say.cells_line(placed)]),
         *([] if balance is None else say.balance_notes(balance)),
-        *([] if varying is None else say.beyond_parts(varying)),
+        *([] if beyond is None else [f"beyond the parts: {beyond}"]),
     ]
 
 

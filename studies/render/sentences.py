@@ -17,7 +17,6 @@ from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
 from sizing.relaxed_flight import Relaxation
 from sizing.results.conditions import wind_of
-from sizing.results.propulsion import VaryingEfficiency
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
@@ -354,13 +353,6 @@ def cells_line(solar_cells: Mapping[str, Any]) -> str:
     tail = solar_cells["tail_rows"]
     on_tail = f", the tail {rows_text(tail)}" if tail else ""
     return f"solar cells: {solar_cells['count']}, each half of the wing {rows}{on_tail}"
-
-
-def beyond_parts(varying: VaryingEfficiency) -> list[str]:
-    """Return why the propulsion's parts cannot do what the day asks of them."""
-    every = (varying.night, varying.most)
-    reasons = [instant.reason for instant in every if instant is not None and instant.reason]
-    return [f"beyond the parts: {reason}" for reason in reasons[:1]]
 
 
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:

@@ -45,7 +45,7 @@ CASES = {
         # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size"; of held
         # winds, whose keys stand on their page; of tables that other programs wrote.
         {
-            *("balance", "drag_coefficients", "part_masses", "varying_efficiency", "held_up_to_m"),
+            *("balance", "drag_coefficients", "part_masses", "held_up_to_m"),
             "reading_notes",
         },
     ),
