@@ -9,10 +9,11 @@ from the multipliers of one of them.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
-from itertools import chain
+from itertools import accumulate, chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -246,11 +247,11 @@ class _Cells:
         perf = self._fly(
             every, cells, places, np.concatenate(heights), keep=keep, of_others=of_others
         )
-        flights: dict[int, Performance] = {}
-        for cell in designs:
-            task, of_cell = self.tasks[cell], perf.of_designs(cells == cell)
-            flights[cell] = replace(of_cell, mission=task.mission, day=task.day)
-        return flights
+        flights = _by_cell(perf, cells)
+        return {
+            cell: replace(of_cell, mission=self.tasks[cell].mission, day=self.tasks[cell].day)
+            for cell, of_cell in flights.items()
+        }
 
     def _fly(
         self,
@@ -292,7 +293,7 @@ class _Cells:
         ]
         cells, designs, places = (list(column) for column in zip(*pairs, strict=True))
         perf = self._fly(designs, np.array(cells), np.array(places)[:, np.newaxis], keep=True)
-        return {cell: perf.of_designs(np.array(cells) == cell) for cell in needed}
+        return _by_cell(perf, np.array(cells))
 
     def _checked(self, kept: IntArray, merits: FloatArray, seed: int) -> NDArray[np.bool_]:
         """Return whether no random neighbour of a design is better by more than the tolerance.
@@ -357,6 +358,13 @@ class _Cells:
             status[kept] = np.where(checked, SizingStatus.cross_checked, SizingStatus.optimal)
         columns["variables"] = DesignVariables(**variables)
         return CellSizings(**columns)
+
+
+def _by_cell(perf: Performance, cells: IntArray) -> dict[int, Performance]:
+    """Return the flights of every cell, whose designs follow each other."""
+    counts = Counter(cells.tolist())
+    parts = pairwise(accumulate(counts.values(), initial=0))
+    return {c: perf.of_designs(slice(*part)) for c, part in zip(counts, parts, strict=True)}
 
 
 def _waves(count: int) -> Iterator[tuple[int, range]]:
