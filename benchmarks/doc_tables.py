@@ -29,10 +29,9 @@ from missions.library import load_mission
 from missions.weather.files import load_weather
 from sizing.battery.condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
-from sizing.results.sizing import size
+from sizing.results.sizing import size, size_in_weather
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.weather import analyse_weather
-from sizing.results.weather_sizing import size_in_weather
 from studies.models.comparison import compare
 from studies.models.report_reproduction import reference, reproduce
 from studies.render.tables import Column, Table

@@ -40,12 +40,12 @@ from .propulsion.propeller_files import read_propeller as read_propeller
 from .results.analysis import Analysis as Analysis
 from .results.analysis import analyse as analyse
 from .results.sizing import size as size
+from .results.sizing import size_in_weather as size_in_weather
 from .results.sizing_study import SizingStudy as SizingStudy
 from .results.uncertainty import UncertaintyAnalysis as UncertaintyAnalysis
 from .results.uncertainty import analyse_uncertainty as analyse_uncertainty
 from .results.weather import WeatherAnalysis as WeatherAnalysis
 from .results.weather import analyse_weather as analyse_weather
-from .results.weather_sizing import size_in_weather as size_in_weather
 from .user_models import register_drag as register_drag
 from .user_models import register_propulsion_efficiency as register_propulsion_efficiency
 from .user_models import register_propulsion_mass as register_propulsion_mass

@@ -238,12 +238,8 @@ def plot_ceiling(result: Ceiling, *, figure: drawing.Canvas = DEFAULT) -> Figure
     if not ceiling.at_search_limit:
         for axes in panels:
             axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
-    excess.annotate(
-        f"{words.highest} {text_of('altitude_m', ceiling.highest.altitude_m)}",
-        (0.96, highest_km),
-        (0, 4),
-        xycoords=excess.get_yaxis_transform(),
-        textcoords="offset points",
-        ha="right",
+    name = f"{words.highest} {text_of('altitude_m', ceiling.highest.altitude_m)}"
+    drawing.note(
+        excess, name, (0.96, highest_km), (0, 4), across=True, ha="right", fontsize="medium"
     )
     return drawn

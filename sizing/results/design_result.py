@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design
-from sizing.results.conditions import BatteryCondition, Wind, battery_condition, wind_of
 from sizing.results.numbers import finite
-from sizing.results.parts import cells_record
 from sizing.results.result import Result
 from sizing.validity.checks import check_user_models
 from solar.schema import Record
@@ -95,3 +97,126 @@ def _check_copies(record: Record) -> None:
     if record.is_unchecked():
         unknown = record.model_fields_set - type(record).model_fields.keys()
         with_values(record, {name: getattr(record, name) for name in unknown})
+
+
+# ---- Battery in its air, wind, whole cells
+
+
+class Spread(NamedTuple):
+    """What changes with the days of a weather record."""
+
+    lowest: float
+    mean: float
+    highest: float
+
+    @classmethod
+    def of(cls, values: Any) -> Spread:
+        """Return the ends and the mean of values; nothing times what is below zero is plain 0."""
+        return cls(*(float(end(values)) + 0.0 for end in (np.min, np.mean, np.max)))
+
+
+class BatteryCondition(NamedTuple):
+    """Battery in the air of a mission, or of the days of a weather record; aged as its file says.
+
+    ``pack_temperature_c``: None where no temperature is held.
+    """
+
+    pack_temperature_c: float | Spread | None
+    heater_power_w: float | Spread
+    cycles: float | None
+    months: float | None
+    capacity_fraction: float | Spread
+    charge_efficiency: float
+    discharge_efficiency: float
+
+
+def battery_condition(
+    aircraft: Aircraft, air_c: ArrayLike, altitude_m: float, mass_kg: float | None = None
+) -> BatteryCondition | None:
+    """Return the battery in air, or in the mean air of each day, at an altitude [C, m].
+
+    The margin of its capacity is not counted. ``mass_kg``: that of a sized design. None for a
+    battery without temperature, resistance and ageing.
+    """
+    reported: Callable[[Any], Any] = Spread.of if np.ndim(air_c) else float
+    battery, aged = aircraft.battery, aircraft.battery.ageing
+    held, _ = battery.temperature_at(altitude_m)
+    if not any((held, battery.resistance, aged)):
+        return None
+    return BatteryCondition(
+        pack_temperature_c=None if held is None else reported(held.pack_c(air_c)),
+        heater_power_w=reported(battery.heater_w(air_c, altitude_m, mass_kg)),
+        cycles=None if aged is None else float(aged.total_cycles),
+        months=None if aged is None else float(aged.total_months),
+        capacity_fraction=reported(battery.capacity_fraction(air_c, altitude_m)),
+        charge_efficiency=float(battery.mean_charge_efficiency),
+        discharge_efficiency=float(battery.mean_discharge_efficiency),
+    )
+
+
+class Wind(NamedTuple):
+    """Percentile of a table of winds, and its wind in every scenario [m/s]."""
+
+    percentile: float
+    hold_station: bool
+    source: str
+    scenarios_m_per_s: tuple[float, ...]
+
+
+def wind_of(mission: Mission) -> Wind | None:
+    """Return the wind of every scenario; None for one that the mission gives."""
+    statistics = mission.wind_statistics
+    if statistics is None:
+        return None
+    source = statistics.table(mission.longitude_deg).source
+    winds = tuple(mission.scenario_winds_m_per_s().tolist())
+    return Wind(statistics.percentile, statistics.hold_station, source, winds)
+
+
+def cells_record(aircraft: Aircraft) -> dict[str, Any]:
+    """Return solar cells, strings and pack of an aircraft; empty without whole cells."""
+    layout, pack, battery = aircraft.modules.layout, aircraft.battery.pack, aircraft.battery
+    record: dict[str, Any] = {}
+    if layout is not None:
+        record["solar_cells"] = {
+            "count": layout.count,
+            "area_m2": layout.area_m2,
+            "mass_kg": layout.area_m2 * aircraft.modules.mass_kg_per_m2,
+            "rows_of_each_half": [list(bay.cells) for bay in layout.bays],
+            "tail_rows": list(layout.tail_cells),
+        }
+        if layout.strings is not None:
+            record["strings"] = _strings_record(aircraft)
+    if pack is not None:
+        low_v, high_v = battery.ends_v or (None, None)
+        record["battery_pack"] = {
+            "cells_in_series": pack.cells_in_series,
+            "cells_in_parallel": pack.cells_in_parallel,
+            "mass_kg": battery.mass_kg,
+            "battery_energy_wh": battery.battery_energy_wh,
+            "empty_voltage_v": low_v,
+            "full_voltage_v": high_v,
+            "charge_current_a": pack.charge_current_a,
+        }
+    return record
+
+
+def _strings_record(aircraft: Aircraft) -> dict[str, Any]:
+    """Return strings, their voltages at the coldest and hottest modules, and their MPPTs."""
+    layout = aircraft.modules.layout
+    strings = None if layout is None else layout.strings
+    assert layout is not None
+    assert strings is not None
+    assert strings.mpp_voltage_v is not None
+    assert strings.open_circuit_voltage_v is not None
+    loss, lengths = aircraft.modules.temperature_coefficient_per_k, strings.lengths(layout.count)
+    mpp, unloaded = strings.mpp_voltage_v, strings.open_circuit_voltage_v
+    shortest, longest = min(lengths), max(lengths)
+    return {
+        "count": len(lengths),
+        "cells_in_series": longest if shortest == longest else list(lengths),
+        "mppts": strings.mppts(layout.count),
+        "hottest_mpp_voltage_v": shortest * strings.voltage_v(mpp, strings.hottest_c, loss),
+        "coldest_mpp_voltage_v": longest * strings.voltage_v(mpp, strings.coldest_c, loss),
+        "coldest_open_voltage_v": longest * strings.voltage_v(unloaded, strings.coldest_c, loss),
+    }

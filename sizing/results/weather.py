@@ -18,8 +18,7 @@ from sizing.aircraft import Aircraft
 from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
-from sizing.results.conditions import BatteryCondition, battery_condition
-from sizing.results.design_result import check_subjects
+from sizing.results.design_result import BatteryCondition, battery_condition, check_subjects
 from sizing.results.numbers import PERCENTILES, finite, percentiles
 from sizing.results.result import Result, data_frame
 from sizing.validity.checks import (

@@ -130,22 +130,10 @@ def _draw_solar_energy(axes: Axes, _: Comparison, case: Case, y: float) -> None:
     axes.errorbar(energy, y, xerr=error, color=colour, marker=marker, capsize=2, linewidth=1)
 
 
-def _note(axes: Axes, y: float, text: str, colour: str) -> None:
-    """Write words in place of a number that a case lacks."""
-    axes.annotate(
-        text,
-        (0.02, y),
-        xycoords=("axes fraction", "data"),
-        va="center",
-        fontsize="small",
-        color=colour,
-    )
-
-
 def _draw_excess(axes: Axes, _: Comparison, case: Case, y: float) -> None:
     p, (colour, marker, _name) = case.prediction, _LOOKS[case.solar.correction]
     if not np.isfinite(p.excess_time_h):
-        _note(axes, y, "no night", colour)
+        drawing.note(axes, "no night", (0.02, y), across=True, va="center", color=colour)
         return
     # One end may lie beyond the discontinuity at zero, or where excess time is unlimited.
     ends = (p.excess_time_low_h, p.excess_time_high_h)
@@ -160,14 +148,13 @@ def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
         axes.barh(y, last - first + 1, left=first, height=0.6, color=colour, linewidth=0)
     longest = max(parts, key=lambda part: part[1] - part[0], default=(183, 183))
     within = longest[1] - longest[0] >= _ROOM_DAYS
-    axes.annotate(
+    drawing.note(
+        axes,
         "none" if case.season.days == 0 else f"{case.season.days} d",
         (sum(longest) / 2.0 if within else longest[1], y),
         (0, 0) if within else (4, 0),
-        textcoords="offset points",
         ha="center" if within else "left",
         va="center",
-        fontsize="small",
         color="white" if within else drawing.ink(),
     )
 
@@ -187,7 +174,7 @@ def _draw_design(axes: Axes, comparison: Comparison, case: Case, y: float) -> No
     colour, marker, _name = _LOOKS[case.solar.correction]
     value = _objective_value(case, comparison)
     if value is None or case.built.judged is None:
-        _note(axes, y, "no design", colour)
+        drawing.note(axes, "no design", (0.02, y), across=True, va="center", color=colour)
         return
     axes.plot([value], [y], color=colour, marker=marker)
     if not case.built.judged.perpetual:

@@ -171,7 +171,7 @@ def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
             level = float(np.interp(hour, perf.day.time_h, perf.load_w[index]))
             axes.plot([hour], [level], "o", color=drawing.ink(), markersize=4)
             shift = -4 if side == "right" else 4
-            axes.annotate(name, (hour, level), (shift, 6), textcoords="offset points", ha=side)
+            drawing.note(axes, name, (hour, level), (shift, 6), ha=side, fontsize="medium")
 
 
 def _mark_charge(axes: Axes, perf: Performance, index: int) -> None:
@@ -199,18 +199,11 @@ def _draw_interval(
     axes: Axes, start_h: float, end_h: float, level: float, text: str, side: str
 ) -> None:
     """Draw an arrow over an interval of time, and what it is, on the side with more room."""
-    arrow = {"arrowstyle": "<->", "color": drawing.ink(), "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (end_h, level), (start_h, level), arrowprops=arrow)
+    drawing.arrow(axes, (start_h, level), (end_h, level), drawing.ink())
     to_right = start_h <= sum(axes.get_xlim()) / 2.0
-    axes.annotate(
-        text,
-        (start_h if to_right else end_h, level),
-        (0, 2 if side == "bottom" else -2),
-        textcoords="offset points",
-        fontsize="small",
-        ha="left" if to_right else "right",
-        va=side,
-    )
+    place = (start_h if to_right else end_h, level)
+    shift = (0, 2 if side == "bottom" else -2)
+    drawing.note(axes, text, place, shift, ha="left" if to_right else "right", va=side)
 
 
 def _plot_limited(analysis: Analysis, index: int, canvas: drawing.Canvas) -> Figure:

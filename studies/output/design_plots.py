@@ -12,7 +12,7 @@ from sizing.day.light import SolarModel
 from sizing.parameters import label, unit_text
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
-from sizing.results.parts import cells_record
+from sizing.results.design_result import cells_record
 from sizing.validity.ranges import Extrapolation
 from solar.schema import spell
 from studies.output.figures import drawing
@@ -164,14 +164,7 @@ def plot_flight_envelope(analysis: Analysis, *, figure: drawing.Canvas = DEFAULT
         ("$V_D$", envelope.dive_speed_m_per_s),
     ):
         axes.axvline(speed, color=drawing.ink(), linewidth=0.5, linestyle=":")
-        axes.annotate(
-            f"{name} {speed:.1f}",
-            (speed, 0.0),
-            (0, 3),
-            textcoords="offset points",
-            ha="center",
-            fontsize="small",
-        )
+        drawing.note(axes, f"{name} {speed:.1f}", (speed, 0.0), (0, 3), ha="center")
     axes.set(
         xlim=(0.0, 1.1 * envelope.dive_speed_m_per_s),
         xlabel="equivalent airspeed [m/s]",

@@ -10,7 +10,7 @@ from missions.mission import Mission
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
 from sizing.relaxed_flight import Relaxation
-from sizing.results.conditions import wind_of
+from sizing.results.design_result import wind_of
 from studies import quantities as q
 from studies.render import sentences as say
 from studies.render.numbers import amount, given

@@ -16,7 +16,7 @@ from sizing.balance.assessment import BalanceAssessment
 from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
 from sizing.relaxed_flight import Relaxation
-from sizing.results.conditions import wind_of
+from sizing.results.design_result import wind_of
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
@@ -38,8 +38,7 @@ if TYPE_CHECKING:
     from sizing.program.objectives import Objective
     from sizing.program.ranges import WidestRange
     from sizing.results.analysis import Analysis
-    from sizing.results.season import Survival
-    from sizing.results.sizing_study import SizingStudy
+    from sizing.results.sizing_study import SizingStudy, Survival
 
 # ---- How long it flies
 

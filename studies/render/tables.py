@@ -82,7 +82,7 @@ class Column:
         # Of an array or a spread both ends; a list of names imports neither.
         ends = value
         if getattr(value, "ndim", 0):
-            from sizing.results.conditions import Spread
+            from sizing.results.design_result import Spread
 
             ends = Spread.of(value)
         if hasattr(ends, "lowest"):

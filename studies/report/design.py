@@ -25,8 +25,7 @@ from studies.render.sentences import (
     loss_line,
     wind_rows,
 )
-from studies.render.sizing import record_blocks
-from studies.render.sizing_tables import requirement_table
+from studies.render.sizing import record_blocks, requirement_table
 from studies.render.tables import Line, facts
 from studies.report.blocks import Bars, Block, Section
 from studies.report.figures import page_figure, page_options

@@ -15,9 +15,11 @@ from studies.output.figures.drawing import (
     VERMILLION,
     Canvas,
     add_legend,
+    arrow,
     box,
     ink,
     new_figure,
+    note,
     paper,
     styled,
 )
@@ -150,20 +152,13 @@ def _section(thickness_ratio: float, incidence_deg: float = 0.0) -> Any:
 
 def _dimension(axes: Axes, x: float, y: float, right: float, up: float) -> None:
     """Draw an arrow from a place so far to the right and up, and its length beside it."""
-    arrow = {"arrowstyle": "<->", "color": DARK_GREY, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (x + right, y + up), (x, y), arrowprops=arrow)
-    length = max(abs(right), abs(up))
-    text = amount(length, "m")
-    aside = {"ha": "center", "va": "bottom"} if right else {"ha": "left", "va": "center"}
-    _note(axes, x + right / 2.0, y + up / 2.0, text, (0, 2) if right else (4, 0), **aside)
-
-
-def _note(
-    axes: Axes, x: float, y: float, text: str, shift: tuple[float, float], **looks: Any
-) -> None:
-    """Write a text a few points beside a place."""
-    looks = {"textcoords": "offset points", "fontsize": "small", **looks}
-    axes.annotate(text, (x, y), shift, **looks)
+    arrow(axes, (x, y), (x + right, y + up), DARK_GREY)
+    aside: dict[str, Any] = (
+        {"ha": "center", "va": "bottom"} if right else {"ha": "left", "va": "center"}
+    )
+    middle = (x + right / 2.0, y + up / 2.0)
+    text = amount(max(abs(right), abs(up)), "m")
+    note(axes, text, middle, (0, 2) if right else (4, 0), **aside)
 
 
 # ---- Views
@@ -200,7 +195,7 @@ def _draw_above(axes: Axes, drawing: Drawing, room_m: float) -> None:
     _dimension(axes, half + room_m / 2.0, tip, 0.0, -drawing.chord_at(half))
     _dimension(axes, side + room_m / 2.0, 0.0, 0.0, front)
     size = " × ".join(amount(m, "m") for m in (tail.horizontal_span_m, tail.horizontal_chord_m))
-    _note(axes, -side, (front + rear) / 2.0, size, (-5, 0), ha="right", va="center")
+    note(axes, size, (-side, (front + rear) / 2.0), (-5, 0), ha="right", va="center")
 
 
 def _draw_ahead(axes: Axes, drawing: Drawing) -> None:
@@ -222,7 +217,7 @@ def _draw_ahead(axes: Axes, drawing: Drawing) -> None:
     _shape(axes, drawing, "pod", _ellipse(0.0, 0.0, depth, depth), paper())
     if drawing.dihedral_deg:
         angle = f"{given(drawing.dihedral_deg)}°"
-        _note(axes, half, float(up[-1]), angle, (5, 0), ha="left", va="center")
+        note(axes, angle, (half, float(up[-1])), (5, 0), ha="left", va="center")
 
 
 def _draw_left(axes: Axes, drawing: Drawing, room_m: float) -> None:

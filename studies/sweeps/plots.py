@@ -157,8 +157,7 @@ def _names_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
         axes.set(xlabel=_label(data, variable))
         axes.margins(x=0.1)
     for place in np.flatnonzero(reasons != ""):
-        at, by = (0.02, place), ("axes fraction", "data")
-        panels[0].annotate(reasons[place], at, xycoords=by, va="center", fontsize="small")
+        drawing.note(panels[0], reasons[place], (0.02, place), across=True, va="center")
     _name_places(panels[0].yaxis, data, name)
     panels[0].set_ylim(len(places) - 0.5, -0.5)
     if panels[0].get_legend_handles_labels()[0]:
@@ -363,9 +362,8 @@ def _tornado_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     for place, (name, rows, lost) in enumerate(bars):
         _draw_bar(axes, place, rows, name, variable, base)
         if lost:
-            at, by = (0.99, place + 0.3), ("axes fraction", "data")
-            words = f"{lost} without a result"
-            axes.annotate(words, at, xycoords=by, ha="right", fontsize="x-small")
+            at, words = (0.99, place + 0.3), f"{lost} without a result"
+            drawing.note(axes, words, at, across=True, ha="right", fontsize="x-small")
     axes.axvline(base[variable], color=drawing.ink(), linewidth=0.8)
     labels = [f"{_label(data, name)}\n(file: {spell(base[name], 4)})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels)
@@ -400,11 +398,11 @@ def _draw_bar(
         axes.barh(place + height / 2, end - start, 0.25, left=start, linewidth=0.0, **style)
         extreme = side.loc[(side[variable] - base[variable]).abs().idxmax()]
         right = extreme[variable] >= base[variable]
-        axes.annotate(
+        drawing.note(
+            axes,
             spell(extreme[name], 4),
             (extreme[variable], place + height / 2),
             (4 if right else -4, 0),
-            textcoords="offset points",
             ha="left" if right else "right",
             va="center",
             fontsize="x-small",
@@ -445,7 +443,7 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: drawing.Canvas = DE
     axes.plot(over, up, "s-", color=drawing.LOAD, markersize=6, linewidth=1.0, label="Pareto front")
     _mark_extrapolated(axes, table[x], table[y], table["extrapolations"].to_numpy() != "")
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
-        axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")
+        drawing.note(axes, label, (over, up), (4, 4))
     better = {name: "more" if name in MORE_IS_BETTER else "less" for name in (x, y)}
     axes.set(
         xlabel=f"{_label(data, x)}; {better[x]} is better",

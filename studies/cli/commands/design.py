@@ -204,7 +204,7 @@ class Size(
         """Find the design."""
         from missions.weather.files import load_weather
         from sizing.results import sizing
-        from sizing.results.weather_sizing import size_in_weather
+        from sizing.results.sizing import size_in_weather
         from studies.cli.telling import progress_of
 
         if self.weather_file is None or self.survive is None:

@@ -289,6 +289,27 @@ def shade(axes: Axes, spans: Iterable[tuple[float, float]]) -> None:
         axes.axvspan(start, end, color=night(), zorder=0, linewidth=0)
 
 
+def note(
+    axes: Axes,
+    text: str,
+    place: tuple[Any, Any],
+    shift: tuple[float, float] = (0.0, 0.0),
+    *,
+    across: bool = False,
+    **looks: Any,
+) -> None:
+    """Write a text some points beside a place, whose first number may be a share ``across``."""
+    coordinates: Any = ("axes fraction", "data") if across else "data"
+    looks = {"xycoords": coordinates, "textcoords": "offset points", "fontsize": "small", **looks}
+    axes.annotate(text, place, shift, **looks)
+
+
+def arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+    """Draw an arrow with two heads between places."""
+    looks = {"arrowstyle": "<->", "color": colour, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=looks)
+
+
 def box(left: float, right: float, low: float, high: float) -> list[tuple[float, float]]:
     """Return the corners of a rectangle."""
     return [(left, low), (right, low), (right, high), (left, high)]

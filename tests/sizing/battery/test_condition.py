@@ -22,7 +22,7 @@ from sizing.parameters import with_parameter
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
-from sizing.results.conditions import battery_condition
+from sizing.results.design_result import battery_condition
 from studies.render.parts import part_tables
 
 PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)

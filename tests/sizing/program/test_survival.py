@@ -14,7 +14,7 @@ from sizing.library import load_aircraft
 from sizing.program.margin import MarginCase
 from sizing.program.objectives import Objective
 from sizing.program.survival import SurvivalSizing
-from sizing.results.season import SeasonDays
+from sizing.results.sizing_study import SeasonDays
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import sizing
 from missions.library import load_mission
 from sizing.mass_budget import parametric_design
 from sizing.results.margins import requirement_margins
-from studies.render.sizing_tables import requirement_table
+from studies.render.sizing import requirement_table
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})
 
