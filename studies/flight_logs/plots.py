@@ -15,12 +15,12 @@ from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.left_out import Reason
-from studies.flight_logs.residuals import Residual
 from studies.flight_logs.verification import Verification
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -66,7 +66,8 @@ def window_figure(result: Verification, number: int, *, figure: drawing.Canvas =
 def residual_figure(result: Verification, *, figure: drawing.Canvas = DEFAULT) -> Figure:
     """Draw power and residuals over time, the sun's elevation and azimuth, and by MPPT."""
     samples, bins = result.samples, result.residuals
-    panels = 3 + bool(bins.bearing) + (result.mppts is not None)
+    with_bearing = not bins["bearing"].empty
+    panels = 3 + with_bearing + (result.mppts is not None)
     every, filter_s = np.ones(len(samples.time_s), bool), result.days[0].filter_s
     page = _Page(result, panels, "models against flight", every, filter_s, figure)
     power, error, elevation, *rest = page.panels
@@ -79,13 +80,13 @@ def residual_figure(result: Verification, *, figure: drawing.Canvas = DEFAULT) -
             left = page.smooth(modelled - samples.measured_w)
             page.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
     error.set_ylabel(f"{result.best_model} − measured [W]")
-    _draw_bins(elevation, bins.morning, "morning", "o")
-    _draw_bins(elevation, bins.afternoon, "afternoon", "^")
+    _draw_bins(elevation, bins["morning"], "morning", "o")
+    _draw_bins(elevation, bins["afternoon"], "afternoon", "^")
     elevation.set(ylabel="error [%]", xlabel="elevation of the sun [deg]")
     zero = [error, elevation]
-    if bins.bearing:
+    if with_bearing:
         zero.append(rest[0])
-        _draw_bins(rest[0], bins.bearing, "", "o")
+        _draw_bins(rest[0], bins["bearing"], "", "o")
         rest[0].set(ylabel="error [%]", xlabel="azimuth of the sun from the nose, clockwise [deg]")
         rest[0].set(xlim=(0, 360), xticks=range(0, 361, 45))
     if result.mppts is not None:
@@ -108,7 +109,7 @@ def residual_figure(result: Verification, *, figure: drawing.Canvas = DEFAULT) -
             percent = np.where(bright, 100.0 * share, np.nan)
             page.line(rest[-1], percent, label=mppt.name, color=colour)
         rest[-1].set_ylabel("measured / FM [%]")
-    return page.finished([power, error, *rest[bool(bins.bearing) :]], zero)
+    return page.finished([power, error, *rest[with_bearing:]], zero)
 
 
 class _Page:
@@ -186,11 +187,10 @@ class _Page:
         return self.figure
 
 
-def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -> None:
+def _draw_bins(axes: Axes, bins: pd.DataFrame, when: str, marker: str) -> None:
     """Draw errors at the middle of each bin, as logged and with the estimates."""
-    middle = [0.5 * (row.low + row.high) for row in rows]
+    middle = 0.5 * (bins["low"] + bins["high"])
     for name, style in (("as_logged", _LOGGED), ("estimated", _ESTIMATED)):
-        values = [getattr(row, name) for row in rows]
-        if rows and None not in values:
+        if len(bins) and bins[name].notna().all():
             label = ", ".join(filter(None, (when, name.replace("_", " "))))
-            axes.plot(middle, 100.0 * np.array(values), marker=marker, label=label, **style)
+            axes.plot(middle, 100.0 * bins[name], marker=marker, label=label, **style)

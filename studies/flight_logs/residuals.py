@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,86 +24,73 @@ _LEAST_SAMPLES, _LEAST_SHARE = 10, 0.01  # of a bin, and its mean power over the
 _PLACES = {"center": "centre", "middle": "centre"}
 
 
-class Residual(NamedTuple):
-    """Errors of the model in a bin, relative to its mean measured power: modelled less measured.
+def residuals(
+    samples: Samples, counts: BoolArray, estimated_w: FloatArray | None
+) -> dict[str, pd.DataFrame]:
+    """Compute errors by time, by elevation before and after noon, and by the sun's bearing.
 
-    ``low``, ``high``: ends of the bin, in seconds since 1970 or in degrees. ``estimated``: with
-    the estimated clock, heading and factor.
+    Bins have enough samples and power. Columns: ends ``low`` and ``high`` of a bin, in seconds
+    since 1970 or in degrees, ``samples``, ``measured_w``, and modelled less measured power over the
+    measured one, ``as_logged`` and ``estimated``, with the estimated clock, heading and factor.
     """
-
-    low: float
-    high: float
-    samples: int
-    measured_w: float
-    as_logged: float
-    estimated: float | None
-
-
-class Residuals(NamedTuple):
-    """Errors by time, by the sun's elevation before and after noon, and by its bearing."""
-
-    time: tuple[Residual, ...]
-    morning: tuple[Residual, ...]
-    afternoon: tuple[Residual, ...]
-    bearing: tuple[Residual, ...]
-
-
-def residuals(samples: Samples, counts: BoolArray, estimated_w: FloatArray | None) -> Residuals:
-    """Compute errors in bins with enough samples and power."""
-    powers = [samples.measured_w, samples.modelled_w[samples.best_model]]
-    powers += [] if estimated_w is None else [estimated_w]
+    powers = pd.DataFrame(
+        {
+            "measured_w": samples.measured_w,
+            "as_logged": samples.modelled_w[samples.best_model],
+            "estimated": np.nan if estimated_w is None else estimated_w,
+        }
+    )
     least_w = max(_LEAST_SHARE * float(samples.measured_w.max()), 0.0)
 
-    def binned(values: FloatArray, step: float, mask: BoolArray) -> tuple[Residual, ...]:
-        frame = pd.DataFrame(np.stack(powers, axis=1)[mask])
-        groups = frame.groupby(np.floor(values[mask] / step))
-        result = []
-        for number, count, measured, *modelled in (
-            groups.mean().assign(n=groups.size())[["n", *frame]].itertuples()
-        ):
-            if count >= _LEAST_SAMPLES and measured > least_w:
-                logged, estimated = ([w / measured - 1.0 for w in modelled] + [None])[:2]
-                ends = step * number, step * (number + 1.0)
-                result.append(Residual(*ends, int(count), measured, logged, estimated))
-        return tuple(result)
+    def binned(values: FloatArray, step: float, mask: BoolArray) -> pd.DataFrame:
+        groups = powers[mask].groupby(np.floor(values[mask] / step))
+        means, count = groups.mean(), groups.size()
+        measured_w, number = means["measured_w"], means.index.to_numpy(float)
+        ends = {"low": step * number, "high": step * (number + 1.0), "samples": count}
+        bins = pd.DataFrame({**ends, "measured_w": measured_w})
+        for name in ("as_logged", "estimated"):
+            bins[name] = means[name] / measured_w - 1.0
+        return bins[(count >= _LEAST_SAMPLES) & (measured_w > least_w)]
 
     for hours in _HOURS:
         step_s = 3600.0 * hours
         if len(np.unique(np.floor(samples.time_s[counts] / step_s))) <= _MOST_ROWS:
             break
-    morning = samples.time_solar_h < 12.0
-    return Residuals(
-        time=binned(samples.time_s, step_s, counts),
-        morning=binned(samples.elevation_deg, _STEP_DEG, counts & morning),
-        afternoon=binned(samples.elevation_deg, _STEP_DEG, counts & ~morning),
-        bearing=binned(samples.bearing_deg, _SECTOR_DEG, counts) if samples.detail else (),
-    )
+    morning, with_bearing = samples.time_solar_h < 12.0, counts & bool(samples.detail)
+    return {
+        "time": binned(samples.time_s, step_s, counts),
+        "morning": binned(samples.elevation_deg, _STEP_DEG, counts & morning),
+        "afternoon": binned(samples.elevation_deg, _STEP_DEG, counts & ~morning),
+        "bearing": binned(samples.bearing_deg, _SECTOR_DEG, with_bearing),
+    }
 
 
-def residual_tables(bins: Residuals, model: str) -> list[Table]:
+def residual_tables(bins: Mapping[str, pd.DataFrame], model: str) -> list[Table]:
     """Return tables of the residuals."""
     numbers = (
         Column("measured_w", "measured", "W", ".1f"),
         Column("as_logged_percent", "as logged", "%", "+.1f"),
         Column("estimated_percent", "estimated", "%", "+.1f"),
     )
-    halves = (("morning", bins.morning), ("afternoon", bins.afternoon))
+
+    def rows_of(name: str, when: str = "") -> Iterator[tuple[Any, ...]]:
+        for low, high, _, measured_w, *errors in bins[name].to_numpy().tolist():
+            label = f"{low:.0f} to {high:.0f}{when}"
+            if name == "time":
+                label = f"{utc_text(low)[5:16]} to {utc_text(high)[11:16]}"
+            yield label, measured_w, *(100 * error for error in errors)
+
+    halves = (*rows_of("morning", " morning"), *rows_of("afternoon", " afternoon"))
     tables = (
-        ("time", Column("UTC"),
-         [(f"{utc_text(r.low)[5:16]} to {utc_text(r.high)[11:16]}", r) for r in bins.time]),
-        ("the sun's elevation", Column("elevation", "elevation [deg]"),
-         [(f"{r.low:.0f} to {r.high:.0f} {when}", r) for when, half in halves for r in half]),
-        ("the sun's azimuth from the nose, clockwise", Column("bearing", "azimuth [deg]"),
-         [(f"{r.low:.0f} to {r.high:.0f}", r) for r in bins.bearing]),
-    )  # fmt: skip
-    every = []
-    for what, head, labelled in tables:
-        rows = [
-            (label, r.measured_w, 100 * r.as_logged, r.estimated and 100 * r.estimated)
-            for label, r in labelled
-        ]
-        every += [Table(f"{model} by {what}", (head, *numbers), tuple(rows))] if rows else []
-    return every
+        ("time", Column("UTC"), tuple(rows_of("time"))),
+        ("the sun's elevation", Column("elevation", "elevation [deg]"), halves),
+        (
+            "the sun's azimuth from the nose, clockwise",
+            Column("bearing", "azimuth [deg]"),
+            tuple(rows_of("bearing")),
+        ),
+    )
+    return [Table(f"{model} by {what}", (h, *numbers), rows) for what, h, rows in tables if rows]
 
 
 class MpptPower(NamedTuple):

@@ -38,7 +38,6 @@ from studies.flight_logs.forward import Forward, Samples, daylight_samples
 from studies.flight_logs.left_out import Stretch, fit_and_left_out, left_out_table
 from studies.flight_logs.residuals import (
     MpptPowers,
-    Residuals,
     compare_mppts,
     residual_tables,
     residuals,
@@ -91,7 +90,7 @@ class Verification(Result):
     correlation: float | None
     rms_w: tuple[float | None, float | None]
     estimated_w: FloatArray | None
-    residuals: Residuals
+    residuals: Mapping[str, pd.DataFrame]
     windows: tuple[Section, ...]
     days: tuple[Section, ...]
     notes: tuple[str, ...]
@@ -180,12 +179,12 @@ class Verification(Result):
             "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
             "residuals": {
                 name: [
-                    (_span_record(row.low, row.high) | _without(row._asdict(), "low", "high"))
+                    (_span_record(row["low"], row["high"]) | _without(row, "low", "high"))
                     if name == "time"
-                    else row._asdict()
-                    for row in rows
+                    else row
+                    for row in bins.astype(object).where(bins.notna(), None).to_dict("records")
                 ]
-                for name, rows in self.residuals._asdict().items()
+                for name, bins in self.residuals.items()
             },
             "mppts": [] if self.mppts is None else [m._asdict() for m in self.mppts.each],
             "left_out": [
@@ -269,7 +268,7 @@ def _span_record(start_s: float, end_s: float) -> dict[str, str]:
     return {name: utc_label(t) for name, t in ends.items() if np.isfinite(start_s)}
 
 
-def _without(record: dict[str, Any], *names: str) -> dict[str, Any]:
+def _without(record: Mapping[Any, Any], *names: str) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name not in names}
 
 

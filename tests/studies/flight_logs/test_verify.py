@@ -349,13 +349,14 @@ def test_residuals_are_errors_of_bins():
     result = verified(made(start_utc_s=MORNING_S, duration_h=6.0, bias=-0.05))
     samples, verification = result.samples, result.residuals
     inside = (samples.elevation_deg >= 30.0) & (samples.elevation_deg < 40.0)
-    row = next(item for item in verification.morning if item.low == 30.0)
+    row = next(item for item in verification["morning"].itertuples() if item.low == 30.0)
     assert row.samples == inside.sum()
     measured = samples.measured_w[inside].mean()
     assert row.as_logged == pytest.approx(samples.modelled_w["FM"][inside].mean() / measured - 1.0)
-    assert verification.afternoon == ()
+    assert verification["afternoon"].empty
     bright = (samples.measured_w > 0.02 * samples.measured_w.max()).sum()
-    for rows in (verification.time, verification.morning, verification.bearing):
+    for name in ("time", "morning", "bearing"):
+        rows = list(verification[name].itertuples())
         assert bright <= sum(item.samples for item in rows) <= len(samples.time_s)
         for item in rows[1:]:  # the first hour has hardly any light
             assert item.as_logged == pytest.approx(-0.05, abs=0.02)
