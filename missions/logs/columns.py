@@ -227,7 +227,19 @@ def recipes_for(
             if quantity not in _PARTS:  # one voltage may serve the power and itself
                 taken.add(column.column)
     if guess and "solar_power_w" not in recipes:
-        recipes |= _power_of_mppts(header, taken)
+        # The sum of the power of several MPPTs whose columns differ by number or place.
+        groups: dict[str, list[Factor]] = {}
+        for name in header:
+            base = split_unit(name)[0]
+            numbers, places = re.findall(r"\d+", base), _PLACE.findall(base)
+            stem = _PLACE.sub("", re.sub(r"[ _.]?\d+", "", name, count=1))
+            match = _match_alias("solar_power_w", stem)
+            if name not in taken and match is not None and (len(numbers) == 1 or places):
+                groups.setdefault(stem, []).append(match[1]._replace(column=name))
+        factors = max(groups.values(), key=len, default=[])
+        if len(factors) > 1:
+            terms = tuple((column,) for column in factors)
+            recipes["solar_power_w"] = Recipe("solar_power_w", terms, guessed=True)
     # Power from voltage and current, if it has no column.
     volts, amps = (recipes.pop(part, None) for part in _PARTS)
     if amps is not None and volts is None:
@@ -330,20 +342,3 @@ def _match_alias(quantity: str, name: str) -> tuple[int, Factor] | None:
             if count == 0 or named is not None:
                 return aliases.index(stem), Factor(name, unit or named)
     return None
-
-
-def _power_of_mppts(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]:
-    """Sum the power of several MPPTs whose columns differ by number or place."""
-    groups: dict[str, list[Factor]] = {}
-    for name in header:
-        base = split_unit(name)[0]
-        numbers, places = re.findall(r"\d+", base), _PLACE.findall(base)
-        stem = _PLACE.sub("", re.sub(r"[ _.]?\d+", "", name, count=1))
-        match = _match_alias("solar_power_w", stem)
-        if name not in taken and match is not None and (len(numbers) == 1 or places):
-            groups.setdefault(stem, []).append(match[1]._replace(column=name))
-    terms = max(groups.values(), key=len, default=[])
-    if len(terms) < 2:
-        return {}
-    recipe = Recipe("solar_power_w", tuple((column,) for column in terms), guessed=True)
-    return {recipe.quantity: recipe}

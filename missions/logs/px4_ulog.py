@@ -46,7 +46,19 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     if "solar_power_w" not in every.mapped:
         if _POWER_TOPIC not in topics:
             raise every.no_power(_EXAMPLE)
-        series |= _mppt(topics[_POWER_TOPIC])
+        # Mean voltage of the MPPTs in use, power of all of them and of each.
+        power = topics[_POWER_TOPIC]
+        count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
+        volt, amp = (
+            np.array([power.field(f"{name}[{i}]") for i in range(count)])
+            for name in ("mppt_volt", "mppt_amp")
+        )
+        used = np.any(volt != 0.0, axis=1)
+        mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
+        mppts = {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)}
+        if used.sum() > 1:
+            mppts |= {f"{MPPT}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
+        series |= power.series(mppts)
     lack = f"has no topic {' or '.join(_POSITION_TOPICS)}: needed for position and universal time"
     position = every.needed(_POSITION_TOPICS, lack)
     fixed = position.has_fix("fix_type")
@@ -162,21 +174,6 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
         whole_s = 1e-3 * sum(dropout.duration for dropout in dropouts)
         lost.append(f"the logger fell out {len(dropouts)} times, for {round(whole_s, 1)} s in all")
     return topics, lost
-
-
-def _mppt(power: Stream) -> dict[str, Series]:
-    """Return the mean voltage [V] of the MPPTs in use, the power of all [W] and of each."""
-    count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
-    volt, amp = (
-        np.array([power.field(f"{name}[{i}]") for i in range(count)])
-        for name in ("mppt_volt", "mppt_amp")
-    )
-    used = np.any(volt != 0.0, axis=1)
-    mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
-    values = {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)}
-    if used.sum() > 1:
-        values |= {f"{MPPT}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
-    return power.series(values)
 
 
 def _euler_deg(attitude: Stream) -> dict[str, Series]:

@@ -66,7 +66,14 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     elif missing:
         repairs.append(f"{missing} of {len(of_line)} rows are missing")
     light = {name: columns[name] for name in LIGHT if name in values}
-    repairs += _zero_night_noise(light, sun)
+    noisy = np.zeros(len(start_s), bool)
+    for part in light.values():  # at night, and small negative values
+        dark = (sun.highest < _DARK_COSINE) & (np.abs(part) <= _NIGHT_NOISE) & (part != 0.0)
+        low = (part < 0.0) & (part >= -_NIGHT_NOISE)
+        noisy |= (dark & (np.abs(part) > 1.0)) | (part < -1.0) & low
+        part[dark | low] = 0.0
+    if count := int(np.count_nonzero(noisy)):
+        repairs.append(f"noise at night or below zero in {count} rows set to zero")
     repairs += _drop_impossible(light, sun, of_line)
     light = _complete_light(light, sun, repairs)
     repairs += _fill_gaps(light, sun, interval_s, start_s, stride=stride)
@@ -218,18 +225,6 @@ class _Sun:
         of_beam = np.where(dni > 1.0, level / np.maximum(dni, 1.0), np.maximum(cosine, 0.0))
         highest = np.maximum.reduce([cosine, *at_ends])
         return cls(cosine, highest, of_beam, extraterrestrial_irradiance(middle_day), clear)
-
-
-def _zero_night_noise(light: dict[str, FloatArray], sun: _Sun) -> list[str]:
-    """Set light at night, and small negative values, to zero, in place."""
-    noisy = np.zeros(len(sun.highest), bool)
-    for values in light.values():
-        dark = (sun.highest < _DARK_COSINE) & (np.abs(values) <= _NIGHT_NOISE) & (values != 0.0)
-        low = (values < 0.0) & (values >= -_NIGHT_NOISE)
-        noisy |= (dark & (np.abs(values) > 1.0)) | (values < -1.0) & low
-        values[dark | low] = 0.0
-    count = int(np.count_nonzero(noisy))
-    return [f"noise at night or below zero in {count} rows set to zero"] if count else []
 
 
 def _drop_impossible(light: dict[str, FloatArray], sun: _Sun, lines: IntArray) -> list[str]:

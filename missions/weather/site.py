@@ -32,7 +32,15 @@ def mission_at_site(
             f"{mission.name}",
         )
     site, notes = weather.site, []
-    away_km = _distance_km(mission, weather)
+    # Great-circle distance from the site to the mission's latitudes.
+    here, there = np.radians(site.latitude_deg), np.radians(np.asarray(mission.latitudes()))
+    if len(there) > 1:  # a band of latitudes: what lies within is near
+        there = np.clip(here, there.min(), there.max())[np.newaxis]
+    east_deg = mission.longitude_deg
+    across = 0.0 if east_deg is None else np.radians(site.longitude_deg - east_deg)
+    half = np.cos(here) * np.cos(there) * np.sin(across / 2.0) ** 2
+    half = np.sin((there - here) / 2.0) ** 2 + half
+    away_km = float(np.min(2.0 * EARTH_RADIUS_KM * np.arcsin(np.sqrt(half))))
     if chosen and away_km > FAR_KM:
         raise file_error(
             weather.source,
@@ -77,18 +85,3 @@ def mission_at_site(
         }
     )
     return moved, tuple(notes)
-
-
-def _distance_km(mission: Mission, weather: Weather) -> float:
-    """Return the great-circle distance from the site to the mission's latitudes [km]."""
-    here = np.radians(weather.site.latitude_deg)
-    there = np.radians(np.asarray(mission.latitudes()))
-    if len(there) > 1:  # a band of latitudes: what lies within is near
-        there = np.clip(here, there.min(), there.max())[np.newaxis]
-    across = 0.0
-    if mission.longitude_deg is not None:
-        across = np.radians(weather.site.longitude_deg - mission.longitude_deg)
-    half = (
-        np.sin((there - here) / 2.0) ** 2 + np.cos(here) * np.cos(there) * np.sin(across / 2.0) ** 2
-    )
-    return float(np.min(2.0 * EARTH_RADIUS_KM * np.arcsin(np.sqrt(half))))

@@ -52,7 +52,15 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
         odd = polars[fixed.index(not fixed[0])]
         raise InputError([odd.problem(odd.line, "polars of fixed speed and of fixed lift mixed")])
     if all(fixed):
-        _check_repeated(pairs)
+        seen: dict[float, FilePolar] = {}
+        problems = []
+        for polar, reynolds in pairs:
+            first = seen.setdefault(float(reynolds[0]), polar)
+            if first is not polar:
+                message = f"Reynolds number {spell(reynolds[0])} as in {_place(first)}"
+                problems.append(polar.problem(polar.line, message))
+        if problems:
+            raise InputError(problems)
         rows = np.concatenate([_table(polar, reynolds) for polar, reynolds in pairs])
     else:
         rows = _resampled(pairs, source)
@@ -141,19 +149,6 @@ def _table(polar: FilePolar, reynolds: FloatArray) -> FloatArray:
     """Return the rows of a polar: angle, Reynolds number, lift, drag, moment."""
     alpha_deg, *coefficients = polar.values("alpha_deg", "lift", "drag", "moment")
     return np.column_stack((alpha_deg, reynolds, *coefficients))
-
-
-def _check_repeated(pairs: Sequence[tuple[FilePolar, FloatArray]]) -> None:
-    """Refuse two polars of the same Reynolds number."""
-    seen: dict[float, FilePolar] = {}
-    problems = []
-    for polar, reynolds in pairs:
-        first = seen.setdefault(float(reynolds[0]), polar)
-        if first is not polar:
-            message = f"Reynolds number {spell(reynolds[0])} as in {_place(first)}"
-            problems.append(polar.problem(polar.line, message))
-    if problems:
-        raise InputError(problems)
 
 
 def _resampled(pairs: Sequence[tuple[FilePolar, FloatArray]], source: str) -> FloatArray:

@@ -123,8 +123,14 @@ def read_propeller(
         _read_file(read, read_text(name), printable(name))
     names = ", ".join(printable(os.fspath(path)) for path in paths)
     for point in read.points:
-        if message := _impossible(point):
-            read.refuse(point.file, point.line, message)
+        advance, thrust, power = point.advance, point.thrust, point.power
+        trouble = _ADVANCE.trouble("J", advance) or _COEFFICIENT.trouble("CT", thrust)
+        trouble = trouble or _COEFFICIENT.trouble("CP", power)
+        if not trouble and thrust > 0.0 and advance * thrust > (1.0 + _ROUNDING) * power:
+            trouble = f"CT {spell(thrust)} and CP {spell(power)} at J {spell(advance)}"
+            trouble += " are an efficiency J CT / CP above 1"
+        if trouble:
+            read.refuse(point.file, point.line, trouble)
     if not read.problems:
         _check_as_a_whole(read, names, any_speed)
     if read.problems:
@@ -244,18 +250,6 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
 def _last_digit(text: str) -> float:
     """Return the last digit's place value of a printed number."""
     return 10.0 ** -len(text.partition(".")[2])
-
-
-def _impossible(point: _Point) -> str:
-    """Return what is physically impossible of a point; empty if nothing is."""
-    advance, thrust, power = point.advance, point.thrust, point.power
-    if thrust > 0.0 and advance * thrust > (1.0 + _ROUNDING) * power:
-        text = f"CT {spell(thrust)} and CP {spell(power)} at J {spell(advance)}"
-        text += " are an efficiency J CT / CP above 1"
-    else:
-        text = ""
-    coefficients = _COEFFICIENT.trouble("CT", thrust) or _COEFFICIENT.trouble("CP", power)
-    return _ADVANCE.trouble("J", advance) or coefficients or text
 
 
 def _by_speed(points: Sequence[_Point]) -> list[list[_Point]]:

@@ -210,12 +210,23 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     if wires is not None:
         lift, mass = station.braced_lift_moment, station.braced_mass_moment
         landed = station.braced_landed_moment if wires.landing_wires else landed
-    nose, torsion = "gauge", model.torsion
+    nose, torsion, twisted = "gauge", model.torsion, None
     if torsion is not None:
         needed = {k: float(v) for k, v in torsion.needed_nm2(model.twisting(wing)).items()}
         largest_need = max(needed, key=lambda name: needed[name])
         if _at_gauge_nm2(model, torsion, wing) < needed[largest_need]:
             nose = largest_need
+        stiff = wing._replace(sheet_m=wing.sheet_m + model.stiffening_sheet_m(wing))
+        stiffness = _at_gauge_nm2(model, torsion, stiff)
+        diverging = needed["divergence"] / torsion.speed_margin**2
+        twist = torsion.maximum_twist_deg * needed["twist_at_limit_load"] / stiffness
+        twisted = Torsion(
+            stiffness_nm2=stiffness,
+            needed_nm2=max(needed.values()),
+            divergence_speed_ratio=None if diverging == 0.0 else (stiffness / diverging) ** 0.5,
+            flutter_flexibility_ratio=needed["flutter"] / stiffness,
+            twist_at_limit_load_deg=twist,
+        )
     level = GRAVITY_M_PER_S2 * (wing.total_mass_kg * lift - wing.relief_kg * mass)
     landing = GRAVITY_M_PER_S2 * wing.relief_kg * landed
     bent_1g, turned_1g = _tip_bending(model, wing, station, integral, load=level, needs=needs)
@@ -235,7 +246,7 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         tip_deflection_landing=model.landing_load_factor * bent_landing,
         tip_slope_1g_deg=turned_1g,
         tip_slope_limit_deg=up * turned_1g,
-        torsion=None if torsion is None else _torsion(model, torsion, wing, needed),
+        torsion=twisted,
         wing_battery_kg=inputs.wing_battery_kg + inputs.pod_battery_kg - float(wing.pod_battery_kg),
         pod_battery_kg=float(wing.pod_battery_kg),
     )
@@ -301,19 +312,3 @@ def _at_gauge_nm2(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> 
     wall = torsion.sheet_shear_modulus_pa * wing.sheet_m
     nose = model.nose_cell(wing.chord_m).stiffness_nm2(wall)
     return float(nose + model.box_torsional_stiffness_nm2(wing))
-
-
-def _torsion(
-    model: RibWingStructure, torsion: WingTorsion, wing: Wing, needed: dict[str, float]
-) -> Torsion:
-    stiff = wing._replace(sheet_m=wing.sheet_m + model.stiffening_sheet_m(wing))
-    stiffness = _at_gauge_nm2(model, torsion, stiff)
-    twist = torsion.maximum_twist_deg * needed["twist_at_limit_load"] / stiffness
-    diverging = needed["divergence"] / torsion.speed_margin**2
-    return Torsion(
-        stiffness_nm2=stiffness,
-        needed_nm2=max(needed.values()),
-        divergence_speed_ratio=None if diverging == 0.0 else (stiffness / diverging) ** 0.5,
-        flutter_flexibility_ratio=needed["flutter"] / stiffness,
-        twist_at_limit_load_deg=twist,
-    )

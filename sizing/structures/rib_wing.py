@@ -229,7 +229,21 @@ class RibWingStructure(BuiltStructure):
         """Return the masses of the parts."""
         wing = self.wing(inputs)
         area_m2, chord_m = wing.wing_area_m2, wing.chord_m
-        (caps, web), wires = self._spar_kg(wing), self.wires(wing).mass_kg
+        # Caps and webs, integrated over both half-spans.
+        station, integral = self.along_the_span(
+            wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
+        )
+        forces, shear_n = self.cap_forces(wing, station), self.shear_n(wing, station)
+        upper_m2, lower_m2 = (largest(needs) for needs in self.cap_needs_m2(wing, forces))
+        caps = self.cap_density_kg_per_m3 * wing.wingspan_m * integral(upper_m2 + lower_m2)
+        web_m = largest(self.web_needs_m(wing, shear_n))
+        web_kg_per_m2 = self.laminate_density_kg_per_m3 * web_m
+        if self.web_core is not None:
+            flow = shear_n / (2.0 * wing.depth_m)
+            web_kg_per_m2 = web_kg_per_m2 + self.web_core.kg_per_m2(
+                flow, web_m, wing.depth_m, self.laminate_modulus_pa
+            )
+        web = wing.wingspan_m * 2.0 * wing.depth_m * integral(web_kg_per_m2)
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
         ribs = self._ribs_kg(area_m2, chord_m, wing.sheet_m)
         parts = (
@@ -243,7 +257,7 @@ class RibWingStructure(BuiltStructure):
             self.pod_wetted_area_ratio * area_m2 * self.pod_kg_per_m2
             + self.pod_battery_mount_fraction * wing.pod_battery_kg,
         )
-        joints = self.joint_fraction * sum(parts[1:], parts[0]) + wires
+        joints = self.joint_fraction * sum(parts[1:], parts[0]) + self.wires(wing).mass_kg
         return StructureParts(*(self.mass_factor * part for part in (*parts, joints)))
 
     def wing(self, inputs: StructureInputs) -> Wing:
@@ -368,25 +382,6 @@ class RibWingStructure(BuiltStructure):
         """Return stations with landing gear and wires of this wing, and the integral over them."""
         wire = None if self.bracing is None else self.bracing.attachment_span_fraction
         return along_the_span(*values, gear=self.landing_gear_span_fraction, wire=wire)
-
-    def _spar_kg(self, wing: Wing) -> tuple[Value, Value]:
-        """Return the masses of caps and webs, integrated over both half-spans [kg]."""
-        station, integral = self.along_the_span(
-            wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
-        )
-        forces = self.cap_forces(wing, station)
-        upper_m2, lower_m2 = (largest(needs) for needs in self.cap_needs_m2(wing, forces))
-        cap_m2 = integral(upper_m2 + lower_m2)
-        shear_n, span_m = self.shear_n(wing, station), wing.wingspan_m
-        web_m = largest(self.web_needs_m(wing, shear_n))
-        web_kg_per_m2 = self.laminate_density_kg_per_m3 * web_m
-        if self.web_core is not None:
-            flow = shear_n / (2.0 * wing.depth_m)
-            web_kg_per_m2 = web_kg_per_m2 + self.web_core.kg_per_m2(
-                flow, web_m, wing.depth_m, self.laminate_modulus_pa
-            )
-        caps_kg = self.cap_density_kg_per_m3 * span_m * cap_m2
-        return caps_kg, span_m * 2.0 * wing.depth_m * integral(web_kg_per_m2)
 
     def cap_forces(self, wing: Wing, station: Station) -> CapForces:
         """Return the cap forces of lift less the inertia of the masses in the wing.

@@ -142,7 +142,12 @@ def uncertain_inputs(
             continue
         named: dict[str, str] = {}
         for file_key, distribution in owner.uncertainty.inputs.items():
-            named[file_key] = key = _key_to_vary(owner, file_key, distribution)
+            key, relative = file_key, getattr(distribution, "relative_sigma", None) is not None
+            # The efficiency factor in place of a computed propeller efficiency.
+            computed = key == f"{_PROPULSION}propeller_efficiency" and _has_operating_point(owner)
+            if computed and relative and _FACTOR not in owner.uncertainty.inputs:
+                key = _FACTOR
+            named[file_key] = key
             nominal = parameter_value(owner, None, key)
             place = f"uncertainty.inputs.{file_key}"
             if nominal is None:
@@ -152,8 +157,20 @@ def uncertain_inputs(
                 problems.append(Problem(owner.name, None, None, place, message))
                 continue
             scattering = UncertainInput(prefix + key, nominal, distribution)
-            problems += _range_problems(owner, key, scattering)
             inputs.append(scattering)
+            # The first end of the distribution that the file's rules refuse.
+            for share, end in ((_TAIL, "lowest"), (1.0 - _TAIL, "highest")):
+                value = float(scattering.values(np.array([share]))[0])
+                try:
+                    with_values(owner, {key: value})
+                except InputError as error:
+                    message = (
+                        f"scatters to impossible values, the {end} in {round(1 / _TAIL)} draws is "
+                        f"{spell(value)}: {error.problems[0].message}"
+                    )
+                    place = f"uncertainty.inputs.{key}"
+                    problems.append(Problem(owner.name, None, None, place, message))
+                    break
         pairs += [
             (prefix + named.get(first, first), prefix + named.get(second, second), c.coefficient)
             for c in owner.uncertainty.correlations
@@ -178,34 +195,6 @@ def uncertain_inputs(
 def _has_operating_point(owner: Aircraft | Mission) -> bool:
     """Return whether the propulsion's efficiencies are computed at an operating point."""
     return isinstance(owner, Aircraft) and owner.propulsion_by_parts is not None
-
-
-def _key_to_vary(owner: Aircraft | Mission, key: str, distribution: Distribution) -> str:
-    """Return the key to vary: the efficiency factor in place of a computed propeller efficiency."""
-    assert owner.uncertainty is not None
-    relative = getattr(distribution, "relative_sigma", None) is not None
-    named = key == f"{_PROPULSION}propeller_efficiency" and _FACTOR not in owner.uncertainty.inputs
-    return _FACTOR if named and relative and _has_operating_point(owner) else key
-
-
-def _range_problems(
-    owner: Aircraft | Mission, key: str, scattering: UncertainInput
-) -> list[Problem]:
-    """Return the problem of the first end of a distribution that the file's rules refuse."""
-    problems = []
-    for share, end in ((_TAIL, "lowest"), (1.0 - _TAIL, "highest")):
-        value = float(scattering.values(np.array([share]))[0])
-        try:
-            with_values(owner, {key: value})
-        except InputError as error:
-            message = (
-                f"scatters to impossible values, the {end} in {round(1 / _TAIL)} draws is "
-                f"{spell(value)}: {error.problems[0].message}"
-            )
-            place = f"uncertainty.inputs.{key}"
-            problems.append(Problem(owner.name, None, None, place, message))
-            break
-    return problems
 
 
 def _correlations(

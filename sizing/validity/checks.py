@@ -68,10 +68,21 @@ def design_checks(
         yield Check.of("airspeed_m_per_s", "flight_path", design.airspeed_m_per_s, ends)
     yield from wind_check(design, design.conditions.wind_m_per_s)
     airframe = aircraft.airframe
-    if isinstance(airframe, MeasuredAirframe):
-        yield from _measured_checks(airframe, design)
-    else:
+    if not isinstance(airframe, MeasuredAirframe):
         yield from _parametric_checks(DesignInFlight(aircraft, design))
+        return
+    flight, now = airframe.level_flight, design.conditions
+    # At constant lift coefficient Re scales with (m rho)^0.5/mu; files have the density of the
+    # measurement, and the viscosity is assumed to be that at standard sea level.
+    mass_density = (design.total_mass_kg * now.density_kg_per_m3) / (
+        flight.mass_kg * flight.density_kg_per_m3
+    )
+    viscosity = now.dynamic_viscosity / float(standard_air(0.0).dynamic_viscosity_pa_s)
+    yield Check.of("reynolds_ratio", "measured", mass_density**0.5 / viscosity)
+    if flight.maximum_electric_power_w is not None:
+        climbing_w = flight.maximum_electric_power_w + design.constant_power_w
+        rate = climbing_w / design.battery_energy_wh
+        yield Check.of("climb_discharge_rate_per_h", "battery", rate)
 
 
 def wind_check(design: Design, wind_m_per_s: ArrayLike) -> Iterator[Check]:
@@ -139,21 +150,6 @@ def record_check(mission: Mission, site_altitude_m: float) -> Check:
     return Check.of("height_above_record_m", "weather_record", above_m)
 
 
-def _measured_checks(airframe: MeasuredAirframe, design: Design) -> Iterator[Check]:
-    flight, air = airframe.level_flight, design.conditions
-    # At constant lift coefficient Re scales with (m rho)^0.5/mu; files have the density of the
-    # measurement, and the viscosity is assumed to be that at standard sea level.
-    mass_density = (design.total_mass_kg * air.density_kg_per_m3) / (
-        flight.mass_kg * flight.density_kg_per_m3
-    )
-    viscosity = air.dynamic_viscosity / float(standard_air(0.0).dynamic_viscosity_pa_s)
-    yield Check.of("reynolds_ratio", "measured", mass_density**0.5 / viscosity)
-    if flight.maximum_electric_power_w is not None:
-        climbing_w = flight.maximum_electric_power_w + design.constant_power_w
-        rate = climbing_w / design.battery_energy_wh
-        yield Check.of("climb_discharge_rate_per_h", "battery", rate)
-
-
 def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
     design, structure = it.design, it.aircraft.parametric.structure
     large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
@@ -163,7 +159,18 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
         if row in ranges():
             yield Check.of(*row, value)
     if isinstance(structure, RibWingStructure):
-        share = _cap_depth_ratio(it.aircraft, design, structure)
+        # Thickness of both caps over the depth of the spar, mean over the span.
+        with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
+            parts = structure_parts(it.aircraft, design)
+        assert parts is not None
+        span_m: Any = design.variables.wingspan_m
+        chord_m = span_m / design.variables.aspect_ratio
+        volume_m3 = parts.spar_caps / (structure.mass_factor * structure.cap_density_kg_per_m3)
+        section_m2, width_m = volume_m3 / span_m, structure.cap_width_fraction * chord_m
+        if structure.narrow_caps:
+            width_m = np.minimum(width_m, structure.narrow_cap_width_m(section_m2 / 2.0))
+        depth_m = structure.spar_depth_fraction * structure.thickness_ratio * chord_m
+        share = section_m2 / (width_m * depth_m)
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
         by_model = structure_masses_by_model(it.aircraft, design)
@@ -179,21 +186,6 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
-
-
-def _cap_depth_ratio(aircraft: Aircraft, design: Design, structure: RibWingStructure) -> Any:
-    """Return the thickness of both caps over the depth of the spar, mean over the span [-]."""
-    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-        parts = structure_parts(aircraft, design)
-    assert parts is not None
-    chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
-    volume_m3 = parts.spar_caps / (structure.mass_factor * structure.cap_density_kg_per_m3)
-    section_m2 = volume_m3 / design.variables.wingspan_m
-    width_m = structure.cap_width_fraction * chord_m
-    if structure.narrow_caps:
-        width_m = np.minimum(width_m, structure.narrow_cap_width_m(section_m2 / 2.0))
-    depth_m = structure.spar_depth_fraction * structure.thickness_ratio * chord_m
-    return section_m2 / (width_m * depth_m)
 
 
 def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:

@@ -138,16 +138,6 @@ def _thinned(forward: Forward, most: int) -> Forward:
     return forward.of(forward.index[np.unique(within.astype(int))])
 
 
-def _blocks(forward: Forward) -> tuple[IntArray, IntArray]:
-    """Return the block of ten minutes of each sample, and the stretch of each block."""
-    log, index = forward.log, forward.index
-    slot, run = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
-    block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(run) != 0))))
-    first = np.flatnonzero(np.diff(block, prepend=-1))
-    apart = np.diff(slot[first]) > 1
-    return block, np.concatenate(([0], np.cumsum(apart)))
-
-
 def _starts(forward: Forward, *, turned: bool) -> Iterator[FloatArray]:
     """Yield start values: factor, clock and heading as logged, and better ones of a grid."""
     few = _thinned(forward, _COARSE)
@@ -180,7 +170,13 @@ def _fit(
 
     # Power that two in a hundred samples exceed: spikes do not count.
     peak_w = float(np.quantile(measured, 0.98))
-    residual, time, (block, run) = residual_w(values), 10.0, _blocks(forward)
+    # Block of ten minutes of each sample, and stretch of each block.
+    log, index = forward.log, forward.index
+    slot, segment = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
+    block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(segment) != 0))))
+    first = np.flatnonzero(np.diff(block, prepend=-1))
+    run = np.concatenate(([0], np.cumsum(np.diff(slot[first]) > 1)))
+    residual, time = residual_w(values), 10.0
     for _ in range(rounds):
         scatter = 1.4826 * float(np.median(np.abs(residual)))
         scatter = max(scatter, _LEAST_SCATTER * peak_w)
