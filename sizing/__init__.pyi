@@ -4,7 +4,6 @@ from .aircraft import ParametricAirframe as ParametricAirframe
 from .battery.battery import Battery as Battery
 from .battery.battery import BatteryVoltage as BatteryVoltage
 from .ceiling import highest_perpetual_altitude as highest_perpetual_altitude
-from .cruise_propulsion import with_operating_point as with_operating_point
 from .day.cycle import simulate_cycle as simulate_cycle
 from .day.flight import longest_flight as longest_flight
 from .day.light import SolarDay as SolarDay
