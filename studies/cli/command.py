@@ -41,6 +41,8 @@ _PLACES = {
 # than this names those of the first of them alone.
 _SHARED = (_FIGURES, _WORK, _PLACE)
 _MOST_OPTIONS = 18
+# What fields of options have around the name of their option.
+_AROUND = re.compile(r"^(as|with)_|_(deg|dir|file|files|kg|m|min|s)$")
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
@@ -55,7 +57,9 @@ class _Declared:
 
 
 def option(text: str, *spelled: str, **settings: Any) -> Any:
-    """Return a field that an option fills, called as the field, a flag where that is a bool.
+    """Return a field that an option fills, called as the field without its unit.
+
+    A bool is a flag, and a ``tuple[..., ...]`` may be repeated.
 
     ``text``: what help says of it. ``spelled``: other names, a long one in place of the field's.
     ``settings``: of :func:`click.option`.
@@ -64,9 +68,9 @@ def option(text: str, *spelled: str, **settings: Any) -> Any:
     def make(name: str, kind: str) -> click.Option:
         names = list(spelled)
         if not any(each.startswith("--") for each in names):
-            names.insert(0, f"--{name.replace('_', '-')}")
-        flag = {"is_flag": True} if kind.startswith("bool") else {}
-        return click.Option([*names, name], help=text, **flag | settings)
+            names.insert(0, f"--{_AROUND.sub('', name).replace('_', '-')}")
+        implied = {"is_flag": kind.startswith("bool"), "multiple": kind.endswith(", ...]")}
+        return click.Option([*names, name], help=text, **implied | settings)
 
     return _Declared(make)
 

@@ -32,7 +32,7 @@ def mission_option(default: str | None) -> Any:
 
 def json_option(text: str = "Print JSON instead of tables.") -> Any:
     """Return option ``--json``."""
-    return option(text, "--json")
+    return option(text)
 
 
 class Case(CommandOptions):
@@ -45,7 +45,6 @@ class Case(CommandOptions):
         "the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
         "--set",
         metavar="KEY=VALUE",
-        multiple=True,
     )
 
     @property
@@ -114,7 +113,6 @@ class Mass(Case):
     mass_kg: float | None = option(
         "Total mass with payload, where it is known: what the parts do not account for is "
         "other mass.",
-        "--mass",
         type=RealRange(0.0, 1e5, unit="kilograms", above=True),
         metavar="KG",
     )
@@ -191,7 +189,6 @@ class Requirement(Case):
         "Excess time that every scenario must have, instead of the mission's.",
         "--required-excess-time",
         type=RealRange(0.0, 1000.0, unit="hours"),
-        metavar="HOURS",
     )
 
     @property
@@ -216,7 +213,6 @@ class Work(CommandOptions):
     )
     work_dir: str | None = option(
         "Folder for finished chunks.  [default: the name of --out with .parts]",
-        "--work",
         type=click.Path(),
     )
     keep_parts: bool = option("Keep the finished chunks when the result is written.")
@@ -253,7 +249,7 @@ def resize(text: str, name: str = "--resize", **settings: Any) -> Any:
 def out(contents: str) -> Any:
     """Return option ``--out`` of commands that write a folder."""
     text = f"Folder for aircraft, mission, results and {contents}; see docs/cli.md."
-    return option(text, "--out", type=OutputFolder())
+    return option(text, type=OutputFolder())
 
 
 def _written(text: str, *spelled: str, kind: OutputFile, **settings: Any) -> Any:
@@ -272,23 +268,22 @@ def table(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
 
 def grid(contents: str) -> Any:
     """Return option ``--out FILE`` of commands whose result lies on a grid."""
-    return _written(f"Write {contents}", "--out", kind=OutputFile(*formats.GRID_FORMATS))
+    return _written(f"Write {contents}", kind=OutputFile(*formats.GRID_FORMATS))
 
 
 def plot(text: str) -> Any:
     """Return option ``--plot FILE`` of commands that draw."""
-    return _written(text, "--plot", kind=OutputFile(*formats.IMAGE_FORMATS))
+    return _written(text, kind=OutputFile(*formats.IMAGE_FORMATS))
+
+
+def file(text: str, **settings: Any) -> Any:
+    """Return the option of a file, or of what stands for one."""
+    return option(text, type=click.Path(), metavar="FILE", **settings)
 
 
 def report() -> Any:
     """Return option ``--report`` of commands whose results a page may show."""
-    text = "Also write a report, .html or .pdf; see docs/report.md."
-    return option(text, "--report", type=click.Path(), metavar="FILE")
-
-
-def weather(text: str) -> Any:
-    """Return option ``--weather FILE``."""
-    return option(text, "--weather", type=click.Path(), metavar="FILE")
+    return file("Also write a report, .html or .pdf; see docs/report.md.")
 
 
 class Drawn(CommandOptions):
@@ -304,13 +299,11 @@ class Drawn(CommandOptions):
         "Dots per inch of PNG.  [default: 150]",
         "--dpi",
         type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
-        metavar="DOTS",
     )
     style: str | None = option(
         f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
         "an .mplstyle file.  [default: default]",
         type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
-        metavar="NAME|FILE",
     )
     no_title: bool = option("Leave title and notes to the caption.")
 

@@ -131,14 +131,15 @@ def grid(
 class RealRange(click.FloatRange):
     """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison.
 
-    ``above``, ``below``: whether numbers must lie above the lowest, and below the highest.
+    ``unit``: in words, as help has it in place of a value. ``above``, ``below``: whether numbers
+    must lie above the lowest, and below the highest.
     """
 
     def __init__(
         self, lowest: float, highest: float, *, unit: str, above: bool = False, below: bool = False
     ) -> None:
         super().__init__(lowest, highest, min_open=above, max_open=below)
-        self.unit = unit
+        self.name = unit
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -149,7 +150,7 @@ class RealRange(click.FloatRange):
         except ValueError:
             number = math.nan
         if math.isnan(number):
-            text = f"must be a number of {self.unit}, written without a unit (got {value})"
+            text = f"must be a number of {self.name}, written without a unit (got {value})"
             self.fail(text, param, ctx)
         super().convert(number, param, ctx)
         return number

@@ -24,7 +24,7 @@ _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0
 class Analyse(options.Model, options.Level, options.Mass, options.Place, options.Drawn):
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
 
-    weather_file: str | None = options.weather(
+    weather_file: str | None = options.file(
         "Fly through a weather record: EPW, TMY2, TMY3, PVGIS, SAM, BSRN, POWER, ERA5 or plain CSV."
     )
     table_file: str | None = options.table("the cycle over time, or the days of the weather record")
@@ -181,16 +181,12 @@ class Ceiling(options.Model, options.Level, options.Drawn):
     highest_m: float | None = option(
         "End of the search, which starts at the mission's altitude and goes down from there "
         "where nothing above is feasible; by default 20000, for missions above 15000 m 32000.",
-        "--highest",
         type=RealRange(-500.0, _HIGHEST_M, unit="metres"),
-        metavar="METRES",
     )
     step_m: float = option(
         "Spacing of the altitudes that are tried.",
-        "--step",
         type=RealRange(_LEAST_STEP_M, 10000.0, unit="metres"),
         default=250.0,
-        metavar="METRES",
     )
     table_file: str | None = options.table("the altitudes")
     plot_file: str | None = options.plot("Draw them")
@@ -317,19 +313,14 @@ class Uncertainty(options.Model, options.Level, options.Drawn):
 class Report(options.Model, options.Json, options.Mass):
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
 
-    out_file: str = option(
+    out_file: str = options.file(
         "Write the page: .html, or .pdf for the printed one alone.",
-        "--out",
-        type=click.Path(),
         required=True,
-        metavar="FILE",
     )
-    with_pdf: bool = option("Also print it, beside the page, as PDF.", "--pdf")
+    with_pdf: bool = option("Also print it, beside the page, as PDF.")
     project: str | None = option("Project, for the head.", metavar="TEXT")
     author: str | None = option("Author, for the head.", metavar="TEXT")
-    weather_file: str | None = options.weather(
-        "Also fly through a weather record, as analyse does."
-    )
+    weather_file: str | None = options.file("Also fly through a weather record, as analyse does.")
     uncertainty: bool | None = option(
         "Whether inputs scatter.  [default: if aircraft or mission has uncertain inputs]",
         "--uncertainty/--no-uncertainty",

@@ -55,11 +55,11 @@ class Size(
     out_dir: str | None = options.out("figures")
     report_file: str | None = options.report()
     with_sensitivities: bool = option(
-        "Tell how the optimum changes with each technology parameter.", "--sensitivities"
+        "Tell how the optimum changes with each technology parameter."
     )
     certify: bool = option("", hidden=True, callback=_renamed)
     with_cross_check: bool = option(
-        "Try to beat the optimum with thousands of other designs in the simulator.", "--cross-check"
+        "Try to beat the optimum with thousands of other designs in the simulator."
     )
     whole_cells: bool = option(
         "Round the optimum to whole solar and battery cells, search the designs next to it "
@@ -79,7 +79,7 @@ class Size(
         type=RealRange(0.0, 100.0, unit="the interval from 0 to 100", above=True, below=True),
         metavar="PERCENTILE",
     )
-    weather_file: str | None = options.weather(
+    weather_file: str | None = options.file(
         "Size for the days of a weather record on the mission's dates, instead of clear ones; "
         "with --survive."
     )
@@ -285,7 +285,6 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
         "repeated.",
         "--vary",
         type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=float),
-        multiple=True,
         required=True,
     )
     objective: str | None = options.resize(
@@ -463,14 +462,10 @@ class Explore(options.Model):
 class Export(options.Model):
     """Write AIRCRAFT (name, file or folder) for other tools: its geometry, or its numbers."""
 
-    out_files: tuple[str, ...] = option(
+    out_files: tuple[str, ...] = options.file(
         "Write geometry: .avl (AVL), .vspscript (OpenVSP), .py (AeroSandbox); or a table of "
         "the design on its mission: .tex, .xlsx, .csv, .parquet. May be given several times.",
-        "--out",
-        type=click.Path(),
-        multiple=True,
         required=True,
-        metavar="FILE",
     )
 
     def run(self) -> None:

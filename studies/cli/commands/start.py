@@ -198,7 +198,7 @@ class Schema(CommandOptions):
 
     kind: Literal["aircraft", "mission"] = argument(type=click.Choice(("aircraft", "mission")))
     out_file: str | None = option(
-        "Write it instead of printing it.", "--out", type=OutputFile(), metavar="FILE"
+        "Write it instead of printing it.", type=OutputFile(), metavar="FILE"
     )
 
     def run(self) -> None:

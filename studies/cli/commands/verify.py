@@ -105,42 +105,31 @@ class Verify(options.Level, options.Drawn):
     """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
 
     log_file: str = argument(metavar="LOG", type=click.Path())
-    columns_file: str | None = option(
+    columns_file: str | None = options.file(
         "YAML that says which column is what; what it does not say is guessed.",
-        "--columns",
-        type=click.Path(),
-        metavar="FILE",
     )
     columns: tuple[tuple[str, str], ...] = option(
         "Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
         "May be repeated.",
         "--column",
         type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
-        multiple=True,
-        metavar="QUANTITY=COLUMN",
     )
     timezone: datetime.tzinfo | None = option(
         "Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
         type=Parsed("zone", "missions.logs.clock:parse_zone"),
-        metavar="ZONE",
     )
     start: float | None = option(
         "Time of the first row with its zone, where times count from there.",
-        type=Parsed("instant", "missions.logs.clock:parse_instant"),
-        metavar="TIME",
+        type=Parsed("time", "missions.logs.clock:parse_instant"),
     )
     exclude: tuple[Span, ...] = option(
         "Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
         "day; by the clock of --timezone, else UTC. May be repeated.",
         type=Parsed("times", "missions.logs.clock:parse_span"),
-        multiple=True,
-        metavar="TIMES",
     )
     ignore: tuple[str, ...] = option(
         "Column or quantity of the log that is not used. May be repeated.",
         type=Parsed("name", "missions.logs.columns:column_name"),
-        multiple=True,
-        metavar="NAME",
     )
     mission: str | None = options.mission_option("rafz-28h")
     windows: tuple[Window, ...] = option(
@@ -148,27 +137,20 @@ class Verify(options.Level, options.Drawn):
         "May be repeated.",
         "--window",
         type=Parsed("a:b", "studies.flight_logs.errors:parse_window"),
-        multiple=True,
     )
     filter_s: float | None = option(
         "Time to either side in the moving average.  [default: 1 s in windows, 400 s over days]",
-        "--filter",
         type=RealRange(0.0, _LONGEST_FILTER_S, unit="seconds"),
-        metavar="SECONDS",
     )
     clock_offset_min: float = option(
         "Time that the log's clock is ahead of universal time, which is taken off.",
-        "--clock-offset",
         type=RealRange(-1440.0, 1440.0, unit="minutes"),
-        metavar="MINUTES",
         default=0.0,
         show_default=False,
     )
     heading_offset_deg: float = option(
         "Angle that the log's yaw is too large, which is taken off.",
-        "--heading-offset",
         type=RealRange(-360.0, 360.0, unit="degrees"),
-        metavar="DEGREES",
         default=0.0,
         show_default=False,
     )
