@@ -52,7 +52,7 @@ def deliver(
     *,
     table: tuple[str, Callable[[], pd.DataFrame]] | None = None,
     files: Mapping[str | None, Content] | None = None,
-    plot: Content | None = None,
+    plot: tuple[Any, ...] = (),
     folder: Callable[[], Folder] | None = None,
     page: Callable[[str], None] | None = None,
     record: Callable[[], Any] | None = None,
@@ -64,17 +64,17 @@ def deliver(
     Aircraft and mission come first, which JSON has among its keys.
 
     ``table``: title and what makes it. ``files``: what others hold by their names, None where one
-    was not asked for. ``plot``: what draws, see :func:`figure_of`. ``folder``: makes what a folder
-    of results holds. ``page``: writes a report. ``record``, ``summary``: what JSON and the terminal
-    have, by default those of the result. ``next_step``: what to do next, for those at a terminal.
+    was not asked for. ``plot``: what draws, and of what. ``folder``: makes what a folder of results
+    holds. ``page``: writes a report. ``record``, ``summary``: what JSON and the terminal have, by
+    default those of the result. ``next_step``: what to do next, for those at a terminal.
     """
     places = vars(options)
     record = record or result.to_dict
     contents = {path: made for path, made in (files or {}).items() if path is not None}
     if table is not None and places["table_file"] is not None:
         contents = {places["table_file"]: table_of(*table), **contents}
-    if plot is not None and places["plot_file"] is not None:
-        contents[places["plot_file"]] = plot
+    if plot and places["plot_file"] is not None:
+        contents[places["plot_file"]] = figure_of(*plot, figure=places["figure"])
     written = [*contents]
     try:
         _write_files(contents)

@@ -100,13 +100,8 @@ class SweepConfiguration:
         if self.objective is not None:
             return gridded.DESCRIBED
         climbs = self.mission.climb is not None or varies_climb(self.keys)
-        return described_flights(climbs=climbs)
-
-
-def described_flights(*, climbs: bool) -> dict[str, tuple[str, str]]:
-    """Return unit and long name of the columns of simulated points."""
-    lacking = _OF_SIZINGS if climbs else (*_OF_SIZINGS, MAXIMUM_ALTITUDE.variable)
-    return {name: description for name, description in _DESCRIBED.items() if name not in lacking}
+        lacking = _OF_SIZINGS if climbs else (*_OF_SIZINGS, MAXIMUM_ALTITUDE.variable)
+        return {name: texts for name, texts in _DESCRIBED.items() if name not in lacking}
 
 
 def varies_climb(keys: Iterable[str]) -> bool:

@@ -46,7 +46,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
     def run(self) -> None:
         """Fly the mission, and tell what became of it."""
         from sizing.results import analysis
-        from studies.cli.outputs import call, deliver, figure_of, refuse_to_overwrite
+        from studies.cli.outputs import call, deliver, refuse_to_overwrite
 
         for name, path in (("--table", self.table_file), ("--table-years", self.table_years)):
             refuse_to_overwrite(name, path, self.weather_file)
@@ -67,9 +67,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             self,
             result,
             table=("cycle", result.trajectory),
-            plot=figure_of(
-                f"studies.output.cycle_plots:plot_{drawn[0]}", *drawn[1:], figure=self.figure
-            ),
+            plot=(f"studies.output.cycle_plots:plot_{drawn[0]}", *drawn[1:]),
             next_step=f"{call(verb)} ({what})",
         )
 
@@ -78,7 +76,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
         from missions.weather.files import load_weather
         from sizing.results.analysis import analyse
         from sizing.results.weather import analyse_weather
-        from studies.cli.outputs import deliver, figure_of, table_of
+        from studies.cli.outputs import deliver, table_of
 
         weather = load_weather(weather_file, case.mission)
         if self.table_years is not None and weather.typical:
@@ -97,7 +95,7 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             result,
             table=("days", result.to_frame),
             files={self.table_years: table_of("years", result.to_years_frame)},
-            plot=figure_of("studies.weather:plot_weather", result, figure=self.figure),
+            plot=("studies.weather:plot_weather", result),
             record=record,
         )
 
@@ -138,7 +136,7 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
         """Compute the cells of a map, write it, and tell it."""
         self.fork_workers("studies.maps.study")
         from studies.cli.jobs import completed
-        from studies.cli.outputs import call, deliver, figure_of, grid_of
+        from studies.cli.outputs import call, deliver, grid_of
         from studies.maps.results import MapResult
         from studies.maps.study import prepare
 
@@ -166,7 +164,7 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
                 self,
                 MapResult(data),
                 files={self.out_file: grid_of(data, "cells")},
-                plot=figure_of(f"studies.maps.plots:{draw}", data, figure=self.figure),
+                plot=(f"studies.maps.plots:{draw}", data),
                 next_step=call("report", "--out", "report.html"),
             )
 
@@ -195,7 +193,7 @@ class Ceiling(options.Model, options.Level, options.Drawn):
         """Find the highest altitude of perpetual flight, and tell it."""
         from solar.schema import refusal, spell
         from studies.ceiling import perpetual_ceiling
-        from studies.cli.outputs import deliver, figure_of
+        from studies.cli.outputs import deliver
         from studies.cli.telling import progress_of
 
         case = self.load_flyable()
@@ -211,7 +209,7 @@ class Ceiling(options.Model, options.Level, options.Drawn):
             result = perpetual_ceiling(
                 **case.arguments, highest_m=self.highest_m, step_m=self.step_m, progress=progress
             )
-        plot = figure_of("studies.ceiling:plot_ceiling", result, figure=self.figure)
+        plot = ("studies.ceiling:plot_ceiling", result)
         deliver(case, self, result, table=("altitudes", result.to_frame), plot=plot)
         if result.search.highest is None:
             sys.exit(options.EXIT_FAILED)
@@ -245,7 +243,7 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
         """Compute the time on station of each month, and tell it."""
         self.fork_workers("studies.station")
         from studies.cli.jobs import completed
-        from studies.cli.outputs import deliver, figure_of
+        from studies.cli.outputs import deliver
         from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
         from studies.station import prepare, station_of
@@ -263,7 +261,7 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
                     return to_netcdf_bytes(result.cells)
                 return table_bytes(result.to_frame(), path)
 
-            plot = figure_of("studies.station:plot_station", result, figure=self.figure)
+            plot = ("studies.station:plot_station", result)
             deliver(case, self, result, files={self.out_file: content}, plot=plot)
 
 
@@ -292,7 +290,7 @@ class Uncertainty(options.Model, options.Level, options.Drawn):
         """Draw uncertain inputs, and tell what becomes of the flight."""
         from sizing.results.uncertainty import analyse_uncertainty
         from studies.cli.files import uncertain_inputs
-        from studies.cli.outputs import deliver, figure_of
+        from studies.cli.outputs import deliver
 
         case = self.load_flyable()
         with uncertain_inputs(case):
@@ -302,7 +300,7 @@ class Uncertainty(options.Model, options.Level, options.Drawn):
                 seed=self.seed,
                 model_error=not self.no_model_error,
             )
-        plot = figure_of("studies.uncertainty:plot_uncertainty", result, figure=self.figure)
+        plot = ("studies.uncertainty:plot_uncertainty", result)
         deliver(case, self, result, table=("draws", result.to_frame), plot=plot)
 
 

@@ -332,46 +332,17 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
     def run(self) -> None:
         """Compute the points of a trade study, write them, and tell them."""
         self.fork_workers("studies.sweeps.study")
-        from studies.cli.jobs import completed
-        from studies.cli.outputs import call, deliver, figure_of, grid_of
-        from studies.cli.telling import tell_error
-        from studies.sweeps.points import varies_climb
-
-        case = self.load()
-        climbs = case.mission.climb is not None or varies_climb(axis.key for axis in self.axes)
-        self._check_shown(climbs=climbs)
-        case.require_path()
-        (case.require_climber if self.objective is None else case.require_climb_power)()
-        with completed(self._prepared(case), self) as points:
-            from studies.sweeps.results import SweepResult  # pandas and xarray
-
-            data = points.to_xarray()
-            draw, columns = ("plot_sweep" if self.pareto is None else "plot_pareto", self.pareto)
-            plot = figure_of(
-                f"studies.sweeps.plots:{draw}", data, *columns or (), figure=self.figure
-            )
-            result = SweepResult(data, self.sort, self.top, self.pareto)
-            try:
-                deliver(
-                    case,
-                    self,
-                    result,
-                    files={self.out_file: grid_of(data, "points")},
-                    plot=plot,
-                    next_step=f"{call('explore')} (the same with sliders)",
-                )
-            except ValueError as error:
-                # The points are worth keeping even where there is nothing to draw.
-                tell_error(f"solar-uav: no chart: {error}")
-                sys.exit(options.EXIT_FAILED)
-
-    def _prepared(self, case: Case) -> Study:
-        """Return points ready to be computed; refuse wrong ones by the option."""
         from missions.files.errors import InputError
+        from studies.cli.jobs import completed
+        from studies.cli.outputs import call, deliver, grid_of
+        from studies.cli.telling import tell_error
         from studies.sweeps.study import prepare
 
+        case = self.load()
+        case.require_path()
+        (case.require_climber if self.objective is None else case.require_climb_power)()
         try:
-            return prepare(
+            study = prepare(
                 case.aircraft,
                 case.mission,
                 self.axes,
@@ -386,19 +357,36 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
         except InputError as error:
             named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
             raise InputError(named) from None
+        self._check_shown(study)
+        with completed(study, self) as points:
+            from studies.sweeps.results import SweepResult  # pandas and xarray
 
-    def _check_shown(self, *, climbs: bool) -> None:
+            data = points.to_xarray()
+            draw = "plot_sweep" if self.pareto is None else "plot_pareto"
+            try:
+                deliver(
+                    case,
+                    self,
+                    SweepResult(data, self.sort, self.top, self.pareto),
+                    files={self.out_file: grid_of(data, study.unit)},
+                    plot=(f"studies.sweeps.plots:{draw}", data, *(self.pareto or ())),
+                    next_step=f"{call('explore')} (the same with sliders)",
+                )
+            except ValueError as error:
+                # The points are worth keeping even where there is nothing to draw.
+                tell_error(f"solar-uav: no chart: {error}")
+                sys.exit(options.EXIT_FAILED)
+
+    def _check_shown(self, study: Study) -> None:
         """Refuse names that no result will have, before the work starts."""
-        from studies.output.gridded import DESCRIBED
-        from studies.study import blanks_of
-        from studies.sweeps.axes import axis_names
-        from studies.sweeps.points import described_flights
+        from studies.study import VARIED, blanks_of
 
-        described = DESCRIBED if self.objective else described_flights(climbs=climbs)
-        varied = axis_names(self.axes)
-        numbers = [n for n, axis in zip(varied, self.axes, strict=True) if not axis.names]
-        numbers += [n for n, blank in blanks_of(described).items() if isinstance(blank, float)]
-        every = ["status", *(n for n in varied if n not in numbers), *numbers]
+        varied = {n: c.values.dtype.kind for n, c in study.coordinates.items() if n != VARIED}
+        numbers = [name for name, kind in varied.items() if kind == "f"]
+        numbers += [
+            n for n, blank in blanks_of(study.described).items() if isinstance(blank, float)
+        ]
+        every = ["status", *(name for name in varied if name not in numbers), *numbers]
         sort = () if self.sort is None else (self.sort.removeprefix("-"),)
         shown = {"--pareto": (self.pareto or (), numbers), "--sort": (sort, every)}
         for hint, (names, allowed) in shown.items():

@@ -84,11 +84,12 @@ class Compare(options.Level, options.Requirement, options.Drawn):
                 design=not self.no_design,
                 progress=progress,
             )
-        plot = figure_of("studies.models.plots:plot_comparison", compared, figure=self.figure)
+        plot = ("studies.models.plots:plot_comparison", compared)
 
         def folder() -> Folder:
             table = csv_bytes(compared.to_frame())
-            return case.inputs(), {"comparison.csv": table}, {"comparison.png": plot}
+            drawn = figure_of(*plot, figure=self.figure)
+            return case.inputs(), {"comparison.csv": table}, {"comparison.png": drawn}
 
         table = ("models", compared.to_frame)
         deliver(case, self, compared, table=table, plot=plot, folder=folder)
