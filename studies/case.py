@@ -100,12 +100,6 @@ class Case:
         file = self.mission_file.changed(values, prefix=MISSION_PREFIX)
         return replace(self, mission_file=file)
 
-    def holding_station(self, percentile: float) -> Case:
-        """Return the case of flight as fast as a percentile of the wind of each scenario."""
-        wind = self.mission_file.document.data.get("wind")
-        file = {"file": wind["file"]} if isinstance(wind, dict) and "file" in wind else {}
-        return self.with_mission(wind={"percentile": percentile, "hold_station": True, **file})
-
     def with_total_mass(self, total_mass_kg: float) -> Case:
         """Return the case of an aircraft of a known total mass, or raise ImpossibleDesignError."""
         airframe = with_total_mass(self.aircraft, self.mission, total_mass_kg).airframe
@@ -129,13 +123,6 @@ class Case:
             with weather_file(weather) as (path, source):
                 files["weather"] = InputFile(source, InputFile.of(path).sha256)
         return RunInputs(aircraft.document.data, mission.document.data, self.solar, files)
-
-    def refuse_climb(self) -> None:
-        """Refuse a mission with climbs where percentiles of the wind are those of one altitude."""
-        if self.mission.climb is not None:
-            why = "the percentiles of the winds at several heights have none in common"
-            message = f"station flies at constant altitude, as {why}; remove climb"
-            self.refuse("mission.climb", message)
 
     def require_climber(self) -> None:
         """Refuse an aircraft that cannot climb on a mission that has climbs."""
@@ -191,11 +178,3 @@ class Case:
         """Refuse a measured aircraft where masses and power must follow from the design."""
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             self.refuse("airframe.kind", message)
-
-    def require_whole_cells(self) -> None:
-        """Refuse an aircraft whose file lays no solar cells, or has no cells in its battery."""
-        message = "required key is missing: --whole-cells needs it"
-        if self.aircraft.modules.layout is None:
-            self.refuse("modules.layout", message)
-        if self.aircraft.battery.pack is None:
-            self.refuse("battery.pack", message)

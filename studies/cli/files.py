@@ -87,14 +87,12 @@ def opened(
         gc.enable()
     is_aircraft = kind == "aircraft"
     record, other = (Aircraft, Mission) if is_aircraft else (Mission, Aircraft)
-    mine = [
-        _with_whole_key(text.removeprefix(_AIRCRAFT_PREFIX))
-        if is_aircraft
-        else text.removeprefix(MISSION_PREFIX)
-        for text in overrides
-        if text.startswith(MISSION_PREFIX) is not is_aircraft
-    ]
+    prefix = _AIRCRAFT_PREFIX if is_aircraft else MISSION_PREFIX
+    of_kind = (text for text in overrides if text.startswith(MISSION_PREFIX) is not is_aircraft)
+    mine = [text.removeprefix(prefix) for text in of_kind]
     if is_aircraft:
+        each = [text.partition("=") for text in mine]
+        mine = [f"{design_keys().get(key, key)}{equals}{value}" for key, equals, value in each]
         _refuse_keys_of_missions(mine)
     document = find_document(kind, name_or_path)
     keys = set(document.data)
@@ -104,17 +102,10 @@ def opened(
     checked = validate(document, record)
     if is_aircraft and not of_run:
         refuse_named_twice(document)
-    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
-        sha256: str | None = hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
-    else:
-        sha256 = InputFile.of(Path(name_or_path)).sha256
+    sha256 = InputFile.of(Path(name_or_path)).sha256
+    if sha256 is None and name_or_path in shipped_names(kind):
+        sha256 = hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
     return Loaded(checked, document, sha256)
-
-
-def _with_whole_key(override: str) -> str:
-    """Return an override with the whole key of a design variable's short name."""
-    key, equals, value = override.partition("=")
-    return f"{design_keys().get(key, key)}{equals}{value}"
 
 
 def load(
@@ -147,16 +138,20 @@ def load(
         tell_error(f"solar-uav: flown is the mission beside it, -m {beside}")
     if mission is None:
         raise click.UsageError("Missing option '--mission' / '-m'.")
-    files: list[Loaded[Any]] = []
-    errors: list[InputError] = []
+    files, errors = list[Loaded[Any]](), list[InputError]()
     named: dict[Kind, str] = {"aircraft": aircraft, "mission": mission}
     for kind, name in named.items():
         try:
             files.append(opened(kind, name, overrides, of_run=folder is not None))
         except InputError as error:
             errors.append(error)
+    swapped = [error for error in errors if isinstance(error, WrongKindError)]
+    if len(swapped) == 2:  # in each other's place: one mistake
+        first, second = (_A_KIND[error.found] for error in swapped)
+        message = f"is {first}, and {swapped[1].source} is {second}: swap the two"
+        raise file_error(swapped[0].source, message)
     if errors:
-        raise _joined_errors(errors)
+        raise InputError([problem for error in errors for problem in error.problems])
     aircraft_file, mission_file = files
     case = Case(aircraft_file, mission_file, is_default, SolarModel(model, correction))
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
@@ -173,21 +168,9 @@ def mission_beside(aircraft: str) -> str | None:
     return beside if os.path.isfile(beside) else None  # noqa: PTH113
 
 
-def _joined_errors(errors: Sequence[InputError]) -> InputError:
-    """Return all problems as one error; two files in each other's place are one mistake."""
-    swapped = [error for error in errors if isinstance(error, WrongKindError)]
-    if len(swapped) == 2:
-        first, second = (_A_KIND[error.found] for error in swapped)
-        message = f"is {first}, and {swapped[1].source} is {second}: swap the two"
-        return file_error(swapped[0].source, message)
-    return InputError([problem for error in errors for problem in error.problems])
-
-
 def _is_default(option: str) -> bool:
     """Return whether an option of the running command has its default value."""
-    context = click.get_current_context(silent=True)
-    if context is None:
-        return False
+    context = click.get_current_context()
     return context.get_parameter_source(option) is ParameterSource.DEFAULT
 
 

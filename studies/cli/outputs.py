@@ -54,7 +54,7 @@ def deliver(
     files: Mapping[str | None, Content] | None = None,
     plot: tuple[Any, ...] = (),
     folder: Callable[[], Folder] | None = None,
-    page: Callable[[str], None] | None = None,
+    report: Callable[[], dict[str, Any]] | None = None,
     record: Callable[[], Any] | None = None,
     summary: Callable[[], Summary] | None = None,
     next_step: str | None = None,
@@ -65,8 +65,9 @@ def deliver(
 
     ``table``: title and what makes it. ``files``: what others hold by their names, None where one
     was not asked for. ``plot``: what draws, and of what. ``folder``: makes what a folder of results
-    holds. ``page``: writes a report. ``record``, ``summary``: what JSON and the terminal have, by
-    default those of the result. ``next_step``: what to do next, for those at a terminal.
+    holds. ``report``: makes arguments of :func:`studies.cli.reports.write_report`. ``record``,
+    ``summary``: what JSON and the terminal have, by default those of the result. ``next_step``:
+    what to do next, for those at a terminal.
     """
     places = vars(options)
     record = record or result.to_dict
@@ -83,9 +84,11 @@ def deliver(
             inputs, tables, figures = folder()
             whole = case.named(record())
             write_run_folder(Path(places["out_dir"]), inputs, whole, tables, figures)
-        if page is not None and places["report_file"] is not None:
+        if report is not None and places["report_file"] is not None:
+            from studies.cli.reports import write_report  # with all that a page has
+
             written.append(places["report_file"])
-            page(places["report_file"])
+            write_report(case, places["report_file"], **report())
     finally:  # after a signal, too: a report takes seconds
         if places["as_json"]:
             print_json(case.named(record()))

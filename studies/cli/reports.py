@@ -25,19 +25,6 @@ _MOST_BYTES = 10_000_000  # of a record of results
 _SAME_H = 1e-6
 
 
-def subject_of(case: Case, **others: Any) -> Subject:
-    """Return what a report on a case is about."""
-    options = {"inputs": case.inputs()} | others
-    return Subject(
-        case.aircraft,
-        case.mission,
-        case.solar,
-        mission_is_default=case.mission_is_default,
-        known_mass_kg=case.total_mass_kg,
-        **options,
-    )
-
-
 def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     """Return the record of the sizing in a folder; None where the case is not what was sized.
 
@@ -62,12 +49,24 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
     return dict(record) if same else None
 
 
-def write_report(case: Case, subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:
+def write_report(
+    case: Case, path: str, *, sized: Case | None = None, with_pdf: bool = False, **about: Any
+) -> tuple[Subject, list[str]]:
     """Write a report, whole or not at all.
 
     ``case``: whose files a mistake is placed in. ``path``: file of the page, or of the printed one.
-    Returns files that were written.
+    ``sized``: what the report is on, where that is another case. ``about``: what else
+    :class:`Subject` has. Returns what was reported on, and files that were written.
     """
+    shown = sized or case
+    subject = Subject(
+        shown.aircraft,
+        shown.mission,
+        shown.solar,
+        **{"inputs": shown.inputs()} | about,
+        mission_is_default=shown.mission_is_default,
+        known_mass_kg=shown.total_mass_kg,
+    )
     contents: dict[str | os.PathLike[str], bytes] = {}
     is_page = PurePath(path).suffix.lower() == PAGE
     with progress_of("sections", lines=False) as progress:
@@ -82,4 +81,4 @@ def write_report(case: Case, subject: Subject, path: str, *, with_pdf: bool = Fa
             printed = str(PurePath(path).with_suffix(PRINTED)) if is_page else path
             contents[printed] = to_pdf(page)
     write_files_atomically(contents)
-    return [os.fspath(name) for name in contents]
+    return subject, [os.fspath(name) for name in contents]

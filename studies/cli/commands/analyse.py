@@ -249,7 +249,10 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
         from studies.station import prepare, station_of
 
         case = self.load()
-        case.refuse_climb()
+        if case.mission.climb is not None:
+            why = "the percentiles of the winds at several heights have none in common"
+            message = f"station flies at constant altitude, as {why}; remove climb"
+            case.refuse("mission.climb", message)
         case.require_path()
         case.require_parametric("station needs a parametric aircraft, this one is measured")
         study = prepare(case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar)
@@ -333,11 +336,13 @@ class Report(options.Model, options.Json, options.Mass):
 
         check_report(self.out_file, with_pdf=self.with_pdf)
         case = self.load_flyable()
-        from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
+        from studies.cli.reports import sizing_of_folder, write_report  # takes a second
 
         weather = self.weather_file
-        subject = subject_of(
+        subject, written = write_report(
             case,
+            self.out_file,
+            with_pdf=self.with_pdf,
             sizing=sizing_of_folder(self.aircraft, case),
             overrides=self.overrides,
             with_uncertainty=self.uncertainty,
@@ -345,7 +350,6 @@ class Report(options.Model, options.Json, options.Mass):
             project=self.project or "",
             author=self.author or "",
         )
-        written = write_report(case, subject, self.out_file, with_pdf=self.with_pdf)
         if self.as_json:
             print_json(subject.results())
         else:

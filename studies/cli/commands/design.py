@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -135,7 +135,9 @@ class Size(
     def run(self) -> None:
         """Find the best design, write it, and tell it."""
         from missions.mission import Mission
+        from sizing.program.reliability import check_reliability
         from sizing.program.survival import check_survival
+        from studies.cli.files import uncertain_inputs
         from studies.cli.outputs import check_report, deliver, figure_of
         from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -146,8 +148,25 @@ class Size(
                 raise click.UsageError(str(error)) from error
         case = self.load()
         if self.hold_station is not None:
-            case = case.holding_station(self.hold_station)
-        self._refuse_unsizable(case)
+            wind = case.mission_file.document.data.get("wind")
+            file = {"file": wind["file"]} if isinstance(wind, dict) and "file" in wind else {}
+            held = {"percentile": self.hold_station, "hold_station": True, **file}
+            case = case.with_mission(wind=held)
+        case.require_parametric("a measured aircraft cannot be sized; allowed: parametric")
+        case.require_climb_power()
+        if not self.goal.of_range and self.weather_file is None:
+            case.refuse_polar_night()
+        case.require_path()
+        modules, battery = case.aircraft.modules, case.aircraft.battery
+        cells = {"modules.layout": modules.layout, "battery.pack": battery.pack}
+        for key, value in cells.items():
+            if self.whole_cells and value is None:
+                case.refuse(key, "required key is missing: --whole-cells needs it")
+        if self.reliability is not None:
+            with uncertain_inputs(case):
+                check_reliability(
+                    case.aircraft, case.mission, self.goal, case.solar, self.reliability
+                )
         check_report(self.report_file, option="--report")
         study = self._designed(case)
 
@@ -157,9 +176,7 @@ class Size(
             figures = {name: figure_of(draw) for name, draw in drawn.items()}
             return inputs, sizing_tables(study), figures
 
-        def page(path: str) -> None:
-            from studies.cli.reports import subject_of, write_report  # with all that a page has
-
+        def report() -> dict[str, Any]:
             inputs = sized_inputs(study, case.inputs())
             mission = Mission.model_validate(inputs.mission)  # that it was sized for
             sized = replace(
@@ -168,37 +185,19 @@ class Size(
                 mission_file=replace(case.mission_file, record=mission),
             )
             about = {"sizing": case.named(study.to_dict()), "overrides": self.overrides}
-            write_report(case, subject_of(sized, inputs=inputs, **about), path)
+            return {"sized": sized, "inputs": inputs, **about}
 
         deliver(
             case,
             self,
             study,
             folder=folder if study.feasible else None,
-            page=page if study.feasible else None,
+            report=report if study.feasible else None,
             summary=lambda: self._summary(study),
             next_step=self._next_step(study),
         )
         if not study.feasible:
             sys.exit(options.EXIT_FAILED)
-
-    def _refuse_unsizable(self, case: Case) -> None:
-        """Refuse an aircraft or a mission that cannot be sized so."""
-        from sizing.program.reliability import check_reliability
-        from studies.cli.files import uncertain_inputs
-
-        measured = "a measured aircraft cannot be sized; allowed: parametric"
-        case.require_parametric(measured)
-        case.require_climb_power()
-        if not self.goal.of_range and self.weather_file is None:
-            case.refuse_polar_night()
-        case.require_path()
-        if self.whole_cells:
-            case.require_whole_cells()
-        least = self.reliability
-        if least is not None:
-            with uncertain_inputs(case):
-                check_reliability(case.aircraft, case.mission, self.goal, case.solar, least)
 
     def _designed(self, case: Case) -> SizingStudy:
         """Find the design."""

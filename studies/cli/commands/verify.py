@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -194,14 +194,11 @@ class Verify(options.Level, options.Drawn):
             pictures = {f"{name}.png": figure_of(draw) for name, draw in drawn}
             return case.inputs(log=Path(log_file)), {_SAMPLES: result.to_csv().encode()}, pictures
 
-        def page(path: str) -> None:
-            from studies.cli.reports import subject_of, write_report  # with all that a page has
-
+        def report() -> dict[str, Any]:
             inputs = case.inputs(log=Path(log_file))
-            about = {"verification": result, "overrides": self.overrides}
-            write_report(case, subject_of(case, inputs=inputs, **about), path)
+            return {"inputs": inputs, "verification": result, "overrides": self.overrides}
 
-        deliver(case, self, result, folder=folder, page=page)
+        deliver(case, self, result, folder=folder, report=report)
 
 
 @command(
