@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,7 +23,7 @@ from sizing.validity.extrapolations import collect_extrapolations, merge_extrapo
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.schema import spell
-from solar.types import BoolArray, FloatArray
+from solar.types import FloatArray
 from studies.engine.run import Progress
 from studies.output import gridded
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
@@ -179,22 +179,9 @@ def station(
 
     With both, each latitude and month gets the altitude with the largest share.
     """
-    study = prepare(aircraft, mission, latitudes, altitudes_m, SolarModel(model, correction))
-    return station_of(study, study.computed(workers, scheduler, progress))
-
-
-@dataclass(frozen=True)
-class _Configuration:
-    """Inputs common to all cells; ``altitudes_m``: to choose from, for rows of latitude.
-
-    ``chooses``: the altitudes are the user's, not the mission's.
-    """
-
-    aircraft: Aircraft
-    mission: Mission
-    solar: SolarModel
-    altitudes_m: tuple[float, ...] | None
-    chooses: bool
+    solar = SolarModel(model, correction)
+    study, result = prepare(aircraft, mission, latitudes, altitudes_m, solar)
+    return result(study.computed(workers, scheduler, progress))
 
 
 def prepare(
@@ -203,36 +190,43 @@ def prepare(
     latitudes: ArrayLike | None,
     altitudes_m: ArrayLike | None,
     solar: SolarModel,
-) -> Study:
-    """Check a study over latitude or altitude and month, and return it."""
-    months = np.array(required_winds(aircraft, mission).table(mission.longitude_deg).months)
-    heights = np.asarray([mission.altitude_m] if altitudes_m is None else altitudes_m, float)
-    over, rows = "latitude", np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
-    choice: tuple[float, ...] | None = tuple(heights.tolist())
-    chooses = altitudes_m is not None
-    if altitudes_m is not None and latitudes is None:
-        over, rows, choice, chooses = "altitude", heights, None, False
-    cells = np.stack(np.meshgrid(rows, months, indexing="ij"), -1).reshape(-1, 2)
-    configuration = _Configuration(aircraft, mission, solar, choice, chooses)
-    for altitude_m, where in _by_altitude(configuration, cells).items():
+) -> tuple[Study, Callable[[gridded.Gridded], Station]]:
+    """Check a study over altitude, latitude and month; return it, and what makes its result."""
+    winds = required_winds(aircraft, mission).table(mission.longitude_deg)
+    by_altitude = altitudes_m is not None
+    by_latitude = latitudes is not None or not by_altitude
+    if latitudes is None:
+        latitudes = LATITUDES_DEG if by_latitude else mission.latitudes()[:1]
+    heights = np.atleast_1d(np.asarray(altitudes_m if by_altitude else mission.altitude_m, float))
+    axes = {"altitude": heights, "latitude": np.asarray(latitudes, float)}
+    axes["month"] = np.array(winds.months)
+    cells = np.stack(np.meshgrid(*axes.values(), indexing="ij"), -1).reshape(-1, 3)
+    outside = []
+    for height in heights.tolist():
+        there = mission.at_altitude(height)
         # Refuses cells outside the table of winds.
-        there = mission.at_altitude(altitude_m)
-        there.scenario_winds_m_per_s(_scenarios(configuration, cells[where]))
-    extrapolated = _extrapolations(
-        [mission.at_altitude(h) for h in heights.tolist()], configuration
-    )
-    units = "degrees_north" if over == "latitude" else "m"
-    month = {"units": "1", "long_name": "month"}
-    return Study(
+        there.scenario_winds_m_per_s(_scenarios(cells[cells[:, 0] == height]))
+        calm = there.in_wind(0.0)  # the share says what the wind does
+        checks = design_checks(aircraft, calm, design_of(aircraft, calm), solar)
+        outside.append(collect_extrapolations(checks))
+    extrapolated = outside[0] if len(outside) == 1 else merge_extrapolations(outside, "altitudes")
+    about = {
+        "altitude": {"units": "m", "standard_name": "altitude"},
+        "latitude": {"units": "degrees_north", "standard_name": "latitude"},
+        "month": {"units": "1", "long_name": "month"},
+    }
+    kept = {"altitude": by_altitude, "latitude": by_latitude, "month": True}
+    study = Study(
         _station_cells,
-        configuration,
+        (aircraft, mission, solar),
         cells,
-        cell_s=_CELL_S * (1 if choice is None else len(choice)),
-        described=_DESCRIBED | (_CHOSEN if chooses else {}),
+        cell_s=_CELL_S,
+        described=_DESCRIBED,
         statuses=(),
         coordinates={
-            over: gridded.Labelled((over,), rows, {"units": units, "standard_name": over}),
-            "month": gridded.Labelled(("month",), months, month),
+            name: gridded.Labelled((name,), axes[name], about[name])
+            for name, is_kept in kept.items()
+            if is_kept
         },
         attributes=gridded.attributes(
             f"Station keeping of {aircraft.name}", aircraft, mission, solar
@@ -240,72 +234,49 @@ def prepare(
         extrapolated=lambda columns: extrapolated,
     )
 
-
-def _by_altitude(configuration: _Configuration, cells: FloatArray) -> dict[float, BoolArray]:
-    """Return flags of the cells to simulate at each altitude [m]."""
-    if configuration.altitudes_m is None:
-        return {height: cells[:, 0] == height for height in np.unique(cells[:, 0]).tolist()}
-    return {height: np.ones(len(cells), bool) for height in configuration.altitudes_m}
-
-
-def _scenarios(configuration: _Configuration, cells: FloatArray) -> Scenarios:
-    """Return the middle of each cell's month, at its latitude or the mission's first."""
-    days = [day_of_year(f"{int(month):02d}-{_MIDDLE}") for month in cells[:, 1]]
-    first = configuration.mission.latitudes()[0]
-    north = np.full(len(cells), first) if configuration.altitudes_m is None else cells[:, 0]
-    return Scenarios(north, np.array(days))
-
-
-def _station_cells(configuration: _Configuration, cells: FloatArray) -> dict[str, FloatArray]:
-    """Compute columns of cells, each at the altitude of the largest share."""
-    groups = _by_altitude(configuration, cells)
-    results = {name: np.full((len(groups), len(cells)), -1.0) for name in _DESCRIBED}
-    for row, (height, where) in enumerate(groups.items()):
-        mission = configuration.mission.at_altitude(height)
-        flights = station_keeping(
-            configuration.aircraft,
+    def result(data: gridded.Gridded) -> Station:
+        """Return the shares; over altitudes and latitudes the largest of all altitudes."""
+        variables, coordinates = dict(data.variables), dict(data.coordinates)
+        if by_altitude and by_latitude:
+            dims = ("latitude", "month")
+            best = np.nan_to_num(variables["share"].values, nan=-1.0).argmax(axis=0)
+            for name, (_, values, attrs) in variables.items():
+                flown = np.take_along_axis(values, best[None], axis=0)[0]
+                variables[name] = gridded.Labelled(dims, flown, attrs)
+            chosen = dict.fromkeys(_CHOSEN, coordinates.pop("altitude").values[best])
+            variables |= gridded.variables(dims, chosen, _CHOSEN, ())
+        return Station(
+            aircraft,
             mission,
-            configuration.solar,
-            scenarios=_scenarios(configuration, cells[where]),
+            solar,
+            over="latitude" if by_latitude else "altitude",
+            source=winds.source,
+            at_end=bool(np.any(variables.pop("at_end").values == 1.0)),
+            cells=gridded.Gridded(variables, coordinates, data.attrs),
         )
-        results["share"][row, where], results["at_end"][row, where] = flights.share, flights.at_end
-        results["airspeed"][row, where] = flights.airspeed_m_per_s
-        results["wind"][row, where] = flights.wind_m_per_s
-    best = results["share"].argmax(axis=0)
-    columns = {name: values[best, np.arange(len(cells))] for name, values in results.items()}
-    chosen_m = np.array(list(groups))[best]
-    return columns | (dict.fromkeys(_CHOSEN, chosen_m) if configuration.chooses else {})
+
+    return study, result
 
 
-def station_of(study: Study, data: gridded.Gridded) -> Station:
-    """Make the result of a study."""
-    configuration: _Configuration = study.configuration
-    winds = required_winds(configuration.aircraft, configuration.mission).table(
-        configuration.mission.longitude_deg
-    )
-    variables = dict(data.variables)
-    return Station(
-        configuration.aircraft,
-        configuration.mission,
-        configuration.solar,
-        over="altitude" if configuration.altitudes_m is None else "latitude",
-        source=winds.source,
-        at_end=bool(np.any(variables.pop("at_end").values == 1.0)),
-        cells=gridded.Gridded(variables, data.coordinates, data.attrs),
-    )
+def _scenarios(cells: FloatArray) -> Scenarios:
+    """Return the middle of each cell's month, at its latitude."""
+    days = [day_of_year(f"{int(month):02d}-{_MIDDLE}") for month in cells[:, 2]]
+    return Scenarios(cells[:, 1], np.array(days))
 
 
-def _extrapolations(
-    places: Sequence[Mission], configuration: _Configuration
-) -> tuple[Extrapolation, ...]:
-    """Return where the design leaves the range of a model, at all altitudes."""
-    aircraft, solar = configuration.aircraft, configuration.solar
-    calm = [place.in_wind(0.0) for place in places]  # the share says what the wind does
-    each = [
-        collect_extrapolations(design_checks(aircraft, place, design_of(aircraft, place), solar))
-        for place in calm
-    ]
-    return each[0] if len(each) == 1 else merge_extrapolations(each, "altitudes")
+def _station_cells(
+    flown: tuple[Aircraft, Mission, SolarModel], cells: FloatArray
+) -> dict[str, FloatArray]:
+    """Compute columns of cells of altitude [m], latitude [deg] and month."""
+    aircraft, mission, solar = flown
+    columns = {name: np.empty(len(cells)) for name in _DESCRIBED}
+    for height in np.unique(cells[:, 0]).tolist():
+        where, there = cells[:, 0] == height, mission.at_altitude(height)
+        flights = station_keeping(aircraft, there, solar, scenarios=_scenarios(cells[where]))
+        columns["share"][where], columns["at_end"][where] = flights.share, flights.at_end
+        columns["airspeed"][where] = flights.airspeed_m_per_s
+        columns["wind"][where] = flights.wind_m_per_s
+    return columns
 
 
 @styled

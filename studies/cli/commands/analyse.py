@@ -246,7 +246,7 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
         from studies.cli.outputs import deliver
         from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
-        from studies.station import prepare, station_of
+        from studies.station import prepare
 
         case = self.load()
         if case.mission.climb is not None:
@@ -255,9 +255,11 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
             case.refuse("mission.climb", message)
         case.require_path()
         case.require_parametric("station needs a parametric aircraft, this one is measured")
-        study = prepare(case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar)
+        study, result_of = prepare(
+            case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar
+        )
         with completed(study, self) as data:
-            result = station_of(study, data)
+            result = result_of(data)
 
             def content(path: str) -> bytes:
                 if format_of(path, GRID_FORMATS) == "nc":
