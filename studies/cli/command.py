@@ -69,7 +69,8 @@ def option(text: str, *spelled: str, **settings: Any) -> Any:
         names = list(spelled)
         if not any(each.startswith("--") for each in names):
             names.insert(0, f"--{_AROUND.sub('', name).replace('_', '-')}")
-        implied = {"is_flag": kind.startswith("bool"), "multiple": kind.endswith(", ...]")}
+        flag = {"is_flag": True} if kind.startswith("bool") else {}
+        implied = flag | {"multiple": kind.endswith(", ...]")}
         return click.Option([*names, name], help=text, **implied | settings)
 
     return _Declared(make)

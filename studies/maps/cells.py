@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import ENDS, Status
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
-from sizing.program.objectives import Objective
 from sizing.validity import checks as validity
 from sizing.validity.extrapolations import add_effects, collect_extrapolations
 from sizing.validity.ranges import Check, Extrapolation
@@ -27,67 +25,47 @@ from studies.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from studies.study import merged
 
 
-@dataclass(frozen=True)
-class MapConfiguration:
-    """Inputs common to all cells of a map.
-
-    ``keys``: of columns that not every map of a fixed aircraft has. ``objective``: of sized maps.
-    """
-
-    aircraft: Aircraft
-    mission: Mission
-    solar: SolarModel
-    keys: Collection[str] = ()
-    objective: Objective | None = None
-
-
 def scenarios_of(cells: FloatArray) -> Scenarios:
     """Convert cells of latitude [deg] and day, shape ``(cell, 2)``, to scenarios."""
     return Scenarios(cells[:, 0], cells[:, 1].astype(int))
 
 
-def fixed_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
+def fixed_cells(
+    fixed: tuple[Aircraft, Mission, SolarModel, bool], cells: FloatArray
+) -> dict[str, NDArray[Any]]:
     """Compute metrics of cells, columns of :func:`studies.maps.study.feasibility_map`.
 
     Cells do not depend on each other; where the wind is too strong for the model's path, they are
-    blank.
+    blank. ``fixed``: aircraft, mission, model, and whether longest flights are searched for.
     """
-    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
-    troubles = solar.path_troubles(aircraft, mission, scenarios_of(cells))
-    able = np.array([trouble is None for trouble in troubles])
-    if able.all():
-        return _metrics_of(configuration, cells)
-    windy = cells[~able]
-    return merged(
-        able,
-        _metrics_of(configuration, cells[able]) if able.any() else {},
-        {
-            "status": np.full(len(windy), Status.infeasible, np.int8),
-            "wind": _known_winds(mission, scenarios_of(windy)),
-        },
-    )
-
-
-def _metrics_of(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
+    aircraft, mission, solar, endurance = fixed
     scenarios = scenarios_of(cells)
-    mission, result = configuration.mission, _simulated(configuration, scenarios)
-    others = (it for it in (ENDURANCE, MAXIMUM_ALTITUDE) if it.name in configuration.keys)
-    columns: dict[str, NDArray[Any]] = {
-        **{quantity.variable: quantity.of(result) for quantity in (*MAP, *others)},
-        "status": result.cycle.status.astype(np.int8),
-    }
-    if "wind" in configuration.keys:
-        columns["wind"] = _known_winds(mission, scenarios)
+    troubles = solar.path_troubles(aircraft, mission, scenarios)
+    able = np.array([trouble is None for trouble in troubles])
+    winds = {}
+    if mission.wind_statistics is not None:
+        winds["wind"] = _known_winds(mission, scenarios)
+    if not able.all():
+        known = fixed_cells(fixed, cells[able]) if able.any() else {}
+        status = np.full(len(cells), Status.infeasible, np.int8)
+        return merged(able, known, {"status": status[~able]}) | winds
+    result = _simulated(aircraft, mission, solar, scenarios)
+    others = {ENDURANCE: endurance, MAXIMUM_ALTITUDE: mission.climb is not None}
+    quantities = (*MAP, *(quantity for quantity, is_there in others.items() if is_there))
+    columns = {quantity.variable: quantity.of(result) for quantity in quantities}
+    columns["status"] = result.cycle.status.astype(np.int8)
     most_w = result.solar_power_w.max(axis=-1)
-    for check in validity.charge_rate_check(configuration.aircraft, mission, result.design, most_w):
+    for check in validity.charge_rate_check(aircraft, mission, result.design, most_w):
         columns["charge_rate"] = check.value
-    return columns
+    return columns | winds
 
 
-def _simulated(configuration: MapConfiguration, cells: Scenarios) -> Performance:
-    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
+def _simulated(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, scenarios: Scenarios
+) -> Performance:
+    """Simulate a fixed aircraft in scenarios."""
     design = design_of(aircraft, mission)
-    day = solar_day(aircraft, mission, solar, scenarios=cells, design=design)
+    day = solar_day(aircraft, mission, solar, scenarios=scenarios, design=design)
     return performance(aircraft, mission, solar, day=day, keep_trajectory=False, design=design)
 
 
@@ -108,14 +86,17 @@ def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:
 
 
 def extrapolations_of_cells(
-    configuration: MapConfiguration, cells: FloatArray, columns: Mapping[str, NDArray[Any]]
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    cells: FloatArray,
+    columns: Mapping[str, NDArray[Any]],
 ) -> tuple[Extrapolation, ...]:
     """Return where the map leaves the range of a model; all cells share one design."""
     columns = {name: values.ravel() for name, values in columns.items()}
     known = np.isin(columns["status"], ENDS)
     if not known.any():
         return ()
-    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     design, calm, in_wind = design_of(aircraft, mission), mission, list[Check]()
     if "wind" in columns:  # the wind of each cell replaces the mission's
         calm, winds = mission.in_wind(0.0), columns["wind"][known]
@@ -130,4 +111,4 @@ def extrapolations_of_cells(
     extrapolations = collect_extrapolations(checks, of=int(known.sum()), what="cells")
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = scenarios_of(cells[[int(np.argmax(excess_h))]])
-    return add_effects(extrapolations, aircraft, lambda: _simulated(configuration, best))
+    return add_effects(extrapolations, aircraft, lambda: _simulated(aircraft, mission, solar, best))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,27 +17,30 @@ from sizing.mass_budget import parametric_design
 from sizing.performance import Performance, performance_of_designs
 from sizing.program import cells as cell_sizing
 from sizing.program.cells import CellSizings
-from sizing.program.objectives import SizingStatus
+from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity import checks as validity
 from sizing.validity.extrapolations import cell_texts
 from solar.types import FloatArray
-from studies.maps.cells import MapConfiguration, scenarios_of
+from studies.maps.cells import scenarios_of
 from studies.output.gridded import SIZED, TOO_WINDY
 from studies.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from studies.study import merged
 
+# Aircraft, mission, model and objective of all cells.
+Sized: TypeAlias = tuple[Aircraft, Mission, SolarModel, Objective]
 
-def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
+
+def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
     """Size the aircraft in every cell; return columns of :data:`.gridded.DESCRIBED`.
 
     A cell replaces the mission's latitude [deg] and day of year.
     """
-    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
+    aircraft, mission, solar, goal = sized
     scenarios = scenarios_of(cells)
     troubles = solar.path_troubles(aircraft, mission, scenarios)
     windy = np.array([trouble is not None for trouble in troubles], bool)
     if windy.any():
-        calm = sized_cells(configuration, cells[~windy]) if not windy.all() else {}
+        calm = sized_cells(sized, cells[~windy]) if not windy.all() else {}
         path = on_path(aircraft, mission).flight_path
         assert path is not None
         over_limit = mission.winds_on_path_m_per_s(scenarios) / largest_wind_m_per_s(path)
@@ -51,18 +54,15 @@ def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str,
                 "message": [f"flight path: {text}" for text in troubles if text is not None],
             },
         )
-    goal = configuration.objective
-    assert goal is not None
     sizings = cell_sizing.size_cells(aircraft, mission, scenarios, goal, solar)
     outside = _extrapolations_of_cells(aircraft, mission, scenarios, solar, sizings)
     return _columns_of(sizings) | {"extrapolations": np.array(outside)}
 
 
-def sized_flight(configuration: MapConfiguration, cell: FloatArray) -> Performance | None:
+def sized_flight(sized: Sized, cell: FloatArray) -> Performance | None:
     """Simulate the best design of a single cell, shape ``(1, 2)``; None without a design."""
-    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
-    scenario, goal = scenarios_of(cell), configuration.objective
-    assert goal is not None
+    aircraft, mission, solar, goal = sized
+    scenario = scenarios_of(cell)
     sizings = cell_sizing.size_cells(aircraft, mission, scenario, goal, solar)
     if sizings.status[0] not in SIZED:
         return None

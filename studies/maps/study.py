@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from enum import IntEnum
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +24,6 @@ from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.schema import spell
 from solar.types import FloatArray
 from studies.maps.cells import (
-    MapConfiguration,
     extrapolations_of_cells,
     fixed_cells,
     scenarios_of,
@@ -196,23 +196,23 @@ def prepare(
         ),
         "day": gridded.Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
     }
-    parts = {
-        "endurance_h": endurance,
-        "maximum_altitude_m": climbs,
-        "charge_rate": charge_rate_is_open(aircraft),
-        "wind": mission.wind_statistics is not None,
-        "status": True,
-    }
-    keys = tuple(key for key, there in parts.items() if there)
-    configuration = MapConfiguration(aircraft, mission, solar, keys, goal)
     cell_s = _cell_time_s(aircraft, mission, solar)
     if goal is not None:
         # The optimiser takes a seventh of a second to import.
-        from studies.maps.sized import sized_cells
+        from studies.maps.sized import sized_cells, sized_flight
+
+        sized = (aircraft, mission, solar, goal)
+
+        def of_designs(columns: Mapping[str, NDArray[Any]]) -> tuple[Extrapolation, ...]:
+            """Return where designs leave the range of a model; its effect is on the lightest."""
+            is_sized = np.isin(columns["status"], gridded.SIZED)
+            lightest = int(np.argmin(np.where(is_sized, columns["total_mass"], np.inf)))
+            told = gridded.told_of_cells(columns, gridded.SIZED, "cells")
+            return add_effects(told, aircraft, lambda: sized_flight(sized, cells[[lightest]]))
 
         return Study(
             sized_cells,
-            configuration,
+            sized,
             cells,
             cell_s=cell_s + _SIZING_S,
             together=_SIZED_TOGETHER,
@@ -224,19 +224,27 @@ def prepare(
                 "objective": goal.value,
                 "required_excess_time_h": mission.required_excess_time_h,
             },
-            extrapolated=lambda columns: _extrapolations_of_designs(configuration, cells, columns),
+            extrapolated=of_designs,
         )
+    parts = {
+        "endurance_h": endurance,
+        "maximum_altitude_m": climbs,
+        "charge_rate": charge_rate_is_open(aircraft),
+        "wind": mission.wind_statistics is not None,
+        "status": True,
+    }
+    keys = " ".join(key for key, is_there in parts.items() if is_there)
     ends: tuple[IntEnum, ...] = ENDS if mission.flight is not None else CYCLE_ENDS
     return Study(
         fixed_cells,
-        configuration,
+        (aircraft, mission, solar, endurance),
         cells,
         cell_s=cell_s + endurance * _ENDURANCE_S + climbs * _CLIMB_S,
-        described=_DESCRIBED | described(" ".join(keys)),
+        described=_DESCRIBED | described(keys),
         statuses=(Status.failed, *ends, *[Status.infeasible] * solar.has_many_paths(mission)),
         coordinates=coordinates,
         attributes=gridded.attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
-        extrapolated=lambda columns: extrapolations_of_cells(configuration, cells, columns),
+        extrapolated=partial(extrapolations_of_cells, aircraft, mission, solar, cells),
     )
 
 
@@ -272,21 +280,6 @@ def _cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> flo
     if mission.flight_path is None:
         raise ValueError(f"{option} needs a flight_path on the mission {mission.name}")
     return _CELL_ON_PATH_S
-
-
-def _extrapolations_of_designs(
-    configuration: MapConfiguration, cells: FloatArray, columns: Mapping[str, NDArray[Any]]
-) -> tuple[Extrapolation, ...]:
-    """Return where designs leave the range of a model, with its effect on the lightest."""
-    from studies.maps.sized import sized_flight
-
-    mass_kg = np.where(np.isin(columns["status"], gridded.SIZED), columns["total_mass"], np.inf)
-    lightest = cells[[int(np.argmin(mass_kg))]]
-    return add_effects(
-        gridded.told_of_cells(columns, gridded.SIZED, "cells"),
-        configuration.aircraft,
-        lambda: sized_flight(configuration, lightest),
-    )
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:

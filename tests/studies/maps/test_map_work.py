@@ -23,7 +23,6 @@ from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from studies.maps import cells as map_cells
-from studies.maps.cells import MapConfiguration
 from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.sized import sized_cells
 from studies.maps.study import feasibility_map, prepare, resized_map
@@ -59,7 +58,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     def refuse(*arguments):
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(map_cells, "_metrics_of", refuse)
+    monkeypatch.setattr(map_cells, "_simulated", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
     run("map", *SMALL, "--out", "again.nc", "--work", "map.nc.parts").good()
@@ -67,17 +66,17 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     assert not (tmp_path / "map.nc.parts").exists()
 
 
-cells_of = map_cells._metrics_of
+simulated = map_cells._simulated
 
 
-def failing(configuration, cells):
-    if [44.0, 81.0] in cells.tolist():
+def failing(aircraft, mission, solar, scenarios):
+    if np.any((scenarios.latitude_deg == 44.0) & (scenarios.day_of_year == 81)):
         raise FloatingPointError("not today")
-    return cells_of(configuration, cells)
+    return simulated(aircraft, mission, solar, scenarios)
 
 
 def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(map_cells, "_metrics_of", failing)
+    monkeypatch.setattr(map_cells, "_simulated", failing)
     answer = run("map", *SMALL, "--out", "map.nc", "--workers", "1", "--json")
     assert answer.code == 1
     said = "1 of 60 cells failed; the first: FloatingPointError: not today"
@@ -108,7 +107,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypa
 
 
 def test_where_every_cell_fails_there_is_no_file(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(map_cells, "_metrics_of", failing)
+    monkeypatch.setattr(map_cells, "_simulated", failing)
     cell = ("--latitudes", "44", "--days", "81", "--workers", "1")
     answer = run("map", "atlantiksolar-as2", *cell, "--out", "map.nc")
     assert answer.code == 1
@@ -165,7 +164,7 @@ def sized():
 
 def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft():
     """Each task brings its own copy of the aircraft; the worker keeps the programs of the last."""
-    asked = MapConfiguration(DESIGN, JULY, SolarModel(), objective=Objective.min_wingspan)
+    asked = (DESIGN, JULY, SolarModel(), Objective.min_wingspan)
     once = sized_cells(asked, np.array([[0.0, 172.0]]))
     # What was derived while it was used in this process travels along.
     again = sized_cells(pickle.loads(pickle.dumps(asked)), np.array([[0.0, 172.0]]))
@@ -288,7 +287,7 @@ def test_python_names_what_a_model_needs():
 
 
 def test_python_warns_of_failed_cells_and_raises_where_all_failed(monkeypatch):
-    monkeypatch.setattr(map_cells, "_metrics_of", failing)
+    monkeypatch.setattr(map_cells, "_simulated", failing)
     with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
         data = feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[81])
     assert data["status"].values[:, 0].tolist()[1] == Status.failed
