@@ -4,20 +4,22 @@ Paths are held over the ground at constant airspeed, by default the design's (:f
 North-East-Down; angles in radians, in degrees in fields that end in ``_deg``. Yaw counts from
 north, clockwise; roll is positive with the right wing down. Turns are coordinated, legs level.
 
-Sources: see :mod:`missions.ground_track`, which moves the aircraft.
+Courses over the ground count from north, clockwise. Sources: Beard & McLain, Small Unmanned
+Aircraft: Theory and Practice (2012), section 2.4 (wind triangle) and section 5.2 (coordinated
+turn); DLMF, section 19.2 (elliptic integrals).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
 
 from missions.air import GRAVITY_M_PER_S2
-from missions.ground_track import Leg, Motion, Track, Turn
 from solar.schema import NonNegativeReal, PositiveReal, Record, spell, wrong_value
 from solar.types import FloatArray
 
@@ -170,7 +172,7 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
         zero = np.zeros(1)
         return Orbit(zero, zero, zero, zero, zero, zero, zero, weights=np.ones(1), duration_s=0.0)
     airspeed = _checked_airspeed_m_per_s(path, wind)
-    motion = Motion(airspeed, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi)
+    motion = _Motion(airspeed, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi)
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
     pitch = math.radians(path.pitch_deg)
     laps = [_sample_orbit(_segments(path, motion, side), motion, pitch, samples) for side in sides]
@@ -271,27 +273,157 @@ def _checked_airspeed_m_per_s(path: _MovingPath, wind: Wind) -> float:
     return airspeed
 
 
-# ---- Segments of a path
+# ---- Motion over the ground at constant airspeed: legs, and coordinated turns
 
 
-def _segments(path: _MovingPath, motion: Motion, side: int) -> list[Leg | Turn]:
+@dataclass(frozen=True)
+class _Motion:
+    """Wind triangle at constant airspeed: motion for a given course over the ground."""
+
+    airspeed: float
+    wind: float
+    downwind: float  # course [rad]
+
+    @property
+    def margin(self) -> float:
+        """Airspeed squared minus wind squared [m2/s2], exact also when they are close."""
+        return (self.airspeed - self.wind) * (self.airspeed + self.wind)
+
+    def headway(self, course: FloatArray) -> FloatArray:
+        """Return the velocity through the air along the course [m/s]."""
+        along = self.wind * np.cos(course - self.downwind)
+        return np.asarray(np.sqrt(self.margin + along**2))
+
+    def ground_speed(self, course: FloatArray) -> FloatArray:
+        """Return the speed over the ground [m/s]."""
+        along = self.wind * np.cos(course - self.downwind)
+        total = self.headway(course) + np.abs(along)
+        # Equal to headway + along in both cases, but free of cancellation against the wind.
+        return np.where(along < 0.0, self.margin / total, total)
+
+    def yaw(self, course: FloatArray) -> FloatArray:
+        """Return the heading [rad], 0 to 2 pi: the course plus the crab angle into the wind."""
+        across = -self.wind * np.sin(course - self.downwind)
+        return np.mod(course - np.arcsin(across / self.airspeed), 2.0 * np.pi)
+
+    def roll(self, course: FloatArray, curvature: FloatArray) -> FloatArray:
+        """Return the bank of a coordinated turn [rad] for a track's curvature [1/m].
+
+        The velocity through the air turns at ``V_g^2 / (R sqrt(V^2 - w_n^2))``: derivative of the
+        heading with respect to the course, ``V_g / sqrt(V^2 - w_n^2)``, times ``V_g / R``.
+        """
+        yaw_rate = curvature * self.ground_speed(course) ** 2 / self.headway(course)
+        return np.asarray(np.arctan(self.airspeed * yaw_rate / GRAVITY_M_PER_S2))
+
+    def turn_clock(self, angle: FloatArray) -> FloatArray:
+        """Return the time per radius to turn from downwind by an angle [s/m], odd in it.
+
+        ``1 / V_g = (sqrt(V^2 - w^2 sin^2) - w cos) / (V^2 - w^2)`` integrates to the incomplete
+        elliptic integral of the second kind (DLMF 19.2.5).
+        """
+        elliptic: Any = angle  # of calm air, to the last bit what the integral is then
+        if self.wind != 0.0:
+            from scipy.special import ellipeinc  # a tenth of a second
+
+            elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
+        return np.asarray(
+            (self.airspeed * elliptic - self.wind * np.sin(angle)) / self.margin, float
+        )
+
+
+class _Track(NamedTuple):
+    """Ground track: course [rad], curvature [1/m], position [m]."""
+
+    course: FloatArray
+    curvature: FloatArray
+    north: FloatArray
+    east: FloatArray
+
+
+class _Segment(NamedTuple):
+    """Part of a path: its duration [s], and its track at times since its beginning [s]."""
+
+    duration: float
+    at: Callable[[FloatArray], _Track]
+
+
+def _leg(motion: _Motion, course: float, length: float, right: float) -> _Segment:
+    """Return a straight line over the ground, shifted to the right of the middle of the path."""
+    speed = float(motion.ground_speed(np.asarray(course)))
+    cos, sin = math.cos(course), math.sin(course)
+
+    def at(elapsed: FloatArray) -> _Track:
+        ahead = speed * elapsed - 0.5 * length
+        return _Track(
+            course=np.full_like(elapsed, course),
+            curvature=np.zeros_like(elapsed),
+            north=ahead * cos - right * sin,
+            east=ahead * sin + right * cos,
+        )
+
+    return _Segment(length / speed, at)
+
+
+def _turn(
+    motion: _Motion,
+    start_course: float,
+    sweep: float,
+    radius: float,
+    side: int,
+    centre: tuple[float, float] = (0.0, 0.0),
+) -> _Segment:
+    """Return an arc over the ground, to the right for ``side`` 1 and to the left for -1.
+
+    ``centre``: north and east of the middle of the path [m].
+    """
+    # Angle since downwind, positive in the turning direction, and its time.
+    first = side * (start_course - motion.downwind)
+    angles = np.linspace(first, first + sweep, 65)
+    clock = radius * motion.turn_clock(angles)
+
+    def at(elapsed: FloatArray) -> _Track:
+        """Invert the time of the turn by Newton's method, kept within one cell of the table."""
+        target = clock[0] + elapsed
+        cell = np.clip(np.searchsorted(clock, target, side="right"), 1, len(clock) - 1)
+        low, high = angles[cell - 1], angles[cell]
+        angle = np.asarray(np.interp(target, clock, angles), float)
+        # Nearly always over after four steps; a wind just below the airspeed bends the time so
+        # sharply that some steps are bisections.
+        for _ in range(60):
+            late = radius * motion.turn_clock(angle) - target
+            low, high = np.where(late < 0.0, angle, low), np.where(late > 0.0, angle, high)
+            speed = motion.ground_speed(motion.downwind + angle)
+            newton = angle - late * speed / radius
+            inside = (newton >= low) & (newton <= high)
+            previous, angle = angle, np.where(inside, newton, 0.5 * (low + high))
+            if np.all(np.abs(angle - previous) < 1e-13):
+                break
+        course = motion.downwind + side * angle
+        return _Track(
+            course=course,
+            curvature=np.full_like(elapsed, side / radius),
+            north=centre[0] + side * radius * np.sin(course),
+            east=centre[1] - side * radius * np.cos(course),
+        )
+
+    return _Segment(float(clock[-1] - clock[0]), at)
+
+
+def _segments(path: _MovingPath, motion: _Motion, side: int) -> list[_Segment]:
     if isinstance(path, Circle):
-        return [Turn(motion, motion.downwind, 2.0 * math.pi, path.radius_m, side)]
+        return [_turn(motion, motion.downwind, 2.0 * math.pi, path.radius_m, side)]
     out = math.radians(path.heading_deg)
     if isinstance(path, StraightLegs):
-        return [Leg(motion, course, path.leg_length_m, 0.0) for course in (out, out + math.pi)]
-    length, radius, segments = path.leg_length_m, path.turn_radius_m, list[Leg | Turn]()
+        return [_leg(motion, course, path.leg_length_m, 0.0) for course in (out, out + math.pi)]
+    length, radius, segments = path.leg_length_m, path.turn_radius_m, list[_Segment]()
     for course in (out, out + side * math.pi):  # a leg and the turn at its end, and their mirror
-        segments.append(Leg(motion, course, length, -side * radius))
-        north, east = 0.5 * length * math.cos(course), 0.5 * length * math.sin(course)
-        segments.append(Turn(motion, course, math.pi, radius, side, north, east))
+        segments.append(_leg(motion, course, length, -side * radius))
+        end = 0.5 * length * math.cos(course), 0.5 * length * math.sin(course)
+        segments.append(_turn(motion, course, math.pi, radius, side, end))
     return segments
 
 
-# ---- Sampling
-
-
-def _sample_orbit(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int) -> Orbit:
+def _sample_orbit(segments: list[_Segment], motion: _Motion, pitch: float, samples: int) -> Orbit:
     """Sample the closed sequence of segments at the middles of equal steps of time."""
     ends = np.cumsum([segment.duration for segment in segments])
     duration = float(ends[-1])
@@ -299,7 +431,7 @@ def _sample_orbit(segments: list[Leg | Turn], motion: Motion, pitch: float, samp
     parts = np.split(time, np.searchsorted(time, ends[:-1]))
     starts = np.concatenate(([0.0], ends[:-1]))
     tracks = [s.at(part - t0) for s, part, t0 in zip(segments, parts, starts, strict=True)]
-    track = Track(*map(np.concatenate, zip(*tracks, strict=True)))
+    track = _Track(*map(np.concatenate, zip(*tracks, strict=True)))
     return Orbit(
         time_s=time,
         roll_rad=motion.roll(track.course, track.curvature),

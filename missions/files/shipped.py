@@ -13,36 +13,31 @@ from missions.files.yaml import Document, parse_yaml, read_yaml
 
 Kind = Literal["aircraft", "mission"]
 
-# Packages whose folder ``library`` holds the files.
-_PACKAGES: dict[Kind, str] = {"aircraft": "sizing", "mission": "missions"}
-_RECORD = ".csv.gz"
+# Packages whose folder ``library`` holds the files, and the ends of their names.
+_FILES: dict[Kind | Literal["record"], tuple[str, str]] = {
+    "aircraft": ("sizing", ".yaml"),
+    "mission": ("missions", ".yaml"),
+    "record": ("missions", ".csv.gz"),
+}
 
 
-def shipped_names(kind: Kind) -> list[str]:
-    """Return the names of the shipped aircraft or missions, sorted."""
-    folder = resources.files(_PACKAGES[kind]).joinpath("library")
-    return sorted(
-        f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith(".yaml")
-    )
+def shipped_names(kind: Kind | Literal["record"]) -> list[str]:
+    """Return the names of the shipped aircraft, missions or weather records, sorted."""
+    package, end = _FILES[kind]
+    names = (file.name for file in resources.files(package).joinpath("library").iterdir())
+    return sorted(name.removesuffix(end) for name in names if name.endswith(end))
 
 
-def shipped_records() -> list[str]:
-    """Return the names of the shipped weather records, sorted."""
-    folder = resources.files("missions").joinpath("library")
-    return sorted(f.name.removesuffix(_RECORD) for f in folder.iterdir() if _RECORD in f.name)
-
-
-def shipped_record(name: str) -> Traversable:
-    """Return the file of a shipped weather record."""
-    return resources.files("missions").joinpath("library", f"{name}{_RECORD}")
+def shipped_file(kind: Kind | Literal["record"], name: str) -> Traversable:
+    """Return a shipped file."""
+    package, end = _FILES[kind]
+    return resources.files(package).joinpath("library", f"{name}{end}")
 
 
 def record_description(name: str) -> str:
     """Return the description in the head of a shipped weather record."""
-    key = "# description:"
-    with shipped_record(name).open("rb") as file, gzip.open(file, "rt", encoding="utf-8") as text:
-        head = (line for _, line in zip(range(20), text, strict=False))
-        return next((line.removeprefix(key).strip() for line in head if line.startswith(key)), "")
+    described = (line.partition("# description:") for line in shipped_text(name).split("\n", 20))
+    return next((words.strip() for before, key, words in described if key and not before), "")
 
 
 def find_document(kind: Kind, name_or_path: str) -> Document:
@@ -53,7 +48,8 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
         raise file_error(kind, f"is neither the name nor the file of one (got {shown})")
     names = shipped_names(kind)
     if name in names and not Path(name).is_file():
-        return parse_yaml(_text(kind, name), f"{name} (shipped)")
+        text = shipped_file(kind, name).read_text(encoding="utf-8")
+        return parse_yaml(text, f"{name} (shipped)")
     if Path(name).exists():
         return read_yaml(name)
     other: Kind = "mission" if kind == "aircraft" else "aircraft"
@@ -67,16 +63,10 @@ def find_document(kind: Kind, name_or_path: str) -> Document:
 
 def shipped_text(name: str) -> str:
     """Return the text of a shipped aircraft's or mission's file, or of a weather record."""
-    shipped: dict[str, Kind] = {name: kind for kind in _PACKAGES for name in shipped_names(kind)}
-    records = shipped_records()
-    if name in records:
-        return gzip.decompress(shipped_record(name).read_bytes()).decode("utf-8")
+    shipped = {name: kind for kind in _FILES for name in shipped_names(kind)}
     if name not in shipped:
         message = "no shipped aircraft, mission or weather record of that name"
-        raise file_error(name, f"{message} (shipped: {', '.join([*shipped, *records])})")
-    return _text(shipped[name], name)
-
-
-def _text(kind: Kind, name: str) -> str:
-    source = resources.files(_PACKAGES[kind]).joinpath("library", f"{name}.yaml")
-    return source.read_text(encoding="utf-8")
+        raise file_error(name, f"{message} (shipped: {', '.join(shipped)})")
+    content = shipped_file(shipped[name], name).read_bytes()
+    content = gzip.decompress(content) if shipped[name] == "record" else content
+    return content.decode("utf-8").replace("\r\n", "\n")

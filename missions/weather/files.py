@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 
 from missions.files.errors import file_error, in_file, printable
-from missions.files.shipped import shipped_record, shipped_records
+from missions.files.shipped import shipped_file, shipped_names
 from missions.mission import Mission
 from missions.weather.record import Weather
 
@@ -49,11 +49,11 @@ def weather_file(path: str | os.PathLike[str]) -> Iterator[tuple[Path, str]]:
     """Yield a weather record's file while it is read, and its name for messages."""
     name = os.fspath(path)
     source = printable(name) or repr(name)
-    if name in shipped_records() and not Path(name).exists():
-        with resources.as_file(shipped_record(name)) as place:
+    if name in shipped_names("record") and not Path(name).exists():
+        with resources.as_file(shipped_file("record", name)) as place:
             yield place, f"{name} (shipped)"
         return
     if not os.path.lexists(name):
-        known = ", ".join(shipped_records())
+        known = ", ".join(shipped_names("record"))
         raise file_error(source, f"there is no such file, and none is shipped but {known}")
     yield Path(name), source

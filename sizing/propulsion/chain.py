@@ -369,8 +369,9 @@ class OperatingPointPropulsion(Record):
         NaN outside the propeller's data.
         """
         thrust_w = thrust_power_w / self.propulsors
-        shaft = shafts_at(self.propulsor, thrust_w / airspeed_m_per_s, airspeed_m_per_s, air)
-        return shaft.rotation_per_s, shaft.power_w, shaft.power_w / thrust_w
+        thrust_n = thrust_w / airspeed_m_per_s
+        rotation_per_s, power_w, *_ = shafts_at(self.propulsor, thrust_n, airspeed_m_per_s, air)
+        return rotation_per_s, power_w, power_w / thrust_w
 
     def motor_state(self, rotation_per_s: Value, shaft_w: Value) -> MotorState:
         """Return current and voltage of the motor behind the gear, at a power of the shaft [W]."""

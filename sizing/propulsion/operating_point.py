@@ -226,7 +226,7 @@ def bus_power_w(
     Voltages broadcast with the other arguments, but do not enter the search for the rotation. NaN
     outside the propeller's data.
     """
-    motor = shafts_at(propulsor, thrust_n, airspeed_m_per_s, air).motor
+    motor = MotorState(*shafts_at(propulsor, thrust_n, airspeed_m_per_s, air)[5:7])
     inlet_v, _ = _inlet(propulsor, motor, bus_v)
     power_w = propulsor.controller.input_power_w(motor, inlet_v)
     return np.asarray(power_w / _wiring_efficiency(inlet_v, bus_v))
@@ -234,34 +234,21 @@ def bus_power_w(
 
 def shafts_at(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
-) -> Shaft:
-    """Return shafts of the broadcast shape of the arguments; NaN outside the propeller's data."""
+) -> tuple[Any, ...]:
+    """Return shafts at thrusts, of the broadcast shape of the arguments.
+
+    Independent of the bus voltage: speed of rotation [1/s], power [W] and torque [N m] of the
+    propeller's shaft, speed [rpm], torque [N m], current [A] and voltage [V] of the motor; NaN
+    outside the propeller's data, for a reason in words.
+    """
     arrays = np.broadcast_arrays(
         *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, *air))
     )
-    return Shaft(*_in_chunks(_shafts, propulsor, arrays))
+    return tuple(_in_chunks(_shafts, propulsor, arrays))
 
 
-class Shaft(NamedTuple):
-    """State of propeller shaft and motor at a thrust, independent of the bus voltage."""
-
-    rotation_per_s: FloatArray
-    power_w: FloatArray
-    torque_nm: FloatArray
-    motor_rpm: FloatArray
-    motor_torque_nm: FloatArray
-    motor_current_a: FloatArray
-    motor_voltage_v: FloatArray
-    reason: NDArray[np.object_]
-
-    @property
-    def motor(self) -> MotorState:
-        """Current and voltage at the motor's terminals."""
-        return MotorState(self.motor_current_a, self.motor_voltage_v)
-
-
-def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> Shaft:
-    """Return shafts and motor at thrusts, in one dimension."""
+def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> tuple[Any, ...]:
+    """Return shafts as :func:`shafts_at`, in one dimension."""
     propeller, gear = propulsor.propeller, propulsor.gear
     n, reason = _rotation(propeller, thrust, v, air)
     power = propeller.coefficients(v, n, air).power
@@ -269,7 +256,7 @@ def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -
     torque = shaft_w / (2.0 * np.pi * n)
     motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
     motor = propulsor.motor.state(motor_rpm, motor_torque)
-    return Shaft(n, shaft_w, torque, motor_rpm, motor_torque, *motor, reason)
+    return n, shaft_w, torque, motor_rpm, motor_torque, *motor, reason
 
 
 def _points_in_row(
@@ -277,9 +264,9 @@ def _points_in_row(
 ) -> OperatingPoint:
     """Return operating points, in one dimension."""
     gear, controller, d = propulsor.gear, propulsor.controller, propulsor.propeller.diameter_m
-    shaft = _shafts(propulsor, thrust, v, air)
-    n, shaft_w, torque, motor_rpm, motor_torque, *_, reason = shaft
-    motor = shaft.motor
+    shafts = _shafts(propulsor, thrust, v, air)
+    n, shaft_w, torque, motor_rpm, motor_torque, *state, reason = shafts
+    motor = MotorState(*state)
     motor_w = motor.current_a * motor.voltage_v
     inlet_v, needed_v = _inlet(propulsor, motor, bus)
     inlet_w = controller.input_power_w(motor, inlet_v)

@@ -71,7 +71,7 @@ class List(CommandOptions):
             }
             for kind in ("aircraft", "mission")
         }
-        records = shipped.shipped_records()
+        records = shipped.shipped_names("record")
         every["weather"] = {name: shipped.record_description(name) for name in records}
         if self.as_json:
             terminal.print_json(every)

@@ -22,7 +22,7 @@ from weather_files import (
 )
 
 from missions.files.errors import InputError
-from missions.files.shipped import shipped_records
+from missions.files.shipped import shipped_names
 from missions.weather.files import load_weather
 from missions.weather.record import Site
 
@@ -195,7 +195,7 @@ def test_plain_table_and_the_shipped_year(tmp_path):
     assert (found.layout, found.site) == ("CSV", Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
     same_light(found, record, 1e-5)
     assert SITE.label.startswith("Somewhere (46.80° N, 6.90° E, 491 m)")
-    assert shipped_records() == ["colorado-2023"]
+    assert shipped_names("record") == ["colorado-2023"]
     year = load_weather("colorado-2023")
     assert (len(year), year.interval_s, year.typical) == (17520, 1800.0, False)
     assert year.site.latitude_deg == 40.53
