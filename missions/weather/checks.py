@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,7 @@ from missions.weather.record import SECONDS_PER_HOUR, TYPICAL_YEAR, Site, Weathe
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.schema import Allowed, refusal, spell
 from solar.sun import SECONDS_PER_DAY
-from solar.types import FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 # Up to here a gap is bridged between its neighbours; a longer one takes the day next to it.
 SHORT_GAP_H = 3.0
@@ -47,9 +47,7 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     stride = round(apart_s / interval_s)
     start_s = time_s + raw.offset_s - raw.passed * interval_s
     values = {
-        name: _column_values(raw, name, lines)
-        for name in (*LIGHT, "temp_air", "wind_speed")
-        if name in raw.table
+        name: _column_values(raw, name, lines) for name in (*LIGHT, *_AIR) if name in raw.table
     }
     logged = [name for name in LIGHT if name in values and np.isfinite(values[name]).any()]
     if "ghi" not in logged and len(logged) < 2:
@@ -84,8 +82,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         message = f"has {spell(100.0 * share, 2)} % of the light of a clear sky"
         raise refused(f"{message}: is the unit wrong? W/m² are needed")
     air = {}
-    for quantity in (TEMPERATURE, WIND):
-        air[quantity], notes = checked_air(quantity, columns, of_line, stride=stride)
+    for name in _AIR:
+        air[name], notes = _checked_air(name, columns, of_line, stride)
         repairs += notes
     return Weather(
         source=source,
@@ -94,8 +92,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         start_s=start_s,
         interval_s=interval_s,
         **light,
-        temperature_c=air[TEMPERATURE],
-        wind_m_per_s=air[WIND],
+        temperature_c=air["temp_air"],
+        wind_m_per_s=air["wind_speed"],
         typical=typical,
         repairs=(*raw.notes, *repairs),
         air_altitude_m=raw.air_altitude_m,
@@ -246,15 +244,19 @@ def _drop_impossible(light: dict[str, FloatArray], sun: _Sun, lines: IntArray) -
             bad = (values > most[name]) | (values < 0.0) | np.isinf(values)
         wrong |= bad
         values[bad] = np.nan
+    trouble = "light that cannot be (first here): is the time zone or the unit wrong?"
+    return _take_out(wrong, lines, "impossible light", f"{trouble} W/m² are needed")
+
+
+def _take_out(
+    wrong: BoolArray, lines: IntArray, what: str, trouble: str, key: str = ""
+) -> list[str]:
+    """Return a note on rows with impossible values; refuse too many of them at the first one."""
     count = int(np.count_nonzero(wrong))
-    if count > MAXIMUM_IMPOSSIBLE * len(up):
-        first = int(np.flatnonzero(wrong)[0])
-        message = (
-            f"{count} of {len(up)} rows have light that cannot be (first here): is the time zone "
-            "or the unit wrong? W/m² are needed"
-        )
-        raise refused(message, line=lines[first])
-    return [f"{count} rows with impossible light taken out"] if count else []
+    if count > MAXIMUM_IMPOSSIBLE * len(wrong):
+        message = f"{count} of {len(wrong)} rows have {trouble}"
+        raise refused(message, line=lines[int(np.argmax(wrong))], key=key)
+    return [f"{count} rows with {what} taken out"] if count else []
 
 
 def _complete_light(
@@ -366,52 +368,35 @@ _LEAST_KNOWN = 0.8  # share of a record without which a quantity is not used
 MISSING = (99.9, 99.99, 999.0, 999.9, 9999.0, 99999.0, -99.0, -99.9, -999.0, -9999.0, -9900.0)
 
 
-class Quantity(NamedTuple):
-    """Column other than light, and its possible range."""
-
-    column: str
-    name: str
-    allowed: Allowed
-    unit: str
-    instead: str
+# Columns other than light: name, possible range, unit, what takes their place. Around the records
+# of the WMO (World Weather & Climate Extremes Archive): -89.2 C, 56.7 C, and 113 m/s in a gust.
+_AIR = {
+    "temp_air": ("temperature", Allowed(-90.0, 70.0), "C", "that of the mission's air"),
+    "wind_speed": ("wind speed", Allowed(0.0, 120.0), "m/s", "not used"),
+}
 
 
-# Around the records of the WMO (World Weather & Climate Extremes Archive): -89.2 C, 56.7 C, and
-# 113 m/s in a gust.
-TEMPERATURE = Quantity(
-    "temp_air", "temperature", Allowed(-90.0, 70.0), "C", "that of the mission's air"
-)
-WIND = Quantity("wind_speed", "wind speed", Allowed(0.0, 120.0), "m/s", "not used")
-
-
-def checked_air(
-    quantity: Quantity, columns: Mapping[str, FloatArray], lines: IntArray, *, stride: int = 1
+def _checked_air(
+    column: str, columns: Mapping[str, FloatArray], lines: IntArray, stride: int
 ) -> tuple[FloatArray | None, list[str]]:
     """Return temperature or wind without gaps, None if mostly missing, and notes on repairs.
 
     ``columns``: columns of the record, NaN where a value is missing. ``lines``: line of each row in
     the file; 0 if rows are not lines, -1 between rows, of which every ``stride``-th exists.
     """
-    values = columns.get(quantity.column)
+    values = columns.get(column)
     if values is None:
         return None, []
-    possible, notes = quantity.allowed.holds(values), []
-    empty = np.isnan(values)
-    wrong = np.flatnonzero(~possible & ~empty)
-    what = f"a {quantity.name} not {quantity.allowed} {quantity.unit}"
-    if len(wrong) > MAXIMUM_IMPOSSIBLE * len(values):
-        first = int(wrong[0])
-        message = f"{len(wrong)} of {len(values)} rows have {what} (first here, "
-        message += f"{spell(values[first])}): is the unit wrong?"
-        raise refused(message, line=lines[first], key=quantity.column)
-    if len(wrong):
-        notes.append(f"{len(wrong)} rows with {what} taken out")
+    name, allowed, unit, instead = _AIR[column]
+    possible, empty = allowed.holds(values), np.isnan(values)
+    wrong = ~possible & ~empty
+    what = f"a {name} not {allowed} {unit}"
+    first = f"{what} (first here, {spell(values[np.argmax(wrong)])}): is the unit wrong?"
+    notes = _take_out(wrong, lines, what, first, key=column)
     known = np.flatnonzero(possible)
     enough = len(known) >= _LEAST_KNOWN * len(values) / stride
     missing = int(np.count_nonzero(empty & (lines >= 0)))
     if missing or not enough:
-        instead = "filled between their neighbours" if enough else quantity.instead
-        notes.append(f"{quantity.name} missing in {missing} of {len(lines)} rows: {instead}")
-    if not enough:
-        return None, notes
-    return np.interp(np.arange(len(values)), known, values[known]), notes
+        repair = "filled between their neighbours" if enough else instead
+        notes.append(f"{name} missing in {missing} of {len(lines)} rows: {repair}")
+    return np.interp(np.arange(len(values)), known, values[known]) if enough else None, notes

@@ -14,13 +14,7 @@ from sizing.aerodynamics.parabolic import DragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import BuiltUpPolar
-from sizing.balance.masses import (
-    Item,
-    centre_of_gravity,
-    spar_x_m,
-    tail_mass_x_m,
-    wing_and_tail_items,
-)
+from sizing.balance.masses import SPAR, TAIL_MASS, WING_PARTS, Item, centre_of_gravity
 from sizing.balance.stability import neutral_point
 from sizing.balance.surfaces import wing_of
 from sizing.design import DesignVariables, FlightConditions
@@ -142,17 +136,22 @@ def balance_items(
     planes = airframe.tail.planes(wing)
     chords = balance.positions_chords
     places = {name: getattr(chords, name) * wing.mean_chord_m for name in type(chords).model_fields}
-    tail_m = tail_mass_x_m(wing, planes.arm_m, planes.horizontal_chord_m)
+    # Centroid of the tail planes; the boom ends there and at the wing's quarter chord.
+    tail_m = wing.quarter_m + planes.arm_m + TAIL_MASS * planes.horizontal_chord_m
     if planes.vertical_arm_m is not planes.arm_m:
-        fins_m = tail_mass_x_m(wing, planes.vertical_arm_m, planes.fin_chord_m)
+        fins_m = wing.quarter_m + planes.vertical_arm_m + TAIL_MASS * planes.fin_chord_m
         share = planes.vertical_m2 / (planes.horizontal_m2 + planes.vertical_m2)
         tail_m = tail_m + share * (fins_m - tail_m)
-    built = structure.breakdown(inputs)
-    grown = type(built)(*((1.0 + airframe.mass_growth) * part for part in built))
-    parts = wing_and_tail_items(grown, wing, tail_m, places["pod"])
+    parts = structure.breakdown(inputs)._asdict()
+    parts = {name: (1.0 + airframe.mass_growth) * part for name, part in parts.items()}
+    at = {name: wing.at_chord(share) for name, share in WING_PARTS.items()}
+    at |= {"tails": tail_m, "boom": (wing.quarter_m + tail_m) / 2.0, "pod": places["pod"]}
+    items = [Item(name, parts[name], x_m) for name, x_m in at.items()]
+    # Joints lie at the centroid of the other parts.
+    items.append(Item("joints", parts["joints"], centre_of_gravity(items)))
     in_pod_kg = structure.wing(inputs).pod_battery_kg
     in_spar_kg = masses.battery - in_pod_kg
-    items = [*parts, Item("battery in the wing", in_spar_kg, spar_x_m(wing))]
+    items.append(Item("battery in the wing", in_spar_kg, wing.at_chord(SPAR)))
     items.append(Item("battery", in_pod_kg, places["battery"]))
     names = ("propulsion", "modules", "mppt", "avionics", "payload", "other")
     items += [Item(name, getattr(masses, name), places[name]) for name in names]

@@ -11,19 +11,17 @@ from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
-from sizing.balance.surfaces import Wing
 from sizing.smooth import Value
-from sizing.structures.rib_wing import StructureParts
 from solar.schema import Name, PositiveReal, Real, Record, wrong_value
 
 _Margin = Annotated[float, Strict(), Field(gt=-1.0, lt=2.0)]
 # Centroids of the wing's parts over its chord: the spar where the section is thickest; skin of both
 # sides; area of a four-digit section (Abbott and von Doenhoff, Theory of Wing Sections, section
 # 6.4: 0.42); sheeted nose and a light trailing edge (assumption).
-_WING_PARTS = {"spar_caps": 0.3, "spar_web": 0.3, "covering": 0.5, "ribs": 0.42, "edges": 0.2}
-_SPAR = 0.3
+WING_PARTS = {"spar_caps": 0.3, "spar_web": 0.3, "covering": 0.5, "ribs": 0.42, "edges": 0.2}
+SPAR = 0.3
 # Mass of a tail plane lies behind its quarter chord (assumption: at 0.4 of its chord).
-_TAIL_MASS = 0.15
+TAIL_MASS = 0.15
 
 
 class Item(NamedTuple):
@@ -96,28 +94,3 @@ class Balance(Record):
             text = "follows from weighed; give one of them"
             raise wrong_value("static_margin", text, got=self.static_margin)
         return self
-
-
-def wing_and_tail_items(
-    parts: StructureParts, wing: Wing, tail_x_m: Value, pod_x_m: Value
-) -> list[Item]:
-    """Return the parts of a rib wing with their places; joints lie at the centroid of the others.
-
-    ``tail_x_m`` is the centroid of the tail planes; the boom ends there and at the wing's quarter
-    chord.
-    """
-    masses = parts._asdict()
-    places = {name: wing.at_chord(share) for name, share in _WING_PARTS.items()}
-    places |= {"tails": tail_x_m, "boom": (wing.quarter_m + tail_x_m) / 2.0, "pod": pod_x_m}
-    items = [Item(name, masses[name], x_m) for name, x_m in places.items()]
-    return [*items, Item("joints", masses["joints"], centre_of_gravity(items))]
-
-
-def spar_x_m(wing: Wing) -> Value:
-    """Return the place of masses in the spar [m]."""
-    return wing.at_chord(_SPAR)
-
-
-def tail_mass_x_m(wing: Wing, arm_m: Value, chord_m: Value) -> Value:
-    """Return the centroid of the tail planes [m]."""
-    return wing.quarter_m + arm_m + _TAIL_MASS * chord_m

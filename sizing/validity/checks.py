@@ -60,8 +60,17 @@ def design_checks(
         offset_k = air.temperature_k - standard_air(mission.altitude_m).temperature_k
         air_c = standard_air(highest_m, offset_k).temperature_c
     yield from battery_checks(aircraft.battery, air_c, altitude_m)
-    yield from module_check(aircraft, mission, altitude_m)
-    yield from altitude_checks(mission, solar, altitude_m)
+    has_balance = "thermal" in aircraft.modules.model_fields_set
+    if mission.air.module_temperature_c is None and not has_balance:
+        yield Check.of("altitude_m", "module_temperature", altitude_m)
+    yield Check.of("altitude_m", "model_error", altitude_m)
+    if _uses_reported_errors(mission, solar):
+        yield Check.of("altitude_m", "correction", altitude_m)
+    if mission.clear_sky == "ashrae":  # a user-defined sky has no range
+        altitude = np.asarray(altitude_m, float)
+        thin = altitude >= THIN_AIR_FROM_M
+        yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
+        yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
     path_speed = getattr(mission.flight_path, "airspeed_m_per_s", None)
     if solar.needs_path and path_speed is not None and design.airspeed_m_per_s is not None:
         ends = (path_speed * (1.0 - _AIRSPEED_TOLERANCE), path_speed * (1.0 + _AIRSPEED_TOLERANCE))
@@ -120,25 +129,6 @@ def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) ->
     if battery.ageing is not None:
         left = battery.ageing.capacity_fraction()
         yield Check.of("aged_capacity_fraction", "battery", left)
-
-
-def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Yield checks of the altitude for sky and solar power; a user-defined sky has no range."""
-    altitude = np.asarray(altitude_m, float)
-    yield Check.of("altitude_m", "model_error", altitude)
-    if _uses_reported_errors(mission, solar):
-        yield Check.of("altitude_m", "correction", altitude)
-    if mission.clear_sky == "ashrae":
-        thin = altitude >= THIN_AIR_FROM_M
-        yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
-        yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
-
-
-def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Yield the check of the altitude for module temperatures by a default heat balance."""
-    has_balance = "thermal" in aircraft.modules.model_fields_set
-    if mission.air.module_temperature_c is None and not has_balance:
-        yield Check.of("altitude_m", "module_temperature", altitude_m)
 
 
 def record_check(mission: Mission, site_altitude_m: float) -> Check:
