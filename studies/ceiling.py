@@ -25,9 +25,8 @@ from solar.schema import spell
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.quantities import EXCESS_TIME, group, table_of, text_of
-from studies.render.notes import extrapolation_blocks, extrapolation_caption
-from studies.render.numbers import hours
 from studies.render.tables import Line, Table
+from studies.render.words import extrapolation_blocks, extrapolation_caption, hours
 from studies.serialise import plain
 
 if TYPE_CHECKING:

@@ -30,9 +30,8 @@ from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
 from studies.quantities import described, text_of
-from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import percent
 from studies.render.tables import Column, Line, Table
+from studies.render.words import extrapolation_blocks, percent
 from studies.study import Study
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from sizing.uncertainty.inputs import UncertainInput
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.quantities import EXCESS_TIME
-from studies.render.numbers import amount, percent
+from studies.render.words import amount, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

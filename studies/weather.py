@@ -13,7 +13,7 @@ from solar.schema import spell
 from solar.types import BoolArray
 from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.render.notes import extrapolation_caption
+from studies.render.words import extrapolation_caption
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,7 +19,7 @@ from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.design_result import BatteryCondition, battery_condition, check_subjects
-from sizing.results.numbers import PERCENTILES, finite, percentiles
+from sizing.results.numbers import finite, percentiles
 from sizing.results.result import Result, data_frame
 from sizing.validity.checks import (
     battery_checks,
@@ -43,8 +43,9 @@ WINDOWS_DAYS = (1, 2, 3, 5, 7)
 _MISSING_DAYS, _DAYS = 7, 365
 # Quantities that have the air of each day.
 _OF_DAYS = ("pack_temperature_c", "air_temperature_c")
-# Quantities of what is assumed high up.
+# Quantities of what is assumed high up, and the models that it stands for.
 _ASSUMED = ("height_above_record_m", "altitude_m", "air_temperature_c")
+_ASSUMPTIONS = ("weather_record", "module_temperature", "battery")
 
 
 class Window(NamedTuple):
@@ -182,64 +183,50 @@ class WeatherAnalysis(Result):
         """What the flight takes from outside the range of a model, each quantity once."""
         done, axis = self.performance, self.performance.recorded.axis
         aircraft, mission, design = self.aircraft, done.days.mission, done.design
-        always = [
-            check
-            for check in design_checks(aircraft, mission, design, done.days.solar)
-            if check.range.quantity not in _OF_DAYS
-        ]
-        peak_w = np.max(done.recorded.solar_power_w, axis=1)
         days = Scenarios(np.full(len(axis), mission.latitudes()[0]), axis.day_of_year)
+        peak_w = np.max(done.recorded.solar_power_w, axis=1)
+        of_air = battery_checks(aircraft.battery, done.days.mean_air_c, mission.altitude_m)
+        always = [
+            *design_checks(aircraft, mission, design, done.days.solar),
+            record_check(mission, self.weather.site.altitude_m),
+        ]
         of_days = [
-            *(
-                check
-                for check in battery_checks(
-                    aircraft.battery, done.days.mean_air_c, mission.altitude_m
-                )
-                if check.range.quantity in _OF_DAYS
-            ),
+            *(check for check in of_air if check.range.quantity in _OF_DAYS),
             *correction_check(days, done.days.solar, mission),
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
-        always.append(record_check(mission, self.weather.site.altitude_m))
-        extrapolations = keep_worst(
+        constant = (check for check in always if check.range.quantity not in _OF_DAYS)
+        outside = keep_worst(
             [
-                *collect_extrapolations(always),
+                *collect_extrapolations(constant),
                 *collect_extrapolations(of_days, of=len(axis), what="days"),
             ]
         )
-        worths = {
-            "weather_record": self._worth_of_record,
-            "module_temperature": self._worth_of_warm_modules,
-            "battery": self._worth_of_warm_battery,
-        }
         return tuple(
-            replace(row, worth=worths[row.model]())
-            if row.quantity in _ASSUMED and row.model in worths
+            replace(row, worth=self._worth(row.model))
+            if row.quantity in _ASSUMED and row.model in _ASSUMPTIONS
             else row
-            for row in extrapolations
+            for row in outside
         )
 
-    def _worth_of_record(self) -> str:
-        """Return what the record's clouds leave of the light at the flight altitude, in words."""
-        share = 100.0 * self.share_of_clear_light()
-        return f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
-
-    def _worth_of_warm_modules(self) -> str:
-        """Return the energy of modules as cold as the air beside that of the record, in words."""
-        mission = self.mission
+    def _worth(self, model: str) -> str:
+        """Return in words what an assumption is worth, by the model that it replaces."""
+        aircraft, mission, run = self.aircraft, self.mission, self.performance.recorded
+        if model == "weather_record":
+            share = 100.0 * self.share_of_clear_light()
+            return (
+                f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
+            )
+        if model == "battery":
+            unheated = aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
+            colder = self._flown(aircraft.model_copy(update={"battery": unheated}), mission)
+            return f"unheated {colder.closes.sum()} instead of {self.days_that_close} days close"
         air_c = float(mission.air_state().temperature_c)
         air = mission.air.model_copy(update={"module_temperature_c": air_c})
-        colder = self._flown(self.aircraft, mission.model_copy(update={"air": air}))
-        runs = (colder, self.performance.recorded)
-        cold_w, warm_w = (float(np.sum(run.solar_power_w)) for run in runs)
+        colder = self._flown(aircraft, mission.model_copy(update={"air": air}))
+        cold_w, warm_w = (float(np.sum(each.solar_power_w)) for each in (colder, run))
         percent = 100.0 * (cold_w / max(warm_w, 1e-9) - 1.0)
         return f"as cold as the air they would give {percent:+.0f} % of solar energy"
-
-    def _worth_of_warm_battery(self) -> str:
-        """Return the days that close with a battery as cold as the air, in words."""
-        battery = self.aircraft.battery.model_copy(update={"temperature": BatteryTemperature()})
-        colder = self._flown(self.aircraft.model_copy(update={"battery": battery}), self.mission)
-        return f"unheated {colder.closes.sum()} instead of {self.days_that_close} days close"
 
     def _flown(self, aircraft: Aircraft, mission: Mission) -> WeatherRun:
         solar = self.performance.days.solar
@@ -289,6 +276,9 @@ class WeatherAnalysis(Result):
         """Return a row for each day: date, dawn, whether it closes, state of charge, endurance."""
         run, clear = self.performance.recorded, self.performance.clear
         axis = run.axis
+        solar_w, clear_w, load_w = run.solar_power_w, clear.solar_power_w, run.load_w
+        daily_wh = (np.trapezoid(w, axis.time_h, axis=1) for w in (solar_w, clear_w, load_w))
+        solar_wh, clear_wh, load_wh = daily_wh
         return data_frame(
             {
                 "year": axis.year,
@@ -301,22 +291,18 @@ class WeatherAnalysis(Result):
                 "clear_sky_dawn_state_of_charge": clear.dawn_state_of_charge,
                 "endurance_h": run.endurance_h,
                 "outlasts_record": run.outlasts,
-                "solar_energy_wh": _daily_wh(run),
-                "clear_sky_solar_energy_wh": _daily_wh(clear),
-                "load_energy_wh": np.trapezoid(run.load_w, axis.time_h, axis=1),
+                "solar_energy_wh": solar_wh,
+                "clear_sky_solar_energy_wh": clear_wh,
+                "load_energy_wh": load_wh,
             }
         )
 
     def to_years_frame(self) -> pd.DataFrame:
         """Return a row for each year: days, days that close, longest run and endurance."""
-        rows = ({**year} for year in self.years)
-        return data_frame(
-            [
-                row | {f"endurance_{name}_h": ends[name] for name in PERCENTILES}
-                for row in rows
-                if (ends := row.pop("endurance_h"))
-            ]
-        )
+        rows = [{**year} for year in self.years]
+        for row in rows:
+            row |= {f"endurance_{name}_h": h for name, h in row.pop("endurance_h").items()}
+        return data_frame(rows)
 
 
 def analyse_weather(
@@ -372,10 +358,6 @@ def analyse_weather(
     return WeatherAnalysis(aircraft, done, notes)
 
 
-def _daily_wh(run: WeatherRun) -> Any:
-    return np.trapezoid(run.solar_power_w, run.axis.time_h, axis=1)
-
-
 def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
     """Return the days to wait, from every day, until a window of days that close begins.
 
@@ -383,13 +365,9 @@ def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
     """
     if days < 1:
         raise ValueError(f"a window has at least one day (got {days})")
-    wait = np.full(len(closes), np.inf)
-    begins = np.zeros(len(closes), bool)
+    begins = np.empty(0, int)
     if days <= len(closes):
         windows = np.lib.stride_tricks.sliding_window_view(closes, days)
-        begins[: len(windows)] = windows.all(axis=1)
-    next_one = np.inf
-    for i in range(len(closes) - 1, -1, -1):
-        next_one = 0.0 if begins[i] else next_one + 1.0
-        wait[i] = next_one
-    return wait
+        begins = np.flatnonzero(windows.all(axis=1))
+    every = np.arange(len(closes))
+    return np.append(begins, np.inf)[np.searchsorted(begins, every)] - every

@@ -24,8 +24,7 @@ from studies.engine.workers import Pool
 from studies.explorer.settings import AnsweredError
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import InputFile
-from studies.render.numbers import percent
-from studies.render.words import constraint_words, parameter_words
+from studies.render.words import constraint_words, parameter_words, percent
 
 if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy

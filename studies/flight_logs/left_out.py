@@ -17,8 +17,8 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.fit import Fit, fit_log
 from studies.flight_logs.forward import Forward, Samples
-from studies.render.numbers import amount, percent
 from studies.render.tables import Column, Table
+from studies.render.words import amount, percent
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
 _OF_VALUES: Mapping[Kind, Reason] = {

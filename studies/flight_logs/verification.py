@@ -43,8 +43,8 @@ from studies.flight_logs.residuals import (
     residuals,
     surfaces_of,
 )
-from studies.render.numbers import amount
 from studies.render.tables import ALL, Column, Line, Table
+from studies.render.words import amount
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.

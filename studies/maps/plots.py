@@ -23,7 +23,7 @@ from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
 from studies.output.gridded import SIZED, OnGrid, extrapolations_of, flown_caption
 from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
-from studies.render.notes import extrapolation_caption
+from studies.render.words import extrapolation_caption
 
 if TYPE_CHECKING:
     from solar.types import FloatArray

@@ -19,8 +19,8 @@ from sizing.results.result import Result
 from solar.types import BoolArray, IntArray
 from studies import quantities as q
 from studies.output import gridded
-from studies.render.notes import extrapolation_blocks
 from studies.render.tables import Column, Line
+from studies.render.words import extrapolation_blocks
 from studies.serialise import serialise
 
 _ROWS = {1: 15, 2: 1000}  # latitudes of the table, by level

@@ -44,8 +44,8 @@ from studies.models.solar_models import (
     reference_model,
 )
 from studies.quantities import group, table_of
-from studies.render.notes import extrapolation_blocks
 from studies.render.tables import ALL, Column, Line, Table
+from studies.render.words import extrapolation_blocks
 
 if TYPE_CHECKING:
     import pandas as pd

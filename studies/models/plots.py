@@ -16,7 +16,7 @@ from studies.models.prediction import Case
 from studies.models.solar_models import model_label
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, library
-from studies.render.notes import extrapolation_caption
+from studies.render.words import extrapolation_caption
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

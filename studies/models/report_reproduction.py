@@ -27,8 +27,8 @@ from solar.schema import spell
 from solar.types import FloatArray
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
-from studies.render.numbers import percent
 from studies.render.tables import Column, Line, Table
+from studies.render.words import percent
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.dates import date_label, day_of_year
+from sizing.day.flight import Course
 from sizing.validity.ranges import model_error_note
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
-from studies.render.notes import extrapolation_caption
-from studies.render.numbers import amount, percent
 from studies.render.tables import clock_label
+from studies.render.words import amount, extrapolation_caption, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,30 +23,10 @@ if TYPE_CHECKING:
     from sizing.day.replay import CalendarRun
     from sizing.performance import Performance
     from sizing.results.analysis import Analysis
-    from solar.types import FloatArray
 
 
 _EXCESS_PERCENT, _MARGIN_PERCENT = -10.0, 110.0  # of charge, where these intervals are drawn
 _NIGHTS = range(-2, 367)  # of the longest flight
-
-
-class _Course(NamedTuple):
-    """What is drawn of a flight over the clock.
-
-    ``solar_w``, ``charge``: as modelled, then with the model's error less and more, where bands of
-    these are drawn. ``end``: end of the title. ``day_label``: of midnight, by its number counted
-    from 0. ``altitude_m`` is drawn with climbs alone.
-    """
-
-    clock_h: FloatArray
-    solar_w: Sequence[FloatArray]
-    load_w: FloatArray
-    charge: Sequence[FloatArray]
-    ends_h: tuple[float, float]
-    nights_h: Sequence[tuple[float, float]]
-    end: str
-    day_label: Callable[[int], str]
-    altitude_m: FloatArray | Any = None
 
 
 def panel_count(analysis: Analysis) -> int:
@@ -54,14 +34,26 @@ def panel_count(analysis: Analysis) -> int:
     return 2 + ("altitude_m" in analysis.curves)
 
 
-def _draw(analysis: Analysis, course: _Course, canvas: drawing.Canvas) -> tuple[Figure, list[Axes]]:
-    """Draw solar power, load, state of charge and, with climbs, altitude over the clock."""
-    perf = analysis.performance
-    count = panel_count(analysis)
+def _draw(
+    analysis: Analysis,
+    flights: Sequence[Course | CalendarRun],
+    canvas: drawing.Canvas,
+    *,
+    ends_h: tuple[float, float],
+    nights_h: Sequence[tuple[float, float]],
+    day_label: Callable[[int], str],
+    end: str = "",
+) -> tuple[Figure, list[Axes]]:
+    """Draw solar power, load, state of charge and, with climbs, altitude over the clock.
+
+    ``flights``: as modelled, then with the model's error less and more, where bands are drawn.
+    ``end``: of the title. ``day_label``: of midnight, by its number counted from 0.
+    """
+    perf, flight, count = analysis.performance, flights[0], panel_count(analysis)
     drawn, panels = drawing.new_figure(
         count,
         canvas=canvas,
-        title=f"{analysis.aircraft.name} on {analysis.mission.name}{course.end}",
+        title=f"{analysis.aircraft.name} on {analysis.mission.name}{end}",
         notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
         size_in=(8.0, 2.8 * count),
         sharex=True,
@@ -69,34 +61,37 @@ def _draw(analysis: Analysis, course: _Course, canvas: drawing.Canvas) -> tuple[
     after = "of the model" if perf.solar.correction == "none" else "after correction"
     where = model_error_note(perf.mission.altitude_m)
     error = f"RMS error {after}{where}, {percent(perf.solar.rms_relative, '.0f')}"
-    charges = [100.0 * charge for charge in course.charge]
-    for axes, curves, colour, label, band in (
-        (panels[0], course.solar_w, drawing.SUN, "solar power", error),
-        (panels[1], charges, drawing.CHARGE, "state of charge", "with that error"),
+    for axes, name, scale, colour, label, band in (
+        (panels[0], "solar_power_w", 1.0, drawing.SUN, "solar power", error),
+        (panels[1], "state_of_charge", 100.0, drawing.CHARGE, "state of charge", "with that error"),
     ):
-        axes.plot(course.clock_h, curves[0], "-", color=colour, label=label)
+        curves = [
+            scale * np.interp(flight.clock_h, each.clock_h, getattr(each, name)) for each in flights
+        ]
+        axes.plot(flight.clock_h, curves[0], "-", color=colour, label=label)
         if len(curves) > 1:
             style: dict[str, Any] = {"color": colour, "alpha": 0.2, "linewidth": 0, "label": band}
-            axes.fill_between(course.clock_h, curves[1], curves[2], **style)
+            axes.fill_between(flight.clock_h, curves[1], curves[2], **style)
     # Dashes tell it from the sun in a print in grey, too.
-    panels[0].plot(course.clock_h, course.load_w, "--", color=drawing.LOAD, label="load")
+    panels[0].plot(flight.clock_h, flight.load_w, "--", color=drawing.LOAD, label="load")
     panels[0].set(ylabel="power [W]", ylim=(0, None))
     panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
     for axes in panels[2:]:
-        axes.plot(course.clock_h, course.altitude_m, color=drawing.LOAD)
+        assert isinstance(flight, Course)
+        axes.plot(flight.clock_h, flight.altitude_m, color=drawing.LOAD)
         axes.margins(y=0.1)
         axes.set(ylabel="altitude [m]")
-    first, last = course.ends_h
-    nights = [(max(dusk, first), min(dawn, last)) for dusk, dawn in course.nights_h]
+    first, last = ends_h
+    nights = [(max(dusk, first), min(dawn, last)) for dusk, dawn in nights_h]
     for axes in panels:
         drawing.shade(axes, [(dusk, dawn) for dusk, dawn in nights if dusk < dawn])
     most = 4 if drawing.is_narrow(drawn, (0.0, 0.0)) else 8  # labels along the clock
     step = 3 * 2 ** max(math.ceil(math.log2((last - first) / (3 * most))), 0)
     ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
-    days = [course.day_label(tick // 24) if tick % 24 == 0 else "" for tick in ticks]
+    days = [day_label(tick // 24) if tick % 24 == 0 else "" for tick in ticks]
     labels = [f"{tick % 24:02d}:00\n{day}".strip() for tick, day in zip(ticks, days, strict=True)]
     panels[-1].set_xticks(ticks, labels)
-    panels[-1].set(xlim=course.ends_h, xlabel="solar time")
+    panels[-1].set(xlim=ends_h, xlabel="solar time")
     return drawn, panels
 
 
@@ -131,24 +126,36 @@ def plot_cycle(
     """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
+    every, where = (perf, analysis.low, analysis.high), perf.day.scenarios.label(index)
     whole = perf.cycle.perpetual[index] or analysis.mission.flight is not None
     if not whole and np.isfinite(perf.endurance_h[index]):
-        return _plot_limited(analysis, index, figure)
-    each = (perf, analysis.low, analysis.high)
+        longest = perf.endurances
+        hours, launch = float(longest.endurance_h[index]), float(longest.launch_h[index])
+        drawn, panels = _draw(
+            analysis,
+            [each.course(index, launch, hours) for each in every],
+            figure,
+            ends_h=(launch, launch + hours),
+            nights_h=_nights(perf, index),
+            day_label=lambda day: f"day {day + 1}",
+            end=f", {where}: limited, {amount(hours, 'h', '.1f')}",
+        )
+        empty = panels[1].plot(
+            [launch + hours], [0.0], "o", color=drawing.ink(), markersize=4, label="empty"
+        )
+        empty[0].set_clip_on(False)
+        panels[-1].set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
+        return _add_legend(drawn, panels)
     window_h = analysis.mission.flight_window_h(perf.day.scenarios)
-    curves = {name: curve[index] for name, curve in analysis.curves.items()}
-    course = _Course(
-        clock_h=perf.day.time_h,
-        solar_w=[p.solar_power_w[index] for p in each],
-        load_w=curves["load_w"],
-        charge=[p.cycle.energy_wh[index] / float(perf.design.battery_energy_wh) for p in each],
+    drawn, panels = _draw(
+        analysis,
+        [_day_of(each, index) for each in every],
+        figure,
         ends_h=(0.0, 24.0) if window_h is None else (window_h[0][index], window_h[1][index]),
         nights_h=_nights(perf, index),
-        end=f", {perf.day.scenarios.label(index)}",
         day_label=lambda day: "" if window_h is None else f"day {day + 1}",
-        altitude_m=curves.get("altitude_m"),
+        end=f", {where}",
     )
-    drawn, panels = _draw(analysis, course, figure)
     _mark_equal_power(panels[0], perf, index)
     _mark_charge(panels[1], perf, index)
     if (climb := analysis.climb) is not None:
@@ -159,6 +166,18 @@ def plot_cycle(
         highest = f"highest {amount(climb.altitude_m[index].max(), 'm', '.0f')}"
         panels[2].set_title(f"{highest}, excess time {gain} h by climbing", fontsize="small")
     return _add_legend(drawn, panels)
+
+
+def _day_of(perf: Performance, index: int) -> Course:
+    """Return the repeated day of a scenario."""
+    height_m = np.nan if perf.altitude_m is None else perf.altitude_m[index]
+    return Course(
+        perf.day.time_h,
+        perf.solar_power_w[index],
+        perf.load_w[index],
+        perf.cycle.energy_wh[index] / float(perf.design.battery_energy_wh),
+        np.broadcast_to(height_m, perf.day.time_h.shape),
+    )
 
 
 def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
@@ -206,33 +225,6 @@ def _draw_interval(
     drawing.note(axes, text, place, shift, ha="left" if to_right else "right", va=side)
 
 
-def _plot_limited(analysis: Analysis, index: int, canvas: drawing.Canvas) -> Figure:
-    """Draw the longest flight from its launch to the empty battery."""
-    perf = analysis.performance
-    longest = perf.endurances
-    hours, launch = float(longest.endurance_h[index]), float(longest.launch_h[index])
-    each = [p.course(index, launch, hours) for p in (perf, analysis.low, analysis.high)]
-    clock_h = each[0].clock_h
-    course = _Course(
-        clock_h=clock_h,
-        solar_w=[np.interp(clock_h, course.clock_h, course.solar_power_w) for course in each],
-        load_w=each[0].load_w,
-        charge=[np.interp(clock_h, course.clock_h, course.state_of_charge) for course in each],
-        ends_h=(launch, launch + hours),
-        nights_h=_nights(perf, index),
-        end=f", {perf.day.scenarios.label(index)}: limited, {amount(hours, 'h', '.1f')}",
-        day_label=lambda day: f"day {day + 1}",
-        altitude_m=each[0].altitude_m,
-    )
-    drawn, panels = _draw(analysis, course, canvas)
-    empty = panels[1].plot(
-        [launch + hours], [0.0], "o", color=drawing.ink(), markersize=4, label="empty"
-    )
-    empty[0].set_clip_on(False)
-    panels[-1].set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
-    return _add_legend(drawn, panels)
-
-
 @drawing.styled
 def plot_flight(
     analysis: Analysis, flight: CalendarRun, *, figure: drawing.Canvas = DEFAULT
@@ -248,17 +240,14 @@ def plot_flight(
     """
     dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
     first_day = day_of_year(flight.launch.date)
-    course = _Course(
-        clock_h=flight.clock_h,
-        solar_w=[flight.solar_power_w],
-        load_w=flight.load_w,
-        charge=[flight.state_of_charge],
+    drawn, panels = _draw(
+        analysis,
+        [flight],
+        figure,
         ends_h=(float(flight.clock_h[0]), float(flight.clock_h[-1])),
         nights_h=flight.clock_h[dark.reshape(-1, 2) - (0, 1)].tolist(),
-        end="",
         day_label=lambda day: date_label((first_day + day - 1) % 365 + 1),
     )
-    drawn, panels = _draw(analysis, course, figure)
     for number, hour in enumerate(flight.full_charge_clock_h):
         label = None if number else "full"
         panels[1].axvline(hour, color=drawing.ink(), linestyle=":", linewidth=1, label=label)

@@ -17,8 +17,8 @@ from sizing.validity.ranges import Extrapolation
 from solar.schema import spell
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
-from studies.render.notes import extrapolation_caption
 from studies.render.sentences import cells_line
+from studies.render.words import extrapolation_caption
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -20,7 +20,7 @@ from studies.output.cycle_plots import plot_cycle
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
-from studies.render.notes import extrapolation_caption
+from studies.render.words import extrapolation_caption
 from studies.serialise import serialise
 
 if TYPE_CHECKING:

@@ -20,18 +20,19 @@ from sizing.results.design_result import wind_of
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
-from studies.render.numbers import (
+from studies.render.tables import clock_label
+from studies.render.words import (
     amount,
     change_text,
     clock_of_day,
+    constraint_words,
     given,
     hours,
+    parameter_words,
     percent,
     required,
     with_unit,
 )
-from studies.render.tables import clock_label
-from studies.render.words import constraint_words, parameter_words
 
 if TYPE_CHECKING:
     from sizing.program.cross_check import CrossCheck

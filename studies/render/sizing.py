@@ -14,9 +14,7 @@ from sizing.results.margins import RequirementMargin
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
 from studies.render import sentences as say
-from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import amount, change_text, given, hours, percent, with_unit
-from studies.render.parts import (
+from studies.render.analysis import (
     climb_facts,
     in_columns,
     part_blocks,
@@ -25,7 +23,17 @@ from studies.render.parts import (
     structure_lines,
 )
 from studies.render.tables import ALL, UNLIMITED, Column, Line, Table
-from studies.render.words import constraint_words, parameter_words
+from studies.render.words import (
+    amount,
+    change_text,
+    constraint_words,
+    extrapolation_blocks,
+    given,
+    hours,
+    parameter_words,
+    percent,
+    with_unit,
+)
 from studies.serialise import serialise
 
 if TYPE_CHECKING:

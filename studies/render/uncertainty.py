@@ -10,9 +10,8 @@ import numpy as np
 
 from sizing.results.numbers import percentiles
 from studies import quantities as q
-from studies.render.notes import extrapolation_blocks
-from studies.render.numbers import percent, required
 from studies.render.tables import ALL, Line, Table, facts
+from studies.render.words import extrapolation_blocks, percent, required
 
 if TYPE_CHECKING:
     from sizing.results.uncertainty import UncertaintyAnalysis

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from studies import quantities as q
 from studies.render import sentences as say
-from studies.render.notes import extrapolation_blocks
-from studies.render.parts import part_tables
+from studies.render.analysis import part_tables
 from studies.render.tables import ALL, Line, Table, facts
+from studies.render.words import extrapolation_blocks
 
 if TYPE_CHECKING:
     from sizing.results.weather import WeatherAnalysis

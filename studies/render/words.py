@@ -1,19 +1,98 @@
-"""Requirements, bounds and parameters in words, with the key of the file that changes them.
+"""Numbers, requirements, parameters and notes of results as people read them.
 
-Results name them by what the program calls them.
+Numbers have their units, changes are in per cent; requirements come with the key of the file that
+changes them: results name them by what the program calls them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sizing.aircraft import Aircraft
+from missions.dates import date_label
 from sizing.data_rows import data_rows
 from sizing.design_space import DesignSpace
-from sizing.parameters import catalogue, label
+from sizing.parameters import catalogue, label, unit_text
+from sizing.results.numbers import relative_change
+from studies.render.tables import MISSING, UNLIMITED, Line, clock_label
+
+if TYPE_CHECKING:
+    from sizing.aircraft import Aircraft
+    from sizing.program.objectives import Objective
+    from sizing.validity.ranges import Extrapolation
+
+
+# ---- Numbers
+
+
+def change_text(before: float, after: float) -> str:
+    """Return a change over the value before it, in per cent."""
+    relative = relative_change(before, after)
+    if relative is None:
+        return MISSING
+    shown = round(relative, 3)
+    return percent(shown, "+.1f") if shown else percent(0.0)  # too small to show, it has no sign
+
+
+def with_unit(value: float | None, digits: str, objective: Objective) -> str:
+    """Return the value of an objective with its unit; an excess time may be unlimited."""
+    if value is None or math.isnan(value):
+        return MISSING
+    return amount(value, objective.unit, digits)
+
+
+# How numbers with a unit are written in sentences.
+_FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "h": ".2f"} | dict.fromkeys(
+    ("Wh", "V", "A", "m/s"), ".1f"
+)
+
+
+def amount(value: float, unit: str = "", form: str = "") -> str:
+    """Return a number with its unit, with the digits that people read of it, or in another form."""
+    if not math.isfinite(value):
+        return UNLIMITED if value > 0.0 else "none"
+    digits = form or _FORMS.get(unit, "g")
+    return f"{format(float(value), digits)} {unit_text(unit)}".rstrip()
+
+
+def given(value: float, unit: str = "") -> str:
+    """Return a number with its unit, with the digits that a file gave."""
+    return amount(value, unit, "g")
+
+
+def required(excess_time_h: float) -> str:
+    """Return what is required of every scenario."""
+    least = given(excess_time_h, "h")
+    return f"{least} of excess time" if excess_time_h > 0.0 else "perpetual flight"
+
+
+def percent(share: float, form: str = ".1f") -> str:
+    """Return a share in per cent."""
+    return f"{format(100.0 * float(share), form)} %"
+
+
+def hours(value: float) -> str:
+    """Return hours with two decimals."""
+    return amount(value, "h")
+
+
+def date_and_clock(clock_h: float, first_day: int) -> str:
+    """Return hours since the first midnight of a day of the year as a date and a clock reading."""
+    days, hour = divmod(round(clock_h * 60.0) / 60.0, 24.0)
+    return f"{date_label(first_day + int(days))} {clock_label(hour)}"
+
+
+def clock_of_day(hour: float) -> str:
+    """Return the clock of an hour counted on from the first midnight, with its day."""
+    days = int(hour // 24.0)
+    return f"{clock_label(hour % 24.0)}" + (f" on day {days + 1}" if days else "")
+
+
+# ---- Requirements, bounds, parameters
 
 
 @cache
@@ -85,3 +164,34 @@ def parameter_words(key: str) -> str:
         if quantity != last and quantity in catalogue():
             return f"{word} {label(quantity)}"
     return key
+
+
+# ---- What lies outside the range of a model
+
+HEADING = "outside the range of a model:"
+# Of what is assumed instead of a model, by the model: whose excess time a note has.
+_OTHERWISE = {"module_temperature": "modules as cold as the air", "battery": "unheated battery"}
+
+
+def extrapolation_blocks(extrapolations: Sequence[Extrapolation], level: int) -> list[Any]:
+    """Return the extrapolations in one line at level 1, in a line each at level 2."""
+    if not extrapolations:
+        return []
+    if level > 1:
+        return [Line(HEADING, "warning"), *(f"  {row.text}" for row in extrapolations)]
+    labels = ", ".join(dict.fromkeys(row.label for row in extrapolations))
+    text = labels if len(extrapolations) > 1 else replace(extrapolations[0], worth="").text
+    return [Line(f"{HEADING} {text}", "warning")]
+
+
+def extrapolation_caption(extrapolations: Sequence[Extrapolation]) -> str:
+    """Return the extrapolations for a figure's caption; empty where there are none."""
+    if not extrapolations:
+        return ""
+    names = dict.fromkeys(
+        row.label
+        if row.excess_time_h is None
+        else f"{row.holder} ({_OTHERWISE[row.model]}: excess time {hours(row.excess_time_h)})"
+        for row in extrapolations
+    )
+    return f"extrapolated: {', '.join(names)}"

@@ -27,8 +27,8 @@ from sizing.roots import bracketed_root
 from solar.names import MODELS
 from solar.types import FloatArray
 from studies.quantities import TABLE
-from studies.render.numbers import percent, required
 from studies.render.tables import Column, Line, Table, facts
+from studies.render.words import percent, required
 from studies.report.blocks import Block, Listing, Section
 from studies.report.subject import Subject
 

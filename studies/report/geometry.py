@@ -17,7 +17,7 @@ from sizing.balance.surfaces import QUARTER, Tail, Wing, wing_of
 from sizing.structures.rib_wing import RibWingStructure
 from solar.geometry import ModuleGeometry
 from solar.shading import TailGeometry
-from studies.render.numbers import amount, given, percent
+from studies.render.words import amount, given, percent
 
 # The tail volumes of docs/structure.md: S_h = 0.35 c A/L and S_v = 0.045 c A/L with L = 4 c.
 _RULE = RibWingStructure(model="rib_wing")

@@ -24,7 +24,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
-from studies.render.numbers import amount, given
+from studies.render.words import amount, given
 from studies.report.geometry import Drawing
 
 if TYPE_CHECKING:

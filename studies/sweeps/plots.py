@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from itertools import cycle
 from typing import Any
 
@@ -20,10 +21,11 @@ from numpy.typing import NDArray
 from sizing.day.metrics import ENDS
 from sizing.program.objectives import Objective, SizingStatus
 from solar.schema import spell
+from solar.types import FloatArray
 from studies.output import cells, gridded
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
-from studies.render.notes import extrapolation_caption
+from studies.render.words import extrapolation_caption
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.results import MORE_IS_BETTER, pareto_table
 
@@ -107,19 +109,14 @@ def _line_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     figure, panels = drawing.new_figure(
         2, canvas=canvas, **_title_and_notes(data), size_in=(7.0, 5.4), sharex=True
     )
-    shown = _drawable(data)
-    x = data[name].to_numpy()
-    for axes, variable, colour in zip(
-        panels, _plotted_variables(data), (drawing.LOAD, drawing.CHARGE), strict=True
-    ):
-        values = data[variable].to_numpy()
-        values = np.where(shown & ~np.isinf(values), values, np.nan)
+    x, reasons = data[name].to_numpy(), gridded.reasons_without_result(data)
+    for axes, (variable, values, colour) in zip(panels, _finite_values(data), strict=True):
         axes.plot(x, values, "o-", color=colour, markersize=4)
         _mark_extrapolated(axes, x, values, _extrapolated(data))
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
             axes.axhline(0.0, color=drawing.ink(), linewidth=0.8)
-        at_bottom, reasons = axes.get_xaxis_transform(), gridded.reasons_without_result(data)
+        at_bottom = axes.get_xaxis_transform()
         for mark, words in zip(cycle(_MARKERS), sorted(set(reasons) - {""}), strict=False):
             gone = x[reasons == words]
             low = [0.03] * len(gone)
@@ -136,7 +133,7 @@ def _names_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
     Nothing lies between two names.
     """
     (name,) = (str(n) for n in data["status"].dims)
-    places = _axis_positions(data, name)
+    places, reasons = _axis_positions(data, name), gridded.reasons_without_result(data)
     figure, panels = drawing.new_figure(
         1,
         2,
@@ -146,12 +143,7 @@ def _names_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
         lines=True,
         sharey=True,
     )
-    shown, reasons = _drawable(data), gridded.reasons_without_result(data)
-    for axes, variable, colour in zip(
-        panels, _plotted_variables(data), (drawing.LOAD, drawing.CHARGE), strict=True
-    ):
-        values = data[variable].to_numpy()
-        values = np.where(shown & ~np.isinf(values), values, np.nan)
+    for axes, (variable, values, colour) in zip(panels, _finite_values(data), strict=True):
         axes.plot(values, places, "o", color=colour)
         _mark_extrapolated(axes, values, places, _extrapolated(data))
         axes.set(xlabel=_label(data, variable))
@@ -160,9 +152,18 @@ def _names_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
         drawing.note(panels[0], reasons[place], (0.02, place), across=True, va="center")
     _name_places(panels[0].yaxis, data, name)
     panels[0].set_ylim(len(places) - 0.5, -0.5)
-    if panels[0].get_legend_handles_labels()[0]:
-        drawing.add_legend(figure, panels[0].get_legend_handles_labels()[0], 1)
+    if entries := panels[0].get_legend_handles_labels()[0]:
+        drawing.add_legend(figure, entries, 1)
     return figure
+
+
+def _finite_values(data: xr.Dataset) -> Iterator[tuple[str, FloatArray, str]]:
+    """Yield both variables with their values, NaN where they are not drawn, and their colours."""
+    for variable, colour in zip(
+        _plotted_variables(data), (drawing.LOAD, drawing.CHARGE), strict=True
+    ):
+        values = data[variable].to_numpy()
+        yield variable, np.where(_drawable(data) & ~np.isinf(values), values, np.nan), colour
 
 
 def _contour_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
@@ -275,16 +276,9 @@ def _extrapolated(data: xr.Dataset) -> NDArray[np.bool_]:
 def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -> None:
     """Draw rings around the points outside the range of a model."""
     if np.isfinite(np.where(outside, y, np.nan)).any():
-        x, y = np.asarray(x)[outside], np.asarray(y)[outside]
-        axes.plot(
-            x,
-            y,
-            "o",
-            markersize=9,
-            fillstyle="none",
-            color=drawing.VERMILLION,
-            label="extrapolated",
-        )
+        ring: dict[str, Any] = {"markersize": 9, "fillstyle": "none", "color": drawing.VERMILLION}
+        over, up = np.asarray(x)[outside], np.asarray(y)[outside]
+        axes.plot(over, up, "o", label="extrapolated", **ring)
 
 
 # ---- Samples

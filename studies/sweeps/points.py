@@ -40,7 +40,7 @@ from studies.quantities import (
     TOTAL_MASS,
     described,
 )
-from studies.render.numbers import percent
+from studies.render.words import percent
 from studies.study import blanks_of
 from studies.sweeps.axes import design_variable
 

@@ -16,8 +16,8 @@ from sizing.program.objectives import Objective
 from sizing.results.result import Result
 from studies.output import gridded
 from studies.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
-from studies.render.notes import extrapolation_blocks
 from studies.render.tables import Column, Line, Table
+from studies.render.words import extrapolation_blocks
 from studies.serialise import serialise
 from studies.sweeps.axes import unit_label, without_unit
 

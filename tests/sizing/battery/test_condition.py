@@ -23,7 +23,7 @@ from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
 from sizing.results.design_result import battery_condition
-from studies.render.parts import part_tables
+from studies.render.analysis import part_tables
 
 PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
 temperatures = st.floats(-60.0, 60.0)

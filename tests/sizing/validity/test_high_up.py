@@ -15,7 +15,7 @@ from sizing.results.sizing import size
 from sizing.validity.ranges import Extrapolation
 from studies.maps.study import feasibility_map
 from studies.output.gridded import extrapolations_of
-from studies.render.notes import extrapolation_caption
+from studies.render.words import extrapolation_caption
 from studies.serialise import serialise
 
 # Perpetual there on the longest day, by less than the assumptions are worth.

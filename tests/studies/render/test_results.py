@@ -14,8 +14,7 @@ from sizing.chosen_parts import sized_data
 from sizing.relaxed_flight import Relaxation
 from sizing.results.measures import OF_SCENARIO
 from studies import quantities as q
-from studies.render.analysis import flight_table
-from studies.render.parts import relaxation_table
+from studies.render.analysis import flight_table, relaxation_table
 
 DESIGN = sizing.load_aircraft("atlantiksolar-design")
 

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from studies.render.layout import Grid
-from studies.render.numbers import change_text, date_and_clock
 from studies.render.tables import Column, Line, Summary, Table, clock_label, facts
+from studies.render.words import change_text, date_and_clock
 
 COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
 MASSES = Table("mass budget", COLUMNS, (("structure", 0.7081), ("battery", None)), ("a note",))
