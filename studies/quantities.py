@@ -14,8 +14,7 @@ from typing import Any
 
 from sizing.data_rows import data_rows
 from sizing.parameters import parameter, unit_text
-from sizing.performance import Performance
-from sizing.results.measures import MEASURES
+from sizing.performance import MEASURES, Performance
 from studies.render.tables import ALL, CLOCK, UNLIMITED, Column, Table
 
 

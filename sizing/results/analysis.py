@@ -23,14 +23,15 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design
 from sizing.mass_budget import design_of
-from sizing.performance import Performance, performance
+from sizing.performance import MEASURES, OF_SCENARIO, Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
-from sizing.results.design_result import DesignResult, check_subjects, described
-from sizing.results.measures import MEASURES, OF_SCENARIO
-from sizing.results.propulsion import (
+from sizing.results.design_result import (
+    DesignResult,
     PartMasses,
     PowerBudget,
     beyond_parts,
+    check_subjects,
+    described,
     part_masses,
     power_budget,
 )

@@ -20,7 +20,7 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import MEASURES, Performance, performance_of_designs
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.ranges import WidestRange
@@ -32,9 +32,7 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results.analysis import Analysis, analysis_of
 from sizing.results.design_result import DesignResult, described
 from sizing.results.margins import RequirementMargin, requirement_margins
-from sizing.results.measures import MEASURES
-from sizing.results.numbers import NEGLIGIBLE
-from sizing.results.result import SERIALISER, data_frame
+from sizing.results.result import NEGLIGIBLE, SERIALISER, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.checks import check_user_models, record_check, stall_margin_within_polar

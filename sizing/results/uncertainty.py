@@ -14,8 +14,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.results.design_result import check_subjects
-from sizing.results.numbers import percentiles
-from sizing.results.result import Result, data_frame
+from sizing.results.result import Result, data_frame, percentiles
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs, propagation_of
 from sizing.validity.ranges import Extrapolation
@@ -65,7 +64,7 @@ class UncertaintyAnalysis(Result):
         What the draws take from outside the range of a model.
     """
 
-    renderer = "studies.render.uncertainty"
+    renderer = "studies.uncertainty"
 
     aircraft: Aircraft
     mission: Mission

@@ -19,8 +19,7 @@ from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.design_result import BatteryCondition, battery_condition, check_subjects
-from sizing.results.numbers import finite, percentiles
-from sizing.results.result import Result, data_frame
+from sizing.results.result import Result, data_frame, finite, percentiles
 from sizing.validity.checks import (
     battery_checks,
     charge_rate_check,
@@ -72,7 +71,7 @@ class WeatherAnalysis(Result):
         What was changed to fly the mission at the record's site.
     """
 
-    renderer = "studies.render.weather"
+    renderer = "studies.weather"
 
     aircraft: Aircraft
     performance: WeatherPerformance

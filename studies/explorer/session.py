@@ -25,7 +25,7 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import SINGLE_OBJECTIVES
 from sizing.results.analysis import Analysis, analyse
-from sizing.results.numbers import finite
+from sizing.results.result import finite
 from solar._version import __version__
 from solar.schema import significant, spell
 from studies.case import Case

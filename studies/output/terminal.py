@@ -12,8 +12,7 @@ import click
 from missions.files.errors import printable
 from missions.files.writing import to_json
 from sizing.results.result import Result
-from studies.render.layout import RULE
-from studies.render.tables import Emphasis, Summary, Table
+from studies.render.tables import RULE, Emphasis, Summary, Table
 
 # Letters beyond ASCII that results have, for a terminal that has none.
 _PLAIN = str.maketrans(

@@ -1,8 +1,7 @@
 """Results as people read them.
 
-* ``analysis``, ``sizing``, ``uncertainty``, ``weather``: headline and blocks of what the sizing
-  layer computes, as modules of studies have for theirs
+* ``analysis``, ``sizing``: headline and blocks, as modules of studies have for other results
 * ``sentences``: what needs judgement; ``words`` of numbers, requirements and notes
 * ``design_sheet``: quantities of a design as a table, for papers, workbooks and reports
-* ``tables``: blocks as text, Markdown, HTML, CSV and frames; ``layout`` of their text
+* ``tables``: blocks as text, Markdown, HTML, CSV and frames
 """

@@ -29,7 +29,7 @@ from studies.render.words import (
 
 if TYPE_CHECKING:
     from sizing.results.analysis import Analysis
-    from sizing.results.propulsion import PowerBudget
+    from sizing.results.design_result import PowerBudget
     from sizing.results.sizing_study import SizingStudy
 
 

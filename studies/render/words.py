@@ -17,7 +17,7 @@ from missions.dates import date_label
 from sizing.data_rows import data_rows
 from sizing.design_space import DesignSpace
 from sizing.parameters import catalogue, label, unit_text
-from sizing.results.numbers import relative_change
+from sizing.results.result import relative_change
 from studies.render.tables import MISSING, UNLIMITED, Line, clock_label
 
 if TYPE_CHECKING:

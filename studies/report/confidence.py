@@ -22,7 +22,7 @@ from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import performance
-from sizing.results.numbers import relative_change
+from sizing.results.result import relative_change
 from sizing.roots import bracketed_root
 from solar.names import MODELS
 from solar.types import FloatArray

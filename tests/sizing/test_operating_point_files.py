@@ -8,7 +8,7 @@ from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.mass_budget import level_point, parametric_design
 from sizing.propulsion.operating_point import operating_point
-from sizing.results.propulsion import power_budget
+from sizing.results.design_result import power_budget
 from studies.serialise import serialise
 
 MISSION = load_mission("rafz-july")

@@ -8,7 +8,7 @@ import pytest
 import missions
 import sizing
 from sizing.parameters import parameter
-from sizing.results.measures import OF_SCENARIO
+from sizing.performance import OF_SCENARIO
 from studies import quantities
 from studies.quantities import Quantity
 

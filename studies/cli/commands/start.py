@@ -54,7 +54,7 @@ class List(CommandOptions):
         """Print what ships, or a catalogue."""
         from missions.files import shipped
         from studies.output import terminal
-        from studies.render.layout import Grid
+        from studies.render.tables import Grid
 
         for catalogue in self.catalogues:
             from studies.output.catalogues import catalogue_record, catalogue_table  # pydantic

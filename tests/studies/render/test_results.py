@@ -11,8 +11,8 @@ import missions
 import sizing
 from missions.files.writing import to_yaml
 from sizing.chosen_parts import sized_data
+from sizing.performance import OF_SCENARIO
 from sizing.relaxed_flight import Relaxation
-from sizing.results.measures import OF_SCENARIO
 from studies import quantities as q
 from studies.render.analysis import flight_table, relaxation_table
 

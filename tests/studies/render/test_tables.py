@@ -6,8 +6,7 @@ import math
 import pandas as pd
 import pytest
 
-from studies.render.layout import Grid
-from studies.render.tables import Column, Line, Summary, Table, clock_label, facts
+from studies.render.tables import Column, Grid, Line, Summary, Table, clock_label, facts
 from studies.render.words import change_text, date_and_clock
 
 COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
