@@ -11,7 +11,6 @@ import numpy as np
 
 from sizing.results.result import percentiles
 from sizing.results.uncertainty import UncertaintyAnalysis
-from sizing.uncertainty.inputs import UncertainInput
 from studies import quantities as q
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
@@ -174,14 +173,17 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     """Draw bars between mean excess times of each input's lowest and highest draws."""
     excess = analysis.flights.excess_time_h
     finite = np.isfinite(excess)
-    rows: list[tuple[UncertainInput, float, float]] = []
+    rows: list[tuple[str, float, float]] = []
     for source in analysis.inputs.inputs:
         value = analysis.values[source.key]
         low, high = (
             float(np.mean(excess[finite & side])) if np.any(finite & side) else np.nan
             for side in (value <= np.percentile(value, 20.0), value >= np.percentile(value, 80.0))
         )
-        rows.append((source, low, high))
+        index, label = analysis.sobol.get(source.key), source.label
+        if index is not None:
+            label += f", {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"
+        rows.append((label, low, high))
     rows.sort(key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
     rows = rows[-_MOST_BARS:]
     centre = float(np.mean(excess[finite])) if np.any(finite) else 0.0
@@ -202,13 +204,5 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
                 label=name if y == 0 else None,
             )
     axes.axvline(centre, color=drawing.DARK_GREY)
-    axes.set_yticks(range(len(rows)), [_input_label(analysis, row[0]) for row in rows])
+    axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
     axes.set_xlabel("mean excess time [h]")
-
-
-def _input_label(analysis: UncertaintyAnalysis, source: UncertainInput) -> str:
-    """Return an input in words, with its share of the variance."""
-    index = analysis.sobol.get(source.key)
-    if index is None:
-        return source.label
-    return f"{source.label}, {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"

@@ -251,6 +251,7 @@ def compare(
     if objective not in RESIZE_NAMES:
         allowed = ", ".join(RESIZE_NAMES)
         raise ValueError(f"objective must be one of {allowed} (got {objective!r})")
+    goal = Objective(objective)
     requested = combinations(models, corrections, attitude=attitude_is_known(aircraft, mission))
     if not requested:
         raise ValueError("there is no model to compare")
@@ -274,77 +275,49 @@ def compare(
     simulate = partial(performance, aircraft, mission, keep_trajectory=False)
     predictions = {solar: predict(simulate, solar, sun.day(solar)) for solar in every}
     truth_wh = predictions[reference].mean_solar_energy_wh
-    cases = {}
+    cases, outside = {}, {}
     for solar, prediction in predictions.items():
         advance()
+        day, highest_m = sun.day(solar), prediction.maximum_altitude_m
+        checks = day_checks(aircraft, mission, design_of(aircraft, mission), solar, day, highest_m)
+        outside[solar] = list(collect_extrapolations(checks, day.scenarios))
         built = None
         if sized:
-            built = _size_with_model(sun, solar, reference, Objective(objective), required)
+            result = size_aircraft(
+                aircraft, mission, goal, solar, required_excess_time_h=required, day=day
+            )
+            judged = None
+            if result.design is not None:
+                best = result.design.variables
+                fly = partial(performance_of_designs, aircraft, mission, best, reference)
+                judged = predict(fly, reference, sun.day(reference))
+            if result.simulated is not None:
+                outside[solar] += extrapolations(aircraft, result.simulated)
+            built = Built(result, judged)
             advance()
         above = prediction.mean_solar_energy_wh / truth_wh - 1.0 if truth_wh > 0.0 else None
         seasons = {latitude: season_of(days[solar], latitude) for latitude, days in flags.items()}
         all_year = np.logical_and.reduce([days[solar] for days in flags.values()])
         season = season_of(all_year, float(np.mean(latitudes)))
         cases[solar] = Case(solar, prediction, above, season, seasons, built)
+    lacking = [f"modules.geometry of {aircraft.name}"] * (aircraft.modules.geometry is None)
+    lacking += [f"flight_path of {mission.name}"] * (mission.flight_path is None)
+    notes: tuple[str, ...] = ()
+    if lacking:
+        needed = f"VM, FM and the loiter correction need {' and '.join(lacking)}"
+        notes = (f"{needed}; without, corrected {reference.model} is the reference",)
+    elif sized:
+        path = "the reference flies the path of the mission at its airspeed"
+        notes = (f"{path}, whatever the design's own",)
     return Comparison(
         aircraft=aircraft,
         mission=mission,
-        objective=Objective(objective),
+        objective=goal,
         required_excess_time_h=required,
         reference=cases[reference],
         cases=tuple(cases[solar] for solar in requested),
-        notes=_notes(aircraft, mission, reference, sized=sized),
+        notes=notes,
         extrapolations=merge_extrapolations(
-            [_extrapolations_of_case(aircraft, mission, sun, cases[solar]) for solar in requested],
-            "cases",
+            [keep_worst(outside[solar]) for solar in requested], "cases"
         ),
     )
-
-
-def _extrapolations_of_case(
-    aircraft: Aircraft, mission: Mission, sun: Sunlight, case: Case
-) -> tuple[Extrapolation, ...]:
-    """Return where the aircraft and a case's design leave the range of a model."""
-    day, highest_m = sun.day(case.solar), case.prediction.maximum_altitude_m
-    design = design_of(aircraft, mission)
-    checks = day_checks(aircraft, mission, design, case.solar, day, highest_m)
-    built = None if case.built is None else case.built.sizing.simulated
-    outside = () if built is None else extrapolations(aircraft, built)
-    return keep_worst([*collect_extrapolations(checks, day.scenarios), *outside])
-
-
-def _size_with_model(
-    sun: Sunlight,
-    solar: SolarModel,
-    reference: SolarModel,
-    objective: Objective,
-    required_excess_time_h: float,
-) -> Built:
-    """Size with a model, and evaluate the design by the reference."""
-    aircraft, mission = sun.aircraft, sun.mission
-    result = size_aircraft(
-        aircraft,
-        mission,
-        objective,
-        solar,
-        required_excess_time_h=required_excess_time_h,
-        day=sun.day(solar),
-    )
-    if result.design is None:
-        return Built(result, None)
-    judged = partial(performance_of_designs, aircraft, mission, result.design.variables, reference)
-    return Built(result, predict(judged, reference, sun.day(reference)))
-
-
-def _notes(
-    aircraft: Aircraft, mission: Mission, reference: SolarModel, *, sized: bool
-) -> tuple[str, ...]:
-    lacking = [f"modules.geometry of {aircraft.name}"] * (aircraft.modules.geometry is None)
-    lacking += [f"flight_path of {mission.name}"] * (mission.flight_path is None)
-    if lacking:
-        return (
-            f"VM, FM and the loiter correction need {' and '.join(lacking)}; without, corrected "
-            f"{reference.model} is the reference",
-        )
-    own = "the reference flies the path of the mission at its airspeed, whatever the design's own"
-    return (own,) if sized else ()

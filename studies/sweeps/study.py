@@ -182,6 +182,18 @@ def prepare(
         gridded.CLIMB in about and _ALTITUDE in configuration.keys
     ):
         about[gridded.CLIMB] = "with climbs"
+    scenarios = len(mission.scenarios())
+    day_s = scenarios * solar.needs_path * _SCENARIO_ON_PATH_S
+    if objective is None:
+        climbs = mission.climb is not None or varies_climb(configuration.keys)
+        batched = any(axis.design_variable is not None for axis in axes)
+        alone_s = 0.0 if batched else _AIRCRAFT_S + day_s
+        cell_s = scenarios * (_SCENARIO_S + climbs * _CLIMB_S) + alone_s
+    else:
+        cell_s = _SIZING_S + day_s
+    # Points with the same aircraft and mission are adjacent, a batch.
+    of_files = [table[:, i] for i, axis in enumerate(axes) if axis.design_variable is None]
+    order = np.lexsort([np.arange(len(table)), *of_files[::-1]])
     sized, function = objective is not None, simulate_points
     if sized:  # the optimiser takes a seventh of a second to import
         from studies.sweeps.sized import size_points as function
@@ -190,7 +202,7 @@ def prepare(
         function,
         configuration,
         table,
-        cell_s=_point_time_s(mission, axes, solar, objective),
+        cell_s=cell_s,
         described=configuration.described,
         statuses=tuple(SizingStatus if sized else Status),
         coordinates=_coordinates(axes, sample, table, varied),
@@ -204,7 +216,7 @@ def prepare(
             "required_excess_time_h": mission.required_excess_time_h,
         },
         extrapolated=lambda columns: gridded.told_of_cells(columns, with_result, "points"),
-        order=_order(axes, table),
+        order=order,
         unit="points",
     )
 
@@ -305,30 +317,6 @@ def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
     if isinstance(node, bool) or not isinstance(node, int | float):
         raise _error(axis.key, "has no single number in the file to start from")
     return float(node)
-
-
-# ---- Points
-
-
-def _order(axes: Sequence[Axis], table: Any) -> Any:
-    """Return the order in which points with the same aircraft and mission are adjacent, a batch."""
-    other = [table[:, i] for i, axis in enumerate(axes) if axis.design_variable is None]
-    if not other:
-        return np.arange(len(table))
-    return np.lexsort([np.arange(len(table)), *other[::-1]])
-
-
-def _point_time_s(
-    mission: Mission, axes: Sequence[Axis], solar: SolarModel, resize: Objective | None
-) -> float:
-    scenarios = len(mission.scenarios())
-    day_s = scenarios * solar.needs_path * _SCENARIO_ON_PATH_S
-    if resize is not None:
-        return _SIZING_S + day_s
-    batched = any(axis.design_variable is not None for axis in axes)
-    climbs = mission.climb is not None or varies_climb(axis.key for axis in axes)
-    alone_s = 0.0 if batched else _AIRCRAFT_S + day_s
-    return scenarios * (_SCENARIO_S + climbs * _CLIMB_S) + alone_s
 
 
 # ---- Results
