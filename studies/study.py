@@ -133,6 +133,19 @@ class Study:
             messages = known["message"].astype(object)
             messages[list(failures)] = list(failures.values())
             known["message"] = messages.astype(str)
+        failed_cells = []
+        for number, reason in sorted(failures.items()):
+            place = np.unravel_index(number, tuple(sizes.values()))
+            where = dict(zip(sizes, place, strict=True))
+            values = {
+                name: coordinate.values[where[coordinate.dims[0]]]
+                for name, coordinate in self.coordinates.items()
+                if name != VARIED
+            }
+            texts = (
+                f"{n} {v if isinstance(v, str) else format(v, 'g')}" for n, v in values.items()
+            )
+            failed_cells.append(f"{', '.join(texts)}: {reason}")
         columns = {
             name: values.reshape(tuple(sizes.values()))
             # Varied columns are coordinates, not results.
@@ -144,28 +157,10 @@ class Study:
             self.coordinates,
             {
                 **self.attributes,
-                **self._failed_cells(outcome, sizes),
+                **({"failed_cells": "\n".join(failed_cells)} if failures else {}),
                 **extrapolation_attribute(self.extrapolated(columns)),
             },
         )
-
-    def _failed_cells(self, outcome: Outcome, sizes: Mapping[str, int]) -> dict[str, str]:
-        """Return an attribute with a line for each failed cell and its reason, empty without."""
-        lines = []
-        for number, reason in sorted(outcome.failures.items()):
-            place = np.unravel_index(number, tuple(sizes.values()))
-            where = dict(zip(sizes, place, strict=True))
-            values = {
-                name: coordinate.values[where[coordinate.dims[0]]]
-                for name, coordinate in self.coordinates.items()
-                if name != VARIED
-            }
-            texts = (
-                f"{name} {value if isinstance(value, str) else format(value, 'g')}"
-                for name, value in values.items()
-            )
-            lines.append(f"{', '.join(texts)}: {reason}")
-        return {"failed_cells": "\n".join(lines)} if lines else {}
 
 
 def blanks_of(described: Mapping[str, Any]) -> dict[str, Any]:

@@ -34,7 +34,7 @@ from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
 from studies.output.season_scale import page_scale
 
-_PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
+_PLACE = (LATITUDE, DAY)
 _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
 
 
@@ -124,8 +124,12 @@ class Session:
             for key, value in changed.items()
             if key.startswith(MISSION_PREFIX)
         }
-        if not every_scenario:
-            of_mission |= self._at_point(settings)
+        unmoved = all(settings.values[key] == self.fields[key].value for key in _PLACE)
+        if not every_scenario and not (unmoved and len(self.scenarios) == 1):
+            date = {"on": date_code(int(settings.values[DAY]))}
+            of_mission |= {"latitude_deg": settings.values[LATITUDE], "dates": date}
+            if self.mission.launch is not None:  # one at its own place and day
+                of_mission["launch"] = None
         climb = self.mission.climb  # whose floor may stand in place of the altitude
         if _ALTITUDE in of_mission and climb is not None and climb.minimum_altitude_m is not None:
             of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
@@ -137,19 +141,13 @@ class Session:
                 solar=settings.solar,
             )
         except InputError as error:
-            raise RefusedError(_refusals(error, settings), "contradiction") from None
-
-    def _at_point(self, settings: Settings) -> dict[str, Any]:
-        """Return values that move the mission to a point; none where it is there already."""
-        unmoved = all(settings.values[key] == self.fields[key].value for key in _PLACE)
-        if unmoved and len(self.scenarios) == 1:
-            return {}
-        place = {
-            "latitude_deg": settings.values[LATITUDE],
-            "dates": {"on": date_code(int(settings.values[DAY]))},
-        }
-        # The mission's launch is one at its own place and day.
-        return place if self.mission.launch is None else {**place, "launch": None}
+            refusals = []
+            for problem in error.problems:
+                at = _ALTITUDE if problem.key == _FLOOR else problem.key
+                named = (k for k in settings.values if k.removeprefix(MISSION_PREFIX) == at)
+                key = next(named, problem.key)
+                refusals.append(Refusal(key, settings.values.get(key), problem.message))
+            raise RefusedError(refusals, "contradiction") from None
 
     def analysis(self, settings: Settings) -> Analysis:
         """Analyse the point, as ``solar-uav analyse`` does."""
@@ -263,14 +261,3 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
 def _digits(values: Any) -> list[float]:
     """Return numbers with five digits: more than a screen has pixels."""
     return [significant(value, 5) for value in np.asarray(values).tolist()]
-
-
-def _refusals(error: InputError, settings: Settings) -> list[Refusal]:
-    """Return mistakes by the field of the page that they belong to."""
-    refusals = []
-    for problem in error.problems:
-        at = _ALTITUDE if problem.key == _FLOOR else problem.key
-        named = [k for k in settings.values if k.removeprefix(MISSION_PREFIX) == at]
-        key = named[0] if named else problem.key
-        refusals.append(Refusal(key, settings.values.get(key), problem.message))
-    return refusals

@@ -56,7 +56,21 @@ def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
         )
     sizings = cell_sizing.size_cells(aircraft, mission, scenarios, goal, solar)
     outside = _extrapolations_of_cells(aircraft, mission, scenarios, solar, sizings)
-    return _columns_of(sizings) | {"extrapolations": np.array(outside)}
+    known = sizings.variables._asdict() | vars(sizings)
+    message = np.where(
+        sizings.status == SizingStatus.not_converged,
+        "the solver did not converge",
+        sizings.message.astype(str),
+    )
+    return {
+        "status": sizings.status.astype(np.int8),
+        **{quantity.variable: known[quantity.name] for quantity in (*DESIGN_COLUMNS, *REACHED)},
+        LOAD.variable: sizings.load_w,
+        "shortfall": sizings.shortfall,
+        "violated_requirement": sizings.requirement.astype(str),
+        "message": message,
+        "extrapolations": np.array(outside),
+    }
 
 
 def sized_flight(sized: Sized, cell: FloatArray) -> Performance | None:
@@ -69,22 +83,6 @@ def sized_flight(sized: Sized, cell: FloatArray) -> Performance | None:
     values = (None if v is None else np.ravel(v)[0] for v in sizings.variables)
     day = solar_day(aircraft, mission, solar, scenarios=scenario)
     return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)
-
-
-def _columns_of(sizings: CellSizings) -> dict[str, Any]:
-    known = sizings.variables._asdict() | vars(sizings)
-    return {
-        "status": sizings.status.astype(np.int8),
-        **{quantity.variable: known[quantity.name] for quantity in (*DESIGN_COLUMNS, *REACHED)},
-        LOAD.variable: sizings.load_w,
-        "shortfall": sizings.shortfall,
-        "violated_requirement": sizings.requirement.astype(str),
-        "message": np.where(
-            sizings.status == SizingStatus.not_converged,
-            "the solver did not converge",
-            sizings.message.astype(str),
-        ),
-    }
 
 
 def _extrapolations_of_cells(

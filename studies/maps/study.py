@@ -196,7 +196,12 @@ def prepare(
         ),
         "day": gridded.Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
     }
-    cell_s = _cell_time_s(aircraft, mission, solar)
+    cell_s = _CELL_ON_PATH_S if solar.needs_path else _CELL_S
+    option = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
+    if solar.needs_path and aircraft.modules.geometry is None:
+        raise ValueError(f"{option} needs modules.geometry on the aircraft {aircraft.name}")
+    if solar.needs_path and mission.flight_path is None:
+        raise ValueError(f"{option} needs a flight_path on the mission {mission.name}")
     if goal is not None:
         # The optimiser takes a seventh of a second to import.
         from studies.maps.sized import sized_cells, sized_flight
@@ -268,18 +273,6 @@ def _grid(
     if np.any(date != np.round(date)):
         raise ValueError("days must be whole numbers")
     return north_deg, date.astype(int)
-
-
-def _cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
-    """Return the rough time of a cell's solar power on one core [s]; check what the model needs."""
-    if not solar.needs_path:
-        return _CELL_S
-    option = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
-    if aircraft.modules.geometry is None:
-        raise ValueError(f"{option} needs modules.geometry on the aircraft {aircraft.name}")
-    if mission.flight_path is None:
-        raise ValueError(f"{option} needs a flight_path on the mission {mission.name}")
-    return _CELL_ON_PATH_S
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:

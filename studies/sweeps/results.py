@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 from string import ascii_uppercase
 from typing import Any
@@ -209,12 +211,10 @@ def sorted_by(data: xr.Dataset, key: str) -> tuple[pd.DataFrame, str]:
     return table.sort_values(column, ascending=not downwards, kind="stable"), f"{end} {column}"
 
 
-def point_names(count: int) -> list[str]:
-    """Return names of points: A to Z, then AA, AB and so on."""
-    names = list(ascii_uppercase)
-    while len(names) < count:
-        names += [first + last for first in names[-26:] for last in ascii_uppercase]
-    return names[:count]
+def point_names() -> Iterator[str]:
+    """Yield names of points: A to Z, then AA, AB and so on."""
+    for count in itertools.count(1):
+        yield from map("".join, itertools.product(ascii_uppercase, repeat=count))
 
 
 def pareto_front(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
@@ -250,6 +250,6 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
         signs[0] * table[x].to_numpy(float), signs[1] * table[y].to_numpy(float)
     )
     table = table.sort_values(["pareto_front", x, y], ascending=[False, True, True], kind="stable")
-    names = point_names(int(table["pareto_front"].sum()))
-    table["point"] = [*names, *[""] * (len(table) - len(names))]
+    names = point_names()
+    table["point"] = [next(names) if on_front else "" for on_front in table["pareto_front"]]
     return table

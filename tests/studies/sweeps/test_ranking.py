@@ -1,5 +1,7 @@
 """Tables of trade studies: the best points first, Pareto fronts with named points."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 
@@ -94,5 +96,6 @@ def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data):
     # A varied key is shown once; names do not run out.
     heads = str(SweepResult(data, front=("wingspan", "excess_time"))).split("───")[0]
     assert heads.count("[m]") == 1
-    assert point_names(28)[-3:] == ["Z", "AA", "AB"]
-    assert len(set(point_names(1000))) == 1000
+    names = list(islice(point_names(), 1000))
+    assert names[25:28] == ["Z", "AA", "AB"]
+    assert len(set(names)) == 1000
