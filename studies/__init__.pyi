@@ -17,12 +17,12 @@ from .models.component_efficiencies import component_efficiencies as component_e
 from .models.plots import plot_comparison as plot_comparison
 from .output.cycle_plots import plot_cycle as plot_cycle
 from .output.cycle_plots import plot_flight as plot_flight
-from .output.design_plots import plot_flight_envelope as plot_flight_envelope
-from .output.design_plots import plot_masses as plot_masses
-from .output.design_plots import plot_sensitivities as plot_sensitivities
 from .output.figures.drawing import save_figure as save_figure
 from .output.figures.options import FigureOptions as FigureOptions
 from .output.gridded import to_table as to_table
+from .output.sizing_files import plot_flight_envelope as plot_flight_envelope
+from .output.sizing_files import plot_masses as plot_masses
+from .output.sizing_files import plot_sensitivities as plot_sensitivities
 from .render.tables import Summary as Summary
 from .render.tables import Table as Table
 from .report.document import make_report as make_report

@@ -111,16 +111,6 @@ class Scenario:
     climb: ClimbOfDay | None
 
 
-def _in_worst(key: str, text: str) -> property:
-    """Return an attribute: a measure of the worst scenario."""
-
-    def value(analysis: Analysis) -> float | str:
-        reached = analysis.values[key][analysis.worst]
-        return reached if isinstance(reached, str) else float(reached)
-
-    return property(value, doc=f"{text}, in the worst scenario.")
-
-
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Analysis(DesignResult):
     """Performance of an aircraft in the scenarios of a mission.
@@ -170,6 +160,13 @@ class Analysis(DesignResult):
         Centre of gravity, static margin and trim; None without ``airframe.balance``.
     drag_coefficients : DragShares or None
         Drag coefficients of the parts in level flight; None without ``airframe.drag``.
+    excess_time_h, charge_margin_h, endurance_h, best_launch_h, minimum_state_of_charge, status
+        Of the worst scenario, as those that follow; the launch of the longest flight.
+    sunrise_h, sunset_h, equal_power_morning_h, equal_power_evening_h, full_charge_h
+        Solar times [h]: solar power equals the load for the first and for the last time; the
+        battery is full for the first time.
+    power_out_w, solar_energy_wh, load_energy_wh, curtailed_energy_wh
+        Nominal load; energy of the modules over the day, drawn, and not collected.
     """
 
     renderer = "studies.render.analysis"
@@ -193,30 +190,21 @@ class Analysis(DesignResult):
     part_masses: PartMasses | None
     balance: BalanceAssessment | None
     drag_coefficients: DragShares | None
-
-    excess_time_h = _in_worst("excess_time_h", "Excess time [h]")
-    charge_margin_h = _in_worst("charge_margin_h", "Time of a full battery [h]")
-    endurance_h = _in_worst("endurance_h", "Longest flight over all launch times [h]")
-    best_launch_h = _in_worst("best_launch_h", "Solar time of the launch of the longest flight [h]")
-    minimum_state_of_charge = _in_worst("minimum_state_of_charge", "Least state of charge [-]")
-    status = _in_worst("status", "How the day ends")
-    sunrise_h = _in_worst("sunrise_h", "Sunrise, solar time [h]")
-    sunset_h = _in_worst("sunset_h", "Sunset, solar time [h]")
-    equal_power_morning_h = _in_worst(
-        "equal_power_morning_h", "Solar time at which solar power first equals the load [h]"
-    )
-    equal_power_evening_h = _in_worst(
-        "equal_power_evening_h", "Solar time at which solar power last equals the load [h]"
-    )
-    full_charge_h = _in_worst("full_charge_h", "Solar time of the first full charge [h]")
-    power_out_w = _in_worst("power_out_w", "Nominal load [W]")
-    solar_energy_wh = _in_worst(
-        "solar_energy_wh", "Electric energy of the modules over the day [Wh]"
-    )
-    load_energy_wh = _in_worst("load_energy_wh", "Energy drawn over the day [Wh]")
-    curtailed_energy_wh = _in_worst(
-        "curtailed_energy_wh", "Energy not collected, the battery full [Wh]"
-    )
+    excess_time_h: float
+    charge_margin_h: float
+    endurance_h: float
+    best_launch_h: float
+    minimum_state_of_charge: float
+    status: str
+    sunrise_h: float
+    sunset_h: float
+    equal_power_morning_h: float
+    equal_power_evening_h: float
+    full_charge_h: float
+    power_out_w: float
+    solar_energy_wh: float
+    load_energy_wh: float
+    curtailed_energy_wh: float
 
     @property
     def is_perpetual(self) -> bool:
@@ -341,6 +329,7 @@ def analysis_of(
         for error in (-1.0, 1.0)
     )
     values = {key: MEASURES[key](simulated) for key in OF_SCENARIO}
+    in_worst = {key: np.asarray(each)[worst].item() for key, each in values.items()}
     climb = None
     if simulated.mission.climb is not None:
         climb = compare_with_constant(aircraft, simulated)
@@ -360,8 +349,9 @@ def analysis_of(
         flight=flight,
         worst=worst,
         values=values,
+        **in_worst,
         scenarios=_scenarios(simulated, low, high, values, climb),
-        limited_flight=_limited_flight(simulated, {key: values[key][worst] for key in values}),
+        limited_flight=_limited_flight(simulated, in_worst),
         relaxations=relaxed,
         climb=climb,
         climb_check_h=_climb_check(aircraft, simulated),
@@ -402,7 +392,7 @@ def _scenarios(
 
 def _limited_flight(simulated: Performance, worst: dict[str, Any]) -> LimitedFlight | None:
     """Return the flights in the worst scenario, of these measures."""
-    launch_h, endurance_h = float(worst["best_launch_h"]), float(worst["endurance_h"])
+    launch_h, endurance_h = worst["best_launch_h"], worst["endurance_h"]
     if not np.isfinite(endurance_h):
         return None
     from_sunrise_h = from_noon_h = np.nan
@@ -410,7 +400,7 @@ def _limited_flight(simulated: Performance, worst: dict[str, Any]) -> LimitedFli
         launches_h = [worst["sunrise_h"], 12.0]
         at = simulated.worst_scenario()
         from_sunrise_h, from_noon_h = simulated.flight_time_h(at, launches_h)
-    before_sun_h = float((worst["equal_power_morning_h"] - launch_h - endurance_h) % 24.0)
+    before_sun_h = (worst["equal_power_morning_h"] - launch_h - endurance_h) % 24.0
     return LimitedFlight(
         launch_h, endurance_h, before_sun_h, float(from_sunrise_h), float(from_noon_h)
     )

@@ -1,14 +1,28 @@
-"""What a report consists of: sections of what summaries have, figures, bars and listings."""
+"""What a report consists of: sections of what summaries have, figures, bars and listings.
+
+Figures of matplotlib are SVG whose colours follow the page's theme. Texts stay texts, in the page's
+type and read by a screen reader; colours become variables of the style sheet, so that a dark page
+has light axes. Cells of maps are an image within the drawing.
+"""
 
 from __future__ import annotations
 
+import html
+import io
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from matplotlib.collections import QuadMesh
+
+from studies.output.figures.options import FigureOptions
 from studies.render.tables import Line, Table
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Plot
+
     from studies.render.tables import Block as SummaryBlock
 
 
@@ -124,3 +138,91 @@ class Section:
                     shown.append(("items", []))
                 shown[-1][1].append(line.text[2:])
         return shown
+
+
+# ---- Figures of matplotlib
+
+# Colours of the figures, and the variables of the style sheet that stand for them.
+COLOURS = {
+    "#000000": "ink",
+    "#ffffff": "paper",
+    "#262626": "ink",
+    "#b0b0b0": "rule",
+    "#cccccc": "rule",
+    "#dddddd": "night",
+    "#808080": "faint",
+    "#404040": "soft",
+    "#e69f00": "orange",
+    "#0072b2": "blue",
+    "#009e73": "green",
+    "#d55e00": "vermillion",
+    "#56b4e9": "sky",
+    "#cc79a7": "purple",
+    "#f0e442": "yellow",
+}
+_DOTS_PER_INCH = 110  # of images within a figure
+_NOT_DRAWN = re.compile(r"<(metadata|style|title)\b.*?</\1>", re.S)
+_GROUP = re.compile(r'<g id="[^"]*"')
+_REFERRED = re.compile(r'(\bid="|url\(#|href="#)')  # what is left of ids, and what refers to them
+_STYLE = re.compile(r' style="[^"]*"')
+_COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
+_FAMILY = re.compile(r"font-family:[^;\"]*;?\s*")
+# Matplotlib 3.9 writes size, style and family of a type in one.
+_FONT = re.compile(r"font:\s*(?P<looks>[^;\"]*?)(?P<size>[\d.]+px)\s+[^;\"]*")
+# White that lies on cells of a map stays white; where it fills, it is the page.
+_DRAWN_WHITE = re.compile(r"(stroke:\s*)#ffffff", re.IGNORECASE)
+
+
+def page_options(width_in: float, height_in: float | None = None) -> FigureOptions:
+    """Return options of a figure on a page: without a title, which is the caption's."""
+    style = resources.files("studies.report").joinpath("templates", "page.mplstyle")
+    return FigureOptions(
+        size_in=(width_in, height_in), dots_per_inch=_DOTS_PER_INCH, style=str(style), title=False
+    )
+
+
+def page_figure(
+    figure: Plot, caption: str, *, title: str, key: str, description: str = ""
+) -> Figure:
+    """Return a figure of matplotlib as a block.
+
+    ``description``: for those who cannot see it, by default the caption.
+    """
+    # Cells of maps become an image: thousands of paths would be slow, with seams between them.
+    for artist in (artist for axes in figure.axes for artist in axes.collections):
+        if isinstance(artist, QuadMesh) and artist.get_array() is not None:
+            artist.set_rasterized(True)
+    buffer = io.StringIO()
+    figure.savefig(
+        buffer, format="svg", dpi=_DOTS_PER_INCH, transparent=True, metadata={"Date": None}
+    )
+    drawing = _NOT_DRAWN.sub("", buffer.getvalue())
+    drawing = _GROUP.sub("<g", drawing).replace("xlink:href", "href")
+    drawing = _REFERRED.sub(rf"\g<1>drawn-{key}-", drawing)
+    drawing = _STYLE.sub(lambda style: _themed(style[0]), drawing)
+    head, _, inside = drawing[drawing.index("<svg") :].partition(">")
+    _, _, width, height = re.findall(r'viewBox="(\S+) (\S+) (\S+) (\S+)"', head)[0]
+    markup = (
+        f'<svg class="figure" role="img" aria-labelledby="{key}-drawn {key}-words" '
+        f'viewBox="0 0 {width} {height}" width="{width}" height="{height}">'
+        f'<title id="{key}-drawn">{html.escape(title)}</title>'
+        f'<desc id="{key}-words">{html.escape(description or caption)}</desc>{inside}'
+    )
+    return Figure(markup, caption)
+
+
+def _themed(style: str) -> str:
+    """Return a style with the page's colours and type."""
+
+    def variable(match: re.Match[str]) -> str:
+        name = COLOURS.get(match[0].lower())
+        return match[0] if name is None else f"var(--{name})"
+
+    def font(match: re.Match[str]) -> str:
+        slanted = "italic" in match["looks"] or "oblique" in match["looks"]
+        looks = "font-style: italic; " if slanted else ""
+        weight = "font-weight: 600; " if "bold" in match["looks"] else ""
+        return f"{looks}{weight}font-size: {match['size']}"
+
+    style = _COLOUR.sub(variable, _DRAWN_WHITE.sub(r"\1white", style))
+    return _FAMILY.sub("", _FONT.sub(font, style))

@@ -27,8 +27,7 @@ from studies.render.sentences import (
 from studies.render.sizing import record_blocks, requirement_table
 from studies.render.tables import Line, facts
 from studies.render.words import percent, required, with_unit
-from studies.report.blocks import Bars, Block, Section
-from studies.report.figures import page_figure, page_options
+from studies.report.blocks import Bars, Block, Section, page_figure, page_options
 from studies.report.geometry import Drawing
 from studies.report.subject import Subject
 from studies.report.three_view import description, plot_three_view

@@ -18,8 +18,7 @@ from studies.output.cycle_plots import panel_count, plot_cycle, plot_flight
 from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, group
 from studies.render.analysis import scenario_table
 from studies.render.tables import ALL, Table
-from studies.report.blocks import Block, Section
-from studies.report.figures import page_figure, page_options
+from studies.report.blocks import Block, Section, page_figure, page_options
 from studies.report.subject import Subject
 from studies.uncertainty import plot_uncertainty
 from studies.weather import plot_weather

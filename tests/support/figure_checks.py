@@ -97,7 +97,7 @@ def _sized():
 
 
 def _sensitivities(figure):
-    from studies.output.design_plots import plot_sensitivities
+    from studies.output.sizing_files import plot_sensitivities
 
     study = _sized()
     return plot_sensitivities(

@@ -16,7 +16,7 @@ from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.sensitivity import Sensitivity, constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft
-from studies.output.design_plots import plot_sensitivities
+from studies.output.sizing_files import plot_sensitivities
 from studies.render.sentences import cross_check_line
 
 pytestmark = pytest.mark.slow

@@ -127,7 +127,7 @@ def test_a_result_is_printed_and_written_where_figures_and_report_fail(run, tmp_
         raise OSError("cannot be drawn")
 
     usual = run("size", DESIGN, "-m", "rafz-july")
-    monkeypatch.setattr("studies.output.design_plots.plot_masses", fail)
+    monkeypatch.setattr("studies.output.sizing_files.plot_masses", fail)
     monkeypatch.setattr("studies.report.document.render", fail)
     figures = run("size", DESIGN, "-m", "rafz-july", "--out", "d")
     report = run("size", DESIGN, "-m", "rafz-july", "--report", "r.html")

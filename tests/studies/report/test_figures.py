@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.report.figures import _themed
+from studies.report.blocks import _themed
 
 
 @pytest.mark.parametrize(
