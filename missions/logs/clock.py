@@ -72,14 +72,6 @@ def parse_span(text: object) -> Span:
     return Span(written, date, start_s, _DAY_S if midnight else end_s)
 
 
-class Times(NamedTuple):
-    """Seconds since 1970 (UTC), NaN where unknown; wrong rows by their message; notes on dates."""
-
-    time_s: FloatArray
-    wrong: dict[str, BoolArray]
-    notes: tuple[str, ...]
-
-
 def parse_zone(text: object) -> datetime.tzinfo:
     """Read a time zone: ``UTC``, an offset like ``+02:00``, or a name like ``Europe/Zurich``."""
     name = str(text).strip()
@@ -115,8 +107,11 @@ def parse_instant(text: object) -> float:
 
 def times_from_text(
     column: pd.Series, zone: datetime.tzinfo | None, form: str | None = None
-) -> Times:
-    """Read written times; without ``zone`` times that name none are wrong."""
+) -> tuple[FloatArray, dict[str, BoolArray], list[str]]:
+    """Read written times; without ``zone`` times that name none are wrong.
+
+    Returns seconds since 1970 (UTC), NaN where unknown; wrong rows by their message; and notes.
+    """
     written = column.notna().to_numpy(bool)
     text = column.astype("string").str.strip()
     other = written & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
@@ -160,7 +155,7 @@ def times_from_text(
             time_s[rows] = _seconds(local.dt.tz_convert("UTC"))
     unknown = written & np.isnan(time_s)
     why = _NO_ZONE if zone is None else _NO_HOUR
-    return Times(time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, tuple(notes))
+    return time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, notes
 
 
 def _seconds(instants: pd.Series) -> FloatArray:

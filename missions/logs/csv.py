@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -88,7 +89,17 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
             check.labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in made})
-    _turn_radians(matched, table, check.notes)
+    attitude = [matched[name] for name in ATTITUDE if name in matched]
+    if len(attitude) == len(ATTITUDE) and all(
+        r.value is None and r.unit in (None, "deg") for r in attitude
+    ):
+        named = all(r.unit is None and not r.plain for r in attitude)
+        with suppress(ValueError):  # said with its line where the table is checked
+            angles = [np.asarray(table[name], float) for name in ATTITUDE]
+            if (in_radians if named else surely_radians)(*angles):
+                for name, values in zip(ATTITUDE, angles, strict=True):
+                    table[name] = np.degrees(values)
+                check.notes.append(_RADIANS)
     guessed = [recipe.text() for recipe in matched.values() if recipe.guessed]
     if guessed:
         check.notes.insert(0, f"guessed: {', '.join(guessed)}")
@@ -169,11 +180,11 @@ def _read_time(
         check.notes.append(f"{printable(date)} and {printable(name)} read as date and time")
     if recipe.form is None:
         return written.rename(TIME)
-    times = times_from_text(written, layout.timezone, recipe.form)
-    for wrong in times.wrong.values():
+    time_s, wrong_rows, _ = times_from_text(written, layout.timezone, recipe.form)
+    for wrong in wrong_rows.values():
         why = f"is not of the form {recipe.form!r} or its zone"
         check.complain(written.rename(TIME), wrong, why)
-    return pd.Series(times.time_s, name=EPOCH)
+    return pd.Series(time_s, name=EPOCH)
 
 
 def _read_quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd.Series]:
@@ -194,21 +205,3 @@ def _read_quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd
     every = recipe.values(parts.__getitem__, unit)
     check.labels |= {name: name.removeprefix(MPPT) for name in every}
     return [pd.Series(values, name=name) for name, values in every.items()]
-
-
-def _turn_radians(matched: dict[str, Recipe], table: pd.DataFrame, notes: list[str]) -> None:
-    """Convert the attitude to degrees where its values are radians."""
-    if any(name not in matched for name in ATTITUDE):
-        return
-    recipes = [matched[name] for name in ATTITUDE]
-    if any(r.value is not None or r.unit not in (None, "deg") for r in recipes):
-        return
-    named = all(r.unit is None and not r.plain for r in recipes)
-    try:
-        angles = [np.asarray(table[name], float) for name in ATTITUDE]
-    except ValueError:  # said with its line where the table is checked
-        return
-    if (in_radians if named else surely_radians)(*angles):
-        for name, values in zip(ATTITUDE, angles, strict=True):
-            table[name] = np.degrees(values)
-        notes.append(_RADIANS)

@@ -174,11 +174,11 @@ def checked_log(
 ) -> FlightLog:
     """Check a table and make a log of it; ``zone``: time zone of spans and naive times."""
     if TIME in table:
-        times = times_from_text(table[TIME], zone)
-        check.notes.extend(times.notes)
-        for why, wrong in times.wrong.items():
-            check.without(times.time_s, wrong, table[TIME], "no_number", why)
-        time_s = _drop_impossible_times(times.time_s, table[TIME], check)
+        time_s, wrong_rows, notes = times_from_text(table[TIME], zone)
+        check.notes += notes
+        for why, wrong in wrong_rows.items():
+            check.without(time_s, wrong, table[TIME], "no_number", why)
+        time_s = _drop_impossible_times(time_s, table[TIME], check)
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]

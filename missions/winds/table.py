@@ -61,47 +61,32 @@ class WindTable:
     percentiles: FloatArray
     wind_m_per_s: FloatArray
 
-    def trouble(
-        self,
-        *,
-        latitude_deg: ArrayLike = (),
-        altitude_m: ArrayLike = (),
-        months: ArrayLike = (),
-        percentile: ArrayLike = (),
-    ) -> str | None:
-        """Return the first request that the table does not cover, in words, else None."""
-        requests = (
-            ("latitude_deg", latitude_deg, self.latitude_deg, ""),
-            ("altitude_m", altitude_m, self.altitude_m, ""),
-            ("percentile", percentile, self.percentiles, ": give wind.file with others"),
-        )
-        for name, values, axis, hint in requests:
-            requested = np.atleast_1d(np.asarray(values, float))
-            outside = requested[(requested < axis[0]) | (requested > axis[-1])]
-            if outside.size:
-                hint = hint if self.source == SHIPPED_SOURCE else ""
-                return refusal(f"has {name} {spell_ends(axis)}", outside[0]) + hint
-        missing = [m for m in np.unique(np.asarray(months, int)).tolist() if m not in self.months]
-        if missing:
-            return f"lacks the month {MONTH_NAMES[missing[0] - 1]}"
-        return None
+    def _check(self, name: str, values: ArrayLike, axis: FloatArray, hint: str = "") -> None:
+        """Refuse values beyond an axis, with a hint for the shipped table."""
+        requested = np.atleast_1d(np.asarray(values, float))
+        outside = requested[(requested < axis[0]) | (requested > axis[-1])]
+        if outside.size:
+            hint = hint if self.source == SHIPPED_SOURCE else ""
+            why = refusal(f"has {name} {spell_ends(axis)}", outside[0])
+            raise file_error(self.source, why + hint)
 
     def at(
         self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike, percentile: float
     ) -> FloatArray:
         """Return the wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
         curve = self.curve(latitude_deg, altitude_m, month)
-        trouble = self.trouble(percentile=percentile)
-        if trouble is not None:
-            raise file_error(self.source, trouble)
+        hint = ": give wind.file with others"
+        self._check("percentile", percentile, self.percentiles, hint)
         lower, upper, weight = _neighbours(self.percentiles, percentile)
         return np.asarray(curve[..., lower] * (1.0 - weight) + curve[..., upper] * weight)
 
     def curve(self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike) -> FloatArray:
         """Return the wind speed of every percentile of the table, on the last axis [m/s]."""
-        trouble = self.trouble(latitude_deg=latitude_deg, altitude_m=altitude_m, months=month)
-        if trouble is not None:
-            raise file_error(self.source, trouble)
+        self._check("latitude_deg", latitude_deg, self.latitude_deg)
+        self._check("altitude_m", altitude_m, self.altitude_m)
+        for number in np.unique(np.asarray(month, int)).tolist():
+            if number not in self.months:
+                raise file_error(self.source, f"lacks the month {MONTH_NAMES[number - 1]}")
         places = np.broadcast_arrays(
             *_neighbours(self.latitude_deg, latitude_deg),
             *_neighbours(self.altitude_m, altitude_m),

@@ -174,8 +174,24 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
     if not polars:
         raise InputError([Problem(source, None, None, "", _NO_POLAR)])
     problems += [Problem(file, number, None, "", _NO_POLAR) for file, number in empty.items()]
-    problems += [problem for polar in polars for problem in _incomplete(polar)]
-    problems += [problem for polar in polars for problem in _repeated(polar)]
+    for polar in polars:
+        if not polar.columns:
+            message = "no line of column names (alpha, CL, CD ...) follows"
+            problems.append(polar.problem(polar.line, message))
+        elif polar.kind == "section" and math.isnan(polar.reynolds):
+            message = "the header has no line 'Mach = ... Re = ...'"
+            problems.append(polar.problem(polar.line, message))
+        elif len(polar.left_out) > SHARE_LEFT_OUT * len(polar.rows):
+            problems += polar.left_out
+        elif not polar.rows:
+            problems.append(polar.problem(polar.line, "no point of this polar converged"))
+        seen: dict[float, PolarRow] = {}
+        for row in polar.rows:
+            first = seen.setdefault(row.alpha_deg, row)
+            if (first.lift, first.drag) != (row.lift, row.drag):
+                message = f"alpha {spell(row.alpha_deg)} as in line {first.line}, with other values"
+                problems.append(polar.problem(row.line, message))
+        polar.rows[:] = seen.values()  # equal rows once
     if problems:
         raise InputError(problems)
     return polars
@@ -306,31 +322,6 @@ def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
 def _float(text: str) -> float:
     """Return a number of a Fortran program; NaN for asterisks, which mark an overflow."""
     return math.nan if text.startswith("*") else float(text.lower().replace("d", "e"))
-
-
-def _incomplete(polar: FilePolar) -> Iterator[Problem]:
-    if not polar.columns:
-        yield polar.problem(polar.line, "no line of column names (alpha, CL, CD ...) follows")
-    elif polar.kind == "section" and math.isnan(polar.reynolds):
-        yield polar.problem(polar.line, "the header has no line 'Mach = ... Re = ...'")
-    elif len(polar.left_out) > SHARE_LEFT_OUT * len(polar.rows):
-        yield from polar.left_out
-    elif not polar.rows:
-        yield polar.problem(polar.line, "no point of this polar converged")
-
-
-def _repeated(polar: FilePolar) -> Iterator[Problem]:
-    """Yield problems of angles repeated with other values; remove equal rows in place."""
-    seen: dict[float, PolarRow] = {}
-    kept: list[PolarRow] = []
-    for row in polar.rows:
-        first = seen.setdefault(row.alpha_deg, row)
-        if first is row:
-            kept.append(row)
-        elif (first.lift, first.drag) != (row.lift, row.drag):
-            text = f"alpha {spell(row.alpha_deg)} as in line {first.line}, with other values"
-            yield polar.problem(row.line, text)
-    polar.rows[:] = kept
 
 
 def reading_notes(polars: Sequence[FilePolar]) -> tuple[str, ...]:
