@@ -24,19 +24,7 @@ from missions.mission import Mission
 from missions.weather.checks import MISSING
 from missions.weather.files import END, START, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, Site
-from missions.winds.netcdf import (
-    altitudes_m,
-    axis_of,
-    by_unit,
-    east_deg,
-    find_variable,
-    latitudes_deg,
-    nearest_longitude,
-    not_of_the_mission,
-    opened,
-    values_of,
-    without_other_axes,
-)
+from missions.winds import netcdf
 from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
@@ -71,8 +59,8 @@ _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 def read_netcdf(path: Path, mission: Mission | None) -> RawTable:
     """Read the grid point nearest to a mission, the only one without a mission."""
-    with opened(str(path)) as data:
-        known = {key: find_variable(data, names) for key, names in _NAMES.items()}
+    with netcdf.opened(str(path)) as data:
+        known = {key: netcdf.find_variable(data, names) for key, names in _NAMES.items()}
         first = next((variable for variable in known.values() if variable is not None), None)
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
@@ -86,9 +74,9 @@ def read_netcdf(path: Path, mission: Mission | None) -> RawTable:
             values, height = _values_at_point(point[variable.name], mission)
             air_m = height if key == "temp_air" and height is not None else air_m
             columns[key] = _convert_units(values, str(variable.attrs.get("units", "")), key)
-        index = pd.DatetimeIndex(axis_of(data, "time").to_numpy(), tz="UTC")
+        index = pd.DatetimeIndex(netcdf.axis_of(data, "time").to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
-        latitude, longitude = float(point["latitude"]), east_deg(float(point["longitude"]))
+        latitude, longitude = float(point["latitude"]), netcdf.east_deg(float(point["longitude"]))
     table = _make_table(columns, index, (latitude, longitude), passed)
     return table._replace(air_altitude_m=air_m)
 
@@ -108,7 +96,7 @@ def read_era5_csv(text: str) -> RawTable:
         key: _convert_units(columns[key], units[key], key) for key in units & columns.keys()
     }
     index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
-    place = (ends[0], east_deg(ends[1]))
+    place = (ends[0], netcdf.east_deg(ends[1]))
     return _make_table(columns, index, place, END)._replace(first_line=2)
 
 
@@ -217,8 +205,8 @@ def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArr
 
 def _nearest_point(data: xr.Dataset, mission: Mission | None) -> xr.Dataset:
     """Return the data of the grid point nearest to the mission."""
-    north = latitudes_deg(axis_of(data, "latitude"))
-    east = np.atleast_1d(axis_of(data, "longitude").to_numpy()).astype(float)
+    north = netcdf.latitudes_deg(netcdf.axis_of(data, "latitude"))
+    east = np.atleast_1d(netcdf.axis_of(data, "longitude").to_numpy()).astype(float)
     to_north = None if mission is None else mission.latitudes()[0]
     to_east = None if mission is None else mission.longitude_deg
     for name, values, degrees in (("latitude", north, to_north), ("longitude", east, to_east)):
@@ -230,10 +218,10 @@ def _nearest_point(data: xr.Dataset, mission: Mission | None) -> xr.Dataset:
     i = 0 if to_north is None else int(np.argmin(np.abs(north - to_north)))
     spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
     if to_north is not None and abs(north[i] - to_north) > spacing:
-        raise not_of_the_mission("latitudes", north, to_north)
+        raise netcdf.not_of_the_mission("latitudes", north, to_north)
     j = 0
     if to_east is not None and len(east) > 1:
-        j = nearest_longitude(east, to_east)
+        j = netcdf.nearest_longitude(east, to_east)
     place = {"latitude": i, "longitude": j}
     return data.isel({name: index for name, index in place.items() if name in data.dims})
 
@@ -245,17 +233,19 @@ def _values_at_point(
 
     Levels are interpolated at the mission's altitude.
     """
-    at = without_other_axes(variable)
+    at = netcdf.without_other_axes(variable)
     if "level" not in at.dims:
-        return values_of(at), None
+        return netcdf.values_of(at), None
     if "time" not in at.dims:
         raise refused(f"has {variable.name} on levels, but not over time")
-    heights = altitudes_m(at["level"])
+    heights = netcdf.altitudes_m(at["level"])
     order = np.argsort(heights)
     altitude_m = heights[order[0]] if mission is None else mission.altitude_m
     if not heights[order[0]] <= altitude_m <= heights[order[-1]]:
-        raise not_of_the_mission(f"{variable.name} at altitude_m", heights.round(), altitude_m)
-    values = values_of(at.transpose("time", "level"))[:, order]
+        raise netcdf.not_of_the_mission(
+            f"{variable.name} at altitude_m", heights.round(), altitude_m
+        )
+    values = netcdf.values_of(at.transpose("time", "level"))[:, order]
     upper = int(np.clip(np.searchsorted(heights[order], altitude_m), 1, len(order) - 1))
     low, high = heights[order[upper - 1]], heights[order[upper]]
     share = (altitude_m - low) / (high - low)
@@ -265,7 +255,7 @@ def _values_at_point(
 def _convert_units(values: FloatArray, unit: str, key: str) -> FloatArray:
     """Convert values to W/m2, C, m/s, m or Pa."""
     units = next((units for keys, units in _UNITS.items() if key in keys), None)
-    return values if units is None else by_unit(units, unit, key)(values)
+    return values if units is None else netcdf.by_unit(units, unit, key)(values)
 
 
 _Change = Callable[[FloatArray], FloatArray]

@@ -26,6 +26,7 @@ from sizing.catalogues.choice import (
     entry_of_key,
 )
 from sizing.parameters import all_replaced, replaced
+from sizing.propulsion import part_masses
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.operating_point import (
     OperatingPoint,
@@ -33,13 +34,6 @@ from sizing.propulsion.operating_point import (
     bus_power_w,
     operating_point,
     shafts_at,
-)
-from sizing.propulsion.part_masses import (
-    GEAR_EXPONENT,
-    continuous_torque_nm,
-    gear_mass_kg,
-    motor_mass_fit,
-    propeller_mass_fit,
 )
 from sizing.propulsion.propeller_files import PropellerChoice
 from sizing.smooth import Value
@@ -59,7 +53,7 @@ _MassFactor = Annotated[float, Strict(), Field(gt=0.0, le=20.0)]
 _CLIMB_POWER_RATIO = 5.0
 _MASS_KG_PER_W = 0.0011
 # At a constant advance ratio power scales with the cube of propeller speed, torque with the square.
-_GEAR_BY_POWER = GEAR_EXPONENT * 2.0 / 3.0
+_GEAR_BY_POWER = part_masses.GEAR_EXPONENT * 2.0 / 3.0
 # Links of the chain from the bus to the air, and their names in an operating point.
 LINKS = {
     "wiring": "wiring",
@@ -247,7 +241,7 @@ class OperatingPointPropulsion(Record):
         if diameter_m is not None and self.propeller.mass_kg:
             # The mass in the file belongs to the diameter in the file.
             larger = diameter_m / self.propeller.diameter_m
-            grown = larger ** propeller_mass_fit().exponent
+            grown = larger ** part_masses.propeller_mass_fit().exponent
             sizes["propeller.mass_kg"] = self.propeller.mass_kg * grown
         if speed_constant_rpm_per_v is not None:
             wound = self.motor_constants.rewound(speed_constant_rpm_per_v)
@@ -445,8 +439,8 @@ class OperatingPointPropulsion(Record):
         motor = self.motor_constants
         if motor.mass_kg is not None:
             return motor.mass_kg
-        torque = continuous_torque_nm(motor)
-        return motor_mass_fit().mass_kg(torque) if torque else None
+        torque = part_masses.continuous_torque_nm(motor)
+        return part_masses.motor_mass_fit().mass_kg(torque) if torque else None
 
     @property
     def motor_kg(self) -> Value:
@@ -461,7 +455,7 @@ class OperatingPointPropulsion(Record):
         if choice.mass_kg is not None or not self.estimates_masses:
             return 0.0 if choice.mass_kg is None else choice.mass_kg
         diameter_m = choice.propeller.diameter_m if choice.diameter_m is None else choice.diameter_m
-        return propeller_mass_fit().mass_kg(diameter_m)
+        return part_masses.propeller_mass_fit().mass_kg(diameter_m)
 
     def with_links(
         self, efficiencies: Mapping[str, Any], torque_nm: Value = 0.0, level_w: Value = 1.0
@@ -476,7 +470,7 @@ class OperatingPointPropulsion(Record):
         known_kg = known_kg + self.propeller_mass_factor * self.propeller_kg
         gear_kg: Value = 0.0
         if self.estimates_masses and self.gear.mass_kg is None:
-            gear_kg = self.propulsors * gear_mass_kg(torque_nm, self.gear.ratio)
+            gear_kg = self.propulsors * part_masses.gear_mass_kg(torque_nm, self.gear.ratio)
         default = 0.0 if self.motor_mass_kg is not None else _MASS_KG_PER_W
         links = {f"{name}_efficiency": plain_number(value) for name, value in efficiencies.items()}
         return ChainOfParts.model_construct(
