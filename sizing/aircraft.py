@@ -32,8 +32,7 @@ from sizing.catalogues.choice import (
 )
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design_space import PROPULSION_VARIABLES, DesignSpace
-from sizing.layout.cells import CellLayout, PlacedCell, Wing
-from sizing.layout.filling import check_layout, with_layout_values
+from sizing.layout.cells import CellLayout, PlacedCell, Wing, check_layout, with_layout_values
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.files.errors import file_error
-from sizing.aerodynamics.polar_merging import parse_polar
 from sizing.aerodynamics.polar_table import (
     PolarTable,
     is_table_path,
+    parse_polar,
     read_polar_text,
     shipped_table,
 )

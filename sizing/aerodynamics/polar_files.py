@@ -18,7 +18,6 @@ import numpy as np
 
 from missions.files.errors import InputError, Problem, left_out_note, printable, shortened, shown
 from missions.files.texts import FILE_MARK
-from sizing.aerodynamics.polar_table import LIFT, SHARE_LEFT_OUT
 from solar.schema import Allowed, refusal, spell
 from solar.types import FloatArray
 
@@ -35,6 +34,10 @@ _SPEED_UNITS = {
     "knot": 0.514444,
     "knots": 0.514444,
 }
+# Lift without power is at most 4 pi, see LiftCoefficient; drag of a plate across the flow is 2.
+LIFT = Allowed(-12.57, 12.57)
+# Largest share of rows with impossible lift or drag that is left out of a table or a polar.
+SHARE_LEFT_OUT = 1 / 12
 _REYNOLDS = Allowed(1e3, 1e8)  # beyond any aircraft
 # Limit of incompressible flow, which the models of wing and aircraft assume: Anderson, Fundamentals
 # of Aerodynamics, section 1.10.

@@ -21,11 +21,11 @@ from pydantic import (
 from missions.files.errors import InputError
 from missions.files.validation import wrong_file
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.polar_merging import parse_polar
 from sizing.aerodynamics.polar_table import (
     OF_A_SECTION,
     WingReference,
     is_table_path,
+    parse_polar,
     read_polar_text,
 )
 from sizing.smooth import Value

@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.mission import Mission
-from missions.weather.days import DayAxis
-from missions.weather.light import NODE_STEP_S
+from missions.weather.light import NODE_STEP_S, DayAxis
 from missions.weather.record import Weather, longest_run
 from sizing.aircraft import Aircraft
 from sizing.day.balance import crossing_fraction, running_sum

@@ -11,8 +11,7 @@ import numpy as np
 from missions.air import ZERO_CELSIUS_K
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
-from missions.weather.days import DayAxis
-from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
+from missions.weather.light import NODE_STEP_S, DayAxis, RecordedLight, light_at_altitude
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
 from sizing.day.battery import Store

@@ -12,7 +12,7 @@ import numpy as np
 from missions.dates import date_code
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
-from missions.weather.days import DayAxis
+from missions.weather.light import DayAxis
 from missions.weather.record import Weather, longest_run
 from sizing.aircraft import Aircraft
 from sizing.chosen_parts import sized_data

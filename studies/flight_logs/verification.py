@@ -24,25 +24,23 @@ from solar.names import ModelName
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
+    MpptPowers,
     Section,
     Window,
+    compare_mppts,
     filtered,
     in_windows,
     on_days,
     parse_window,
+    residual_tables,
+    residuals,
     sections,
+    surfaces_of,
 )
 from studies.flight_logs.estimates import LABELS, Applied, Estimate, estimates
 from studies.flight_logs.fit import CONFIDENCE
 from studies.flight_logs.forward import Forward, Samples, daylight_samples
 from studies.flight_logs.left_out import Stretch, fit_and_left_out, left_out_table
-from studies.flight_logs.residuals import (
-    MpptPowers,
-    compare_mppts,
-    residual_tables,
-    residuals,
-    surfaces_of,
-)
 from studies.render.tables import ALL, Column, Line, Table
 from studies.render.words import amount
 

@@ -26,8 +26,13 @@ from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_files import FilePolar, PolarRow, read_polars, reading_notes
-from sizing.aerodynamics.polar_merging import _is_fixed, parse_polar
-from sizing.aerodynamics.polar_table import PolarTable, WingReference, read_polar_text
+from sizing.aerodynamics.polar_table import (
+    PolarTable,
+    WingReference,
+    _is_fixed,
+    parse_polar,
+    read_polar_text,
+)
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.library import load_aircraft
 

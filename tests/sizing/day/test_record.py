@@ -7,8 +7,7 @@ from wind_tables import winds_file
 
 from missions.air import air_at
 from missions.library import load_mission
-from missions.weather.days import DayAxis
-from missions.weather.light import light_at_altitude
+from missions.weather.light import DayAxis, light_at_altitude
 from missions.weather.record import Site, longest_run
 from missions.weather.site import mission_at_site
 from sizing.day.light import SolarModel
