@@ -6,8 +6,8 @@ import json
 import os
 import stat
 import tempfile
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -40,16 +40,6 @@ class _Dumper(yaml.SafeDumper):
     def ignore_aliases(self, data: Any) -> bool:
         return True
 
-    def text(self, text: str) -> yaml.Node:
-        style = None if text.isprintable() else '"'
-        return self.represent_scalar("tag:yaml.org,2002:str", str.__str__(text), style)
-
-    def integer(self, value: int) -> yaml.Node:
-        return self.represent_int(int(value))
-
-    def real(self, value: float) -> yaml.Node:
-        return self.represent_float(float(value))
-
 
 class _CompactDumper(_Dumper):
     """YAML dumper that writes short innermost mappings and lists on one line."""
@@ -71,9 +61,14 @@ def _fit_on_line(node: yaml.CollectionNode, parts: list[yaml.Node]) -> None:
 
 
 # With their subclasses, as numpy's and enumerations are.
-_Dumper.add_multi_representer(str, _Dumper.text)
-_Dumper.add_multi_representer(int, _Dumper.integer)
-_Dumper.add_multi_representer(float, _Dumper.real)
+_Dumper.add_multi_representer(int, lambda dumper, value: dumper.represent_int(int(value)))
+_Dumper.add_multi_representer(float, lambda dumper, value: dumper.represent_float(float(value)))
+_Dumper.add_multi_representer(
+    str,
+    lambda dumper, text: dumper.represent_scalar(
+        "tag:yaml.org,2002:str", str.__str__(text), None if text.isprintable() else '"'
+    ),
+)
 add_resolvers(_Dumper)
 
 
@@ -137,48 +132,52 @@ def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     write_files_atomically({path: data})
 
 
-def write_files_atomically(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
+@contextmanager
+def _writing(name: str) -> Iterator[None]:
+    """Refuse what cannot be written, by its name and the reason."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
+
+
+def write_files_atomically(
+    contents: Mapping[str | os.PathLike[str], bytes], *, follow: bool = True
+) -> None:
     """Write several files completely, or none of them.
 
     Files are written beside their targets, then replace them. A symbolic link is replaced itself,
-    unless it leads to a device or pipe.
+    unless it leads to a device or pipe and may be followed there.
     """
-    _write_all(contents, named=True)
-
-
-def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool) -> None:
-    """Write files beside their targets, then move all; a ``named`` link may lead to a device."""
     staged: list[tuple[Path, bytes, Path | None]] = []
-    path: str | os.PathLike[str] = ""
     try:
         for path, data in contents.items():
-            target = Path(path)
-            link = target.is_symlink()
-            mode = target.stat().st_mode if target.exists() and (named or not link) else None
-            if mode is not None and stat.S_ISDIR(mode):
-                raise IsADirectoryError
-            # A device or a pipe must be written to, never replaced by a file.
-            is_file = mode is None or stat.S_ISREG(mode)
-            scratch = target.parent / f".{os.urandom(8).hex()}.tmp" if is_file else None
-            staged.append((target, data, scratch))
-            if scratch is None:
-                continue
-            # By hand, for the permissions of an ordinary new file rather than a private one.
-            descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-            with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            if mode is not None and not link:  # those of the file that it will replace
-                scratch.chmod(stat.S_IMODE(mode))
-        for path, data, scratch in staged:
-            if scratch is None:
-                path.write_bytes(data)
-            else:
-                scratch.replace(path)
-    except (OSError, ValueError) as error:
-        name = printable(os.fspath(path))
-        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
+            with _writing(printable(os.fspath(path))):
+                target = Path(path)
+                link = target.is_symlink()
+                mode = target.stat().st_mode if target.exists() and (follow or not link) else None
+                if mode is not None and stat.S_ISDIR(mode):
+                    raise IsADirectoryError
+                # A device or a pipe must be written to, never replaced by a file.
+                is_file = mode is None or stat.S_ISREG(mode)
+                scratch = target.parent / f".{os.urandom(8).hex()}.tmp" if is_file else None
+                staged.append((target, data, scratch))
+                if scratch is None:
+                    continue
+                # By hand, for the permissions of an ordinary new file rather than a private one.
+                descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+                with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
+                    file.write(data)
+                    file.flush()
+                    os.fsync(file.fileno())
+                if mode is not None and not link:  # those of the file that it will replace
+                    scratch.chmod(stat.S_IMODE(mode))
+        for target, data, scratch in staged:
+            with _writing(printable(os.fspath(target))):
+                if scratch is None:
+                    target.write_bytes(data)
+                else:
+                    scratch.replace(target)
     finally:
         for _, _, scratch in staged:
             if scratch is not None:
@@ -193,7 +192,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     """
     made = make_folder(folder)
     try:
-        _write_all({folder / file: data for file, data in contents.items()}, named=False)
+        write_files_atomically({folder / file: d for file, d in contents.items()}, follow=False)
     except BaseException:  # a signal, too, leaves no empty folder
         _remove_empty(made)
         raise
@@ -226,10 +225,8 @@ def _remove_empty(folders: list[Path]) -> None:
 def check_writable_file(path: str | os.PathLike[str]) -> None:
     """Refuse a file that cannot be written, before the work for it begins."""
     target, name = Path(path), printable(os.fspath(path))
-    try:
+    with _writing(name):  # it may be too long, or in a folder that may not be looked into
         is_folder, is_file = target.is_dir(), target.is_file() or not target.exists()
-    except OSError as error:  # a name that is too long, a folder that may not be looked into
-        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
     if is_folder:
         raise OutputError(f"cannot write {name}: it is a folder")
     if is_file:  # else a device or a pipe

@@ -244,7 +244,7 @@ def _drop_impossible(light: dict[str, FloatArray], sun: _Sun, lines: IntArray) -
             bad = (values > most[name]) | (values < 0.0) | np.isinf(values)
         wrong |= bad
         values[bad] = np.nan
-    trouble = "light that cannot be (first here): is the time zone or the unit wrong?"
+    trouble = "have light that cannot be (first here): is the time zone or the unit wrong?"
     return _take_out(wrong, lines, "impossible light", f"{trouble} W/m² are needed")
 
 
@@ -254,7 +254,7 @@ def _take_out(
     """Return a note on rows with impossible values; refuse too many of them at the first one."""
     count = int(np.count_nonzero(wrong))
     if count > MAXIMUM_IMPOSSIBLE * len(wrong):
-        message = f"{count} of {len(wrong)} rows have {trouble}"
+        message = f"{count} of {len(wrong)} rows {trouble}"
         raise refused(message, line=lines[int(np.argmax(wrong))], key=key)
     return [f"{count} rows with {what} taken out"] if count else []
 
@@ -391,7 +391,7 @@ def _checked_air(
     possible, empty = allowed.holds(values), np.isnan(values)
     wrong = ~possible & ~empty
     what = f"a {name} not {allowed} {unit}"
-    first = f"{what} (first here, {spell(values[np.argmax(wrong)])}): is the unit wrong?"
+    first = f"have {what} (first here, {spell(values[np.argmax(wrong)])}): is the unit wrong?"
     notes = _take_out(wrong, lines, what, first, key=column)
     known = np.flatnonzero(possible)
     enough = len(known) >= _LEAST_KNOWN * len(values) / stride

@@ -45,30 +45,18 @@ def build_qualities() -> Mapping[str, BuildQuality]:
     section 3.3), as a class of two aircraft is too small for its own.
     """
     rows = data_rows("built-structures")
-    logs = {
-        quality: {
-            row["aircraft"]: math.log(float(row["ratio"]))
-            for row in rows
-            if row["quality"] == quality
-        }
-        for quality in QUALITIES
-    }
-    means = {
-        quality: sum(logs_of_class.values()) / len(logs_of_class)
-        for quality, logs_of_class in logs.items()
-    }
+    logs: dict[str, dict[str, float]] = {quality: {} for quality in QUALITIES}
+    for row in rows:
+        logs[row["quality"]][row["aircraft"]] = math.log(float(row["ratio"]))
+    means = {quality: sum(known.values()) / len(known) for quality, known in logs.items()}
     squares = sum((r - means[quality]) ** 2 for quality in logs for r in logs[quality].values())
     sigma = math.sqrt(squares / (len(rows) - len(logs)))
-    return MappingProxyType(
-        {
-            quality: BuildQuality(
-                round(math.exp(means[quality]), 2),
-                sigma * math.sqrt(1.0 + 1.0 / len(logs_of_class)),
-                tuple(logs_of_class),
-            )
-            for quality, logs_of_class in logs.items()
-        }
-    )
+    qualities = {}
+    for quality, known in logs.items():
+        scatter = sigma * math.sqrt(1.0 + 1.0 / len(known))
+        factor = round(math.exp(means[quality]), 2)
+        qualities[quality] = BuildQuality(factor, scatter, tuple(known))
+    return MappingProxyType(qualities)
 
 
 def _checked_build(value: Any) -> Any:

@@ -312,13 +312,13 @@ def check_user_models(aircraft: Aircraft, mission: Mission, design: Design | Non
         return
     structure, polar = aircraft.airframe.structure, aircraft.airframe.aerodynamics
     propulsion = aircraft.airframe.propulsion
-    names = {
-        "register_structure": structure.name if isinstance(structure, UserStructure) else None,
-        "register_drag": polar.name if isinstance(polar, UserDragPolar) else None,
-        "register_propulsion_mass": getattr(propulsion, "mass_model", None),
-        "register_propulsion_efficiency": getattr(propulsion, "efficiency_model", None),
-    }
-    if not any(names.values()):
+    names = (
+        structure.name if isinstance(structure, UserStructure) else None,
+        polar.name if isinstance(polar, UserDragPolar) else None,
+        getattr(propulsion, "mass_model", None),
+        getattr(propulsion, "efficiency_model", None),
+    )
+    if not any(names):
         return
     if design is None:
         variables = variables_of(aircraft)
@@ -329,20 +329,17 @@ def check_user_models(aircraft: Aircraft, mission: Mission, design: Design | Non
     assert design.chain is not None
     efficiency = float(design.chain.efficiency)
     drag_w = design.thrust_power_w if efficiency else math.inf
-    values = {
-        "register_structure": (design.masses.structure, math.inf, "kg"),
-        "register_drag": (drag_w, math.inf, "W of drag times airspeed"),
-        "register_propulsion_mass": (design.masses.propulsion, math.inf, "kg"),
-        "register_propulsion_efficiency": (efficiency, 1.0, "of the whole chain"),
-    }
-    for register, name in names.items():
-        value, most, unit = values[register]
+    values = (
+        ("register_structure", design.masses.structure, math.inf, "kg"),
+        ("register_drag", drag_w, math.inf, "W of drag times airspeed"),
+        ("register_propulsion_mass", design.masses.propulsion, math.inf, "kg"),
+        ("register_propulsion_efficiency", efficiency, 1.0, "of the whole chain"),
+    )
+    for name, (register, value, most, unit) in zip(names, values, strict=True):
         allowed = Allowed(0.0, most, above=True)
         if name is not None and not allowed.holds(float(value)):
-            found, span_m, mass = (
-                spell(float(x), 4)
-                for x in (value, design.variables.wingspan_m, design.total_mass_kg)
-            )
+            numbers = (value, design.variables.wingspan_m, design.total_mass_kg)
+            found, span_m, mass = (spell(float(number), 4) for number in numbers)
             raise ValueError(
                 f"the function {name!r} of sizing.{register} gives {found} {unit} at {span_m} m of "
                 f"span and a total mass of {mass} kg: it must be {allowed}"
