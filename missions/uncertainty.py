@@ -18,15 +18,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import (
-    Allowed,
-    PositiveReal,
-    Real,
-    Record,
-    Text,
-    kind_by_default,
-    wrong_value,
-)
+from solar.schema import Allowed, PositiveReal, Real, Record, Text, kind_by_default, wrong_value
 from solar.types import FloatArray
 
 

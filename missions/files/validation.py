@@ -68,8 +68,10 @@ def located_error(document: Document, path: Sequence[str | int], message: str) -
     return InputError([_locate(document, tuple(path), message)])
 
 
-def wrong_file(key: str, error: InputError) -> PydanticCustomError:
+def wrong_file(key: str, error: ValueError) -> PydanticCustomError:
     """Return a validator's error at a key whose file is wrong or cannot be read."""
+    if not isinstance(error, InputError):
+        return wrong_value(key, str(error))
     if (count := len(error.problems)) == 1:
         return wrong_value(key, str(error.problems[0]))
     return wrong_value(key, f"has {count} mistakes", problems=error.problems)

@@ -45,8 +45,6 @@ _YEAR_S = 365.25 * 86400.0  # no flight is as long
 _AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(REQUIRED[:3], 2.0)}
 _OTHER_AGE_S = 5.0
 
-_HINTS = {"state_of_charge": "; it is a share, not a percentage"}
-
 
 class Series(NamedTuple):
     """Quantity in the unit of the log format over time since boot [s]; NaN time: a constant."""
@@ -325,7 +323,8 @@ def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> Flo
     if quantity == "time":
         return _drop_impossible_times(values, column, check)
     dimension, low, high = QUANTITIES[quantity][:3]
-    message = f"must be {Allowed(low, high)}{_HINTS.get(quantity, '')}"
+    hint = "; it is a share, not a percentage" if quantity == "state_of_charge" else ""
+    message = f"must be {Allowed(low, high)}{hint}"
     values = check.without(values, (values < low) | (values > high), column, "outside", message)
     marked = codes(dimension, values)
     return check.without(values, marked, column, "code")

@@ -17,7 +17,6 @@ from missions.air import (
     SteadyWind,
     plain_number,
 )
-from missions.files.errors import InputError
 from missions.files.validation import wrong_file
 from missions.flight_path import FlightPath, Heading, Wind
 from missions.mission.flight import ExcessTime, Flight, Launch
@@ -248,10 +247,8 @@ class Mission(FileRecord):
                 raise ValueError(
                     "hold_station holds a place in the wind of a month: give it without launch"
                 )
-        except InputError as error:
-            raise wrong_file("wind", error) from error
         except ValueError as error:
-            raise wrong_value("wind", str(error)) from error
+            raise wrong_file("wind", error) from error
 
     def reading_notes(self) -> list[str]:
         """Return notes on keys of its file that play no part."""

@@ -14,14 +14,7 @@ from pydantic import AfterValidator
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
 from sizing.user_models import user_function
-from solar.schema import (
-    Fraction,
-    LiftCoefficient,
-    NonNegativeReal,
-    PositiveReal,
-    Record,
-    Text,
-)
+from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
 
 
 class Polar(Protocol):

@@ -126,9 +126,8 @@ class WingPolar(CompletedRecord):
             table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
         except InputError:  # which the checks of the record report
             return {"section_lift_ratio": 1.0, **data}
-        efficiency = table.span_efficiency
-        assert efficiency is not None  # every polar of a wing has one
-        efficiency = significant(efficiency, 4)
+        assert table.span_efficiency is not None  # every polar of a wing has one
+        efficiency = significant(table.span_efficiency, 4)
         return {"section_lift_ratio": 1.0, "span_efficiency": efficiency, **data}
 
     @model_validator(mode="after")
@@ -145,10 +144,8 @@ class WingPolar(CompletedRecord):
             raise wrong_value("section_lift_ratio", text, got=self.section_lift_ratio)
         try:
             highest = self.highest_lift_coefficient
-        except InputError as error:
-            raise wrong_file("airfoil", error) from error
         except ValueError as error:
-            raise wrong_value("airfoil", str(error)) from error
+            raise wrong_file("airfoil", error) from error
         if self.lift_coefficient is not None and self.lift_coefficient > highest:
             most = f"{spell(highest, 3)}, which is {spell(self.stall_margin)} times the stall speed"
             allowed = f"lift_coefficient must be at most {most}"

@@ -192,50 +192,44 @@ class BuiltUpPolar:
 
     def shares(self, reynolds: Value) -> DragShares:
         """Return the drag of the parts."""
-        profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
-        components, trim_drag = self._components(profile, reynolds), 0.0
+        it, tail, wing, area_m2 = self.components, self.tail, self.wing, self.wing.area_m2
+        profile, induced, other = self.base.parts(wing.aspect_ratio, reynolds)
+        planes = tail.planes(wing)
+        horizontal = vertical = booms = pods = gaps = trim_drag = 0.0
+        if it is not None:
+            per_m = reynolds / wing.mean_chord_m
+            wetted = 1.977 + 0.52 * tail.thickness_ratio  # over the plane's area: Raymer, eq. 7.11
+            plane = plane_form_factor(tail.thickness_ratio) * wetted
+            plane = plane * it.tail_interference / area_m2
+            sizes = (
+                (planes.horizontal_m2, planes.horizontal_chord_m),
+                (planes.vertical_m2, planes.fin_chord_m),
+            )
+            horizontal, vertical = (
+                plane * m2 * skin_friction(per_m * chord_m, it.tail_laminar_fraction)
+                for m2, chord_m in sizes
+            )
+            thick_m = self.structure.boom_diameter_chords * wing.mean_chord_m
+            booms = self.structure.booms * pi * thick_m * planes.boom_m / area_m2
+            booms = booms * it.boom_interference * _body_form(planes.boom_m / thick_m)
+            booms = booms * skin_friction(per_m * planes.boom_m, it.boom_laminar_fraction)
+            for pod in it.pods:
+                factor = _body_form(pod.length_m / pod.thick_m) * pod.interference
+                friction = skin_friction(per_m * pod.length_m, pod.laminar_fraction)
+                pods = pods + friction * factor * pod.wetted_m2 / area_m2
+            gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)
         if self.static_margin is not None:
-            wing, planes = self.wing, self.tail.planes(self.wing)
-            body_m3 = 0.0 if self.components is None else self.components.volume_m3
-            neutral_m = neutral_point(wing, self.tail, planes, body_m3).x_m
+            body_m3 = 0.0 if it is None else it.volume_m3
+            neutral_m = neutral_point(wing, tail, planes, body_m3).x_m
             trim_drag = trim(
                 wing,
-                self.tail,
+                tail,
                 planes,
                 lift=self.flight_lift_coefficient,
                 moment=self.moment,
                 gravity_x_m=neutral_m - self.static_margin * wing.aerodynamic_chord_m,
                 span_efficiency=self.base.span_efficiency,
             ).drag
-        return DragShares(profile, induced, *components, other, trim_drag)
-
-    def _components(
-        self, profile: Value, reynolds: Value
-    ) -> tuple[Value, Value, Value, Value, Value]:
-        """Return the drag of tail planes, booms, pods, and gaps [-]."""
-        it = self.components
-        if it is None:
-            return 0.0, 0.0, 0.0, 0.0, 0.0
-        planes, tail, area_m2 = self.tail.planes(self.wing), self.tail, self.wing.area_m2
-        per_m = reynolds / self.wing.mean_chord_m
-        wetted = 1.977 + 0.52 * tail.thickness_ratio  # over the plane's area: Raymer, eq. 7.11
-        plane = plane_form_factor(tail.thickness_ratio) * wetted
-        plane = plane * it.tail_interference / area_m2
-        horizontal, vertical = (
-            plane * m2 * skin_friction(per_m * chord_m, it.tail_laminar_fraction)
-            for m2, chord_m in (
-                (planes.horizontal_m2, planes.horizontal_chord_m),
-                (planes.vertical_m2, planes.fin_chord_m),
-            )
+        return DragShares(
+            profile, induced, horizontal, vertical, booms, pods, gaps, other, trim_drag
         )
-        thick_m = self.structure.boom_diameter_chords * self.wing.mean_chord_m
-        booms = self.structure.booms * pi * thick_m * planes.boom_m / area_m2 * it.boom_interference
-        booms = booms * _body_form(planes.boom_m / thick_m)
-        booms = booms * skin_friction(per_m * planes.boom_m, it.boom_laminar_fraction)
-        pods = 0.0
-        for pod in it.pods:
-            factor = _body_form(pod.length_m / pod.thick_m) * pod.interference
-            friction = skin_friction(per_m * pod.length_m, pod.laminar_fraction)
-            pods = pods + friction * factor * pod.wetted_m2 / area_m2
-        gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)
-        return horizontal, vertical, booms, pods, gaps

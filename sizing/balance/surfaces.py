@@ -122,10 +122,7 @@ class Tail(Record):
     and 6.27). With an arm in chords and volume coefficients the tail scales with the wing.
     """
 
-    _in_place_of: ClassVar[Mapping[str, str]] = {
-        **_NEEDED,
-        "vertical_arm_chords": "vertical_arm_m",
-    }
+    _in_place_of: ClassVar[Mapping[str, str]] = {**_NEEDED, "vertical_arm_chords": "vertical_arm_m"}
 
     arm_m: PositiveReal | None = None
     arm_chords: PositiveReal | None = None

@@ -97,6 +97,10 @@ def _letters(text: str) -> str:
     return "".join(filter(str.isalnum, text.lower()))
 
 
+def _spelled(value: Any) -> str:
+    return spell(value) if isinstance(value, float) else str(value)
+
+
 @dataclass(frozen=True)
 class CatalogueValue:
     """Value taken from a catalogue.
@@ -119,10 +123,6 @@ class CatalogueValue:
             inside = (f"{key}: {_spelled(number)}" for key, number in self.value.items())
             return f"{{{', '.join(inside)}}}"
         return _spelled(self.value)
-
-
-def _spelled(value: Any) -> str:
-    return spell(value) if isinstance(value, float) else str(value)
 
 
 # Numbers of an entry from which a parameter follows; the first available has its source.

@@ -297,17 +297,11 @@ class OperatingPointPropulsion(Record):
         propeller_values = catalogue_values(self.propeller, "airframe.propulsion.propeller.")
         if not isinstance(self.motor, str):
             return propeller_values
-        motor = entry_of_key("motor", "motors", self.motor)
+        motor, prefix = entry_of_key("motor", "motors", self.motor), "airframe.propulsion.motor."
+        numbers = {k: v for k, v in motor.numbers().items() if k in Motor.model_fields}
         return propeller_values + [
-            CatalogueValue(
-                f"airframe.propulsion.motor.{key}",
-                value,
-                self.motor,
-                motor.label,
-                motor.source_of(key),
-            )
-            for key, value in motor.numbers().items()
-            if key in Motor.model_fields
+            CatalogueValue(prefix + key, value, self.motor, motor.label, motor.source_of(key))
+            for key, value in numbers.items()
         ]
 
     def point(
@@ -390,12 +384,7 @@ class OperatingPointPropulsion(Record):
         return self.propulsors * power_w * bus_v / inlet_v / self.efficiency_factor
 
     def shares_of_limits(
-        self,
-        rotation_per_s: Value,
-        shaft_w: Value,
-        airspeed_m_per_s: Value,
-        air: Air,
-        bus_v: Value,
+        self, rotation_per_s: Value, shaft_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
     ) -> dict[str, Value]:
         """Return the use of each limit of the parts over that limit [-]."""
         state, motor = self.motor_state(rotation_per_s, shaft_w), self.motor_constants

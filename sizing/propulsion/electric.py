@@ -10,14 +10,7 @@ from pydantic import model_validator
 from sizing.catalogues.choice import entry
 from sizing.parameters import all_replaced
 from sizing.smooth import Value
-from solar.schema import (
-    Fraction,
-    NonNegativeReal,
-    PositiveReal,
-    Record,
-    UnitInterval,
-    wrong_value,
-)
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval, wrong_value
 from solar.types import FloatArray
 
 _RPM_PER_RAD_PER_S = 30.0 / np.pi

@@ -131,19 +131,10 @@ def read_propeller(
             trouble += " are an efficiency J CT / CP above 1"
         if trouble:
             read.refuse(point.file, point.line, trouble)
-    if not read.problems:
-        _check_as_a_whole(read, names, any_speed)
+    speeds = [] if read.problems else _by_speed(read.points)
     if read.problems:
-        raise InputError(read.problems[:20])
-    assert read.diameter_m is not None
-    curves = tuple(_curve(points, read.static) for points in _by_speed(read.points))
-    return PropellerTable(read.diameter_m, curves, names, any_speed, left_out_note(read.left_out))
-
-
-def _check_as_a_whole(read: _Read, names: str, any_speed: bool) -> None:
-    """Add the problems of the files as a whole."""
-    speeds = _by_speed(read.points)
-    if not read.points:
+        pass
+    elif not read.points:
         read.refuse(names, None, "holds no row of J, CT and CP")
     elif read.diameter_m is None:
         read.refuse(names, None, "does not tell the diameter: give diameter_m")
@@ -159,6 +150,11 @@ def _check_as_a_whole(read: _Read, names: str, any_speed: bool) -> None:
         if all(point.advance == first.advance for point in others):
             message = "the only advance ratio at this speed; two are needed"
             read.refuse(first.file, first.line, message)
+    if read.problems:
+        raise InputError(read.problems[:20])
+    assert read.diameter_m is not None
+    curves = tuple(_curve(points, read.static) for points in speeds)
+    return PropellerTable(read.diameter_m, curves, names, any_speed, left_out_note(read.left_out))
 
 
 def _read_file(read: _Read, text: str, file: str) -> None:

@@ -163,23 +163,11 @@ class StructureAssessment:
         """Return a line with sizing criteria, load cases and deflections."""
         caps, web = next(iter(self.spar_caps)), next(iter(self.spar_web))
         case = "" if caps in _WITHOUT_CASE else f" in {self.spar_caps_case}"
-        up, down, landing = (
-            round(factor, 1)
-            for factor in (
-                self.limit_load_factor,
-                -self.negative_limit_load_factor,
-                self.landing_load_factor,
-            )
-        )
+        factors = (self.limit_load_factor, -self.negative_limit_load_factor)
+        up, down, landing = (round(factor, 1) for factor in (*factors, self.landing_load_factor))
         other = f" g ({self.load_case})" if self.load_case != self.negative_load_case else ""
-        level, limit, landed = (
-            f"{round(100.0 * deflection, 1)} %"
-            for deflection in (
-                self.tip_deflection_1g,
-                self.tip_deflection_limit,
-                -self.tip_deflection_landing,
-            )
-        )
+        bent = (self.tip_deflection_1g, self.tip_deflection_limit, -self.tip_deflection_landing)
+        level, limit, landed = (f"{round(100.0 * deflection, 1)} %" for deflection in bent)
         return (
             f"structure: spar caps sized by {_LABELS[caps]}{case} "
             f"({round(100.0 * self.spar_caps[caps])} %), webs by {_LABELS[web]}, nose by "

@@ -36,14 +36,7 @@ from sizing.structures.stiffening import (
     Wires,
     closed_cell_nm2,
 )
-from solar.schema import (
-    Flag,
-    Fraction,
-    NonNegativeReal,
-    PositiveReal,
-    UnitInterval,
-    wrong_value,
-)
+from solar.schema import Flag, Fraction, NonNegativeReal, PositiveReal, UnitInterval, wrong_value
 
 # Perimeter over chord of a cambered section, both sides, and area over thickness times chord.
 _PERIMETER = 2.04

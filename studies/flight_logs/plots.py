@@ -17,6 +17,7 @@ from studies.flight_logs.errors import moving_average
 from studies.flight_logs.left_out import Reason
 from studies.flight_logs.verification import Verification
 from studies.output.figures import drawing
+from studies.output.figures.drawing import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
 from studies.output.figures.options import DEFAULT, FigureOptions
 
 if TYPE_CHECKING:
@@ -32,8 +33,8 @@ _LEFT_OUT: dict[Reason, tuple[str, str]] = {
     "excluded": ("by hand", "++"),
     "missing_data": ("no data", "///"),
 }
-_LOGGED: dict[str, Any] = {"color": drawing.VERMILLION, "linestyle": "-"}
-_ESTIMATED: dict[str, Any] = {"color": drawing.BLUE, "linestyle": "--"}
+_LOGGED: dict[str, Any] = {"color": VERMILLION, "linestyle": "-"}
+_ESTIMATED: dict[str, Any] = {"color": BLUE, "linestyle": "--"}
 # More points than this cannot be distinguished on a page.
 _MOST_POINTS = 4000
 _BRIGHT = 0.1  # of the peak: below, shares of MPPTs are noise
@@ -93,16 +94,7 @@ def residual_figure(result: Verification, *, figure: drawing.Canvas = DEFAULT) -
         bright = result.mppts.modelled_w.sum(axis=1)
         bright = bright > _BRIGHT * bright.max()
         powers = result.mppts.measured_w.T, result.mppts.modelled_w.T
-        colours = cycle(
-            (
-                drawing.BLUE,
-                drawing.ORANGE,
-                drawing.GREEN,
-                drawing.SKY,
-                drawing.VERMILLION,
-                drawing.PURPLE,
-            )
-        )
+        colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
         columns = zip(result.mppts.each, *powers, colours, strict=False)
         for mppt, measured, modelled, colour in columns:
             share = page.smooth(measured) / np.maximum(page.smooth(modelled), 1e-9)
