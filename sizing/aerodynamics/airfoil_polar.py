@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import e, pi
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -47,13 +47,6 @@ _CHECKED_LIFT = 0.2  # the fit error counts from here ...
 _CHECKED_DISTANCE = 0.1  # ... to this far below the maximum lift
 
 
-class FitError(NamedTuple):
-    """Relative error of the fitted drag against the table, over the branch that aircraft use."""
-
-    median: float
-    maximum: float
-
-
 class _Branch(NamedTuple):
     """Attached flow at one Reynolds number: lift rises with every step."""
 
@@ -78,17 +71,16 @@ class _Branch(NamedTuple):
         return np.asarray(lift), np.asarray(CubicSpline(self.alpha_deg, np.log(self.cd))(alpha))
 
 
-class _ReynoldsScale(NamedTuple):
-    """Coordinate of the Reynolds number: Re^-1/4, from 1 at the lowest to -1 at the highest.
+# Middle and half width of Re^-1/4 over the Reynolds numbers of a table.
+_Scale: TypeAlias = tuple[float, float]
+
+
+def _coordinate(scale: _Scale, reynolds: Value) -> Value:
+    """Return the coordinate of a Reynolds number: from 1 at the lowest to -1 at the highest.
 
     It is nearly linear in log Re over the range of a table, by arithmetic alone.
     """
-
-    middle: float
-    half: float
-
-    def at(self, reynolds: Value) -> Value:
-        return (reynolds**-0.25 - self.middle) / self.half
+    return (reynolds**-0.25 - scale[0]) / scale[1]
 
 
 @dataclass(frozen=True)
@@ -110,7 +102,7 @@ class AirfoilPolar:
     name: str
     reynolds_range: tuple[float, float]
     least_lift: float
-    _scale: _ReynoldsScale
+    _scale: _Scale
     _maximum_lift: tuple[float, ...]
     _log_drag: tuple[tuple[float, ...], ...]
     _branches: tuple[_Branch, ...]
@@ -133,8 +125,8 @@ class AirfoilPolar:
         branches = _attached_branches(table)
         least_lift = max(float(b.cl[0]) for b in branches)
         low, high = branches[0].reynolds ** -0.25, branches[-1].reynolds ** -0.25
-        scale = _ReynoldsScale((low + high) / 2.0, (low - high) / 2.0)
-        z = [scale.at(branch.reynolds) for branch in branches]
+        scale = (low + high) / 2.0, (low - high) / 2.0
+        z = [_coordinate(scale, branch.reynolds) for branch in branches]
         highest = [branch.maximum_lift for branch in branches]
         degree = min(_MAXIMUM_LIFT_DEGREE, len(branches) - 2)
         peak = tuple(np.polynomial.chebyshev.chebfit(z, highest, degree).tolist())
@@ -148,10 +140,10 @@ class AirfoilPolar:
             _branches=branches,
             notes=table.notes,
         )
-        error = polar.fit_error
+        middle, highest_error = polar.fit_error
         # Refuses NaN as well.
-        if not (error.median <= _REFUSED_MEDIAN and error.maximum <= _REFUSED_MAXIMUM):
-            median, most = (spell(100.0 * missed, 3) for missed in error)
+        if not (middle <= _REFUSED_MEDIAN and highest_error <= _REFUSED_MAXIMUM):
+            median, most = (spell(100.0 * missed, 3) for missed in polar.fit_error)
             raise file_error(
                 table.source,
                 f"too rough for a smooth polar: the fit misses the table by {median} % in the "
@@ -182,14 +174,14 @@ class AirfoilPolar:
 
     def _reynolds_coordinates(self, reynolds: Value) -> tuple[Value, Value]:
         """Return the clamped coordinate, and the excess below the lowest Reynolds number."""
-        z = self._scale.at(reynolds)
+        z = _coordinate(self._scale, reynolds)
         inside = -1.0 + _ramp(z + 1.0, _REYNOLDS_BLEND)
         inside = 1.0 - _ramp(1.0 - inside, _REYNOLDS_BLEND)
         return inside, _ramp(z - 1.0, _REYNOLDS_BLEND) / _REYNOLDS_SCALE
 
     @cached_property
-    def fit_error(self) -> FitError:
-        """Error against the rows of the table from ``c_l`` 0.2 to 0.1 below the maximum."""
+    def fit_error(self) -> tuple[float, float]:
+        """Median and maximum relative error of drag, from ``c_l`` 0.2 to 0.1 below the maximum."""
         errors = []
         for branch in self._branches:
             top = branch.maximum_lift - _CHECKED_DISTANCE
@@ -197,7 +189,7 @@ class AirfoilPolar:
             fitted = self.profile_drag(branch.cl[used], branch.reynolds)
             errors.append(np.abs(fitted / branch.cd[used] - 1.0))
         joined = np.concatenate(errors)
-        return FitError(float(np.median(joined)), float(np.max(joined)))
+        return float(np.median(joined)), float(np.max(joined))
 
 
 @lru_cache(maxsize=32)
@@ -254,12 +246,12 @@ def _end_of_rise(alpha_deg: FloatArray, cl: FloatArray, row: int, step: int) -> 
 
 
 def _fit_log_drag(
-    branches: tuple[_Branch, ...], scale: _ReynoldsScale, peak: tuple[float, ...], least_lift: float
+    branches: tuple[_Branch, ...], scale: _Scale, peak: tuple[float, ...], least_lift: float
 ) -> tuple[tuple[float, ...], ...]:
     """Return Chebyshev coefficients of log drag, by lift (outer) and Reynolds number (inner)."""
     shares, coordinates, logs = [], [], []
     for branch in branches:
-        z = scale.at(branch.reynolds)
+        z = _coordinate(scale, branch.reynolds)
         top = chebyshev_series(peak, z) - _STALL_DISTANCE
         lift, log_drag = branch.refined()
         used = (lift >= least_lift) & (lift <= top)

@@ -67,10 +67,10 @@ def parse_window(text: str) -> Window:
 
 @dataclass(frozen=True)
 class Section:
-    """Errors over a window or day without ``excluded`` samples; ``filter_s`` to either side.
+    """Errors over a window or day without excluded samples; ``filter_s`` to either side.
 
-    ``mask``: flags of its samples; ``clock``: clock of its label. ``errors``: average, RMS and
-    largest error of each model [W], and relative to the mean measured power, as JSON has them.
+    ``mask``: flags of its samples; ``clock``: clock of its label. ``models``: average, RMS and
+    largest error of each model [W], and relative to the mean measured power. Names as in JSON.
     """
 
     label: str
@@ -79,10 +79,10 @@ class Section:
     start_s: float
     end_s: float
     samples: int
-    excluded: int
+    excluded_samples: int
     filter_s: float
     measured_mean_w: float | None
-    errors: Mapping[ModelName, Mapping[str, Any]]
+    models: Mapping[ModelName, Mapping[str, Any]]
 
 
 def moving_average(

@@ -103,9 +103,9 @@ class Verification(Result):
         """Return a table of the most detailed model's errors by window and day."""
         columns = (Column("period"), *_ERRORS[1:])
         rows = [
-            (section.label, *_error_cells(section.errors[self.best_model]))
+            (section.label, *_error_cells(section.models[self.best_model]))
             for section in (*self.windows, *self.days)
-            if self.best_model in section.errors
+            if self.best_model in section.models
         ]
         title = f"errors of {self.best_model}, modelled minus measured, % of the mean measured"
         return Table(title, columns, tuple(rows))
@@ -137,7 +137,7 @@ class Verification(Result):
                 tables.append(Table(f"{name}: all samples are excluded", _ERRORS, ()))
                 continue
             columns = _ERRORS if measured < _MANY_W else _WHOLE_WATTS
-            rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
+            rows = [(model, *_error_cells(errors)) for model, errors in section.models.items()]
             count = f"{section.samples} samples, filter {spell(section.filter_s)} s"
             title = f"{name}: {amount(measured, 'W', '.2f')} measured, {count}"
             tables.append(Table(title, columns, tuple(rows)))
@@ -170,8 +170,14 @@ class Verification(Result):
             "applied": self.applied._asdict(),
             "models": list(self.samples.modelled_w),
             "excluded_samples": int(self.excluded.sum()),
-            "windows": [_section_record(section) for section in self.windows],
-            "days": [_section_record(section) for section in self.days],
+            **{
+                name: [
+                    {"label": part.label, **_span_record(part.start_s, part.end_s)}
+                    | _without(vars(part), "mask", "clock", "start_s", "end_s")
+                    for part in parts
+                ]
+                for name, parts in (("windows", self.windows), ("days", self.days))
+            },
             "estimates": {e.name: _without(e._asdict(), "name") for e in self.estimates},
             "clock_heading_correlation": self.correlation,
             "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
@@ -268,18 +274,6 @@ def _span_record(start_s: float, end_s: float) -> dict[str, str]:
 
 def _without(record: Mapping[Any, Any], *names: str) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name not in names}
-
-
-def _section_record(section: Section) -> dict[str, Any]:
-    return {
-        "label": section.label,
-        **_span_record(section.start_s, section.end_s),
-        "samples": section.samples,
-        "excluded_samples": section.excluded,
-        "filter_s": section.filter_s,
-        "measured_mean_w": section.measured_mean_w,
-        "models": section.errors,
-    }
 
 
 def _error_cells(errors: Mapping[str, Any]) -> Iterator[float | None]:

@@ -112,7 +112,7 @@ def _errors(verification: Verification) -> dict[str, tuple[float, float]]:
     (log,) = sections(verification.samples, excluded, filter_s, "UTC", whole)
     return {
         model: (errors["average_error_relative"], errors["rms_error_relative"])
-        for model, errors in log.errors.items()
+        for model, errors in log.models.items()
         if errors["rms_error_relative"] is not None
     }
 

@@ -59,7 +59,7 @@ def test_bias_is_recovered(bias):
     result = verified(made(rate_hz=0.5, bias=bias))
     assert [day.label for day in result.days] == ["2015-06-30", "2015-07-01"]
     for day in result.days:
-        errors = day.errors["FM"]
+        errors = day.models["FM"]
         # 18000 samples with 1 W of noise scatter by 0.008 W about a mean of some 150 W, and the
         # attitude's error of 0.2 deg (0.6 W, as most) by less: 0.05 % is several times that.
         assert errors["average_error_relative"] == pytest.approx(bias, abs=5e-4)
@@ -72,7 +72,7 @@ def test_errors_follow_their_definition():
     result = verified(made(start_utc_s=MORNING_S, duration_h=4.0), filter_s=0.0)
     (day,) = result.days
     samples = result.samples
-    for model, errors in day.errors.items():
+    for model, errors in day.models.items():
         error = samples.modelled_w[model] - samples.measured_w
         assert errors["average_error_w"] == pytest.approx(error.mean())
         assert errors["rms_error_w"] == pytest.approx(np.sqrt((error**2).mean()))
@@ -170,9 +170,9 @@ def test_limited_power_is_left_out(missing):
     (full,) = result.left_out
     assert full.start_s == pytest.approx(START_UTC_S + 24.0 * 3600.0, abs=600.0)
     # Three hours at 0.1 Hz, widened by a few minutes.
-    assert 1080 <= result.days[1].excluded <= 1080 * 1.1
+    assert 1080 <= result.days[1].excluded_samples <= 1080 * 1.1
     if not missing:
-        errors = result.days[1].errors["FM"]
+        errors = result.days[1].models["FM"]
         assert errors["average_error_relative"] == pytest.approx(0.0, abs=1e-3)
         # The day's filter would otherwise carry 100 W and more across the edges.
         assert errors["maximum_error_w"] < 2.0
@@ -264,7 +264,7 @@ def test_offsets_are_estimated_and_applied_on_request(clock_min, heading_deg):
         # About the half-width of the intervals: weights follow from the residuals, these from them.
         value = estimate(applied, name).value
         assert value == pytest.approx(truth, abs=0.01 if truth else 1.0)
-    assert abs(applied.days[0].errors["FM"]["average_error_w"]) < 0.5
+    assert abs(applied.days[0].models["FM"]["average_error_w"]) < 0.5
     assert applied.to_dict()["applied"]["clock_min"] == float(clock[1])
     again = estimate(applied, "clock_offset").apply[1]
     assert float(again) == pytest.approx(float(clock[1]), abs=1.0)  # options replace each other
@@ -557,9 +557,9 @@ def test_text_fits_80_columns_for_large_and_small_aircraft():
         model: {
             key: value * (1.0 if key.endswith("relative") else 1e3) for key, value in of.items()
         }
-        for model, of in small.errors.items()
+        for model, of in small.models.items()
     }
-    large = replace(small, measured_mean_w=1e3 * small.measured_mean_w, errors=errors)
+    large = replace(small, measured_mean_w=1e3 * small.measured_mean_w, models=errors)
     for item in (result, replace(result, windows=(large,))):
         for level in (1, 2):
             assert max(map(len, item.at_level(level).to_text().splitlines())) <= 80
