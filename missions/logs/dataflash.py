@@ -12,12 +12,13 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from missions.files.errors import refused
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.streams import Stream, Streams, kinds_named
-from missions.logs.table import FlightLog, Series
+from missions.logs.table import FlightLog
 from missions.logs.units import ATTITUDE
 
 _MOST_BYTES = 500_000_000
@@ -144,7 +145,7 @@ def _split_by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
     return streams
 
 
-def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
+def _first_battery(streams: Mapping[str, Stream]) -> dict[str, pd.Series]:
     """Return load [W] and state of charge by the first battery monitor."""
     battery = streams.get("BAT", streams.get("CURR"))
     if battery is None:

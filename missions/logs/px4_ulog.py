@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from missions.files.errors import InputError, printable, refused
 from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
 from missions.logs.streams import Stream, Streams, kinds_named
-from missions.logs.table import FlightLog, Series
+from missions.logs.table import FlightLog
 from missions.logs.units import ATTITUDE, MPPT
 
 _POWER_TOPIC = "sensor_mppt"
@@ -42,7 +43,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))
-    every, series = Streams(topics, layout, source), dict[str, Series]()
+    every, series = Streams(topics, layout, source), dict[str, pd.Series]()
     if "solar_power_w" not in every.mapped:
         if _POWER_TOPIC not in topics:
             raise every.no_power(_EXAMPLE)
@@ -176,7 +177,7 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     return topics, lost
 
 
-def _euler_deg(attitude: Stream) -> dict[str, Series]:
+def _euler_deg(attitude: Stream) -> dict[str, pd.Series]:
     """Return roll, pitch and yaw [deg] from the quaternion body (FRD) to North-East-Down.
 
     Source: Beard & McLain, Small Unmanned Aircraft (2012), eq. B.1 to B.3.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, printable, refused
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
-from missions.logs.table import REQUIRED, FlightLog, Series, log_from_table, sampled
+from missions.logs.table import REQUIRED, FlightLog, log_from_table, sampled
 from missions.logs.units import EPOCH
 from solar.types import BoolArray, FloatArray
 
@@ -49,9 +49,9 @@ class Stream(NamedTuple):
             raise refused(f"{self.kind} {name} never knows the universal time")
         return float(np.median((universal_s - self.time_s)[known]))
 
-    def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
+    def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, pd.Series]:
         """Return quantities at the times of the messages."""
-        return {name: Series(self.time_s, np.asarray(v, float)) for name, v in values.items()}
+        return {name: pd.Series(np.asarray(v, float), self.time_s) for name, v in values.items()}
 
     def rising(self) -> Stream:
         """Return the stream without messages whose times do not rise, as in damaged logs."""
@@ -77,22 +77,22 @@ class Streams:
         recipes = recipes_for(header, layout, guess=False)
         if recipes.problems:
             raise InputError(Problem("", None, None, "", text) for text in recipes.problems)
-        self.mapped: dict[str, Series] = {}
+        self.mapped: dict[str, pd.Series] = {}
         for name, recipe in recipes.by_quantity.items():
             self.mapped |= {} if name == "time" else self._make_series(recipe)
 
-    def _make_series(self, recipe: Recipe) -> dict[str, Series]:
+    def _make_series(self, recipe: Recipe) -> dict[str, pd.Series]:
         """Make a quantity at the times of its first stream, with the power of each MPPT."""
         if recipe.value is not None:
-            return {recipe.quantity: Series(np.full(1, np.nan), np.full(1, recipe.value))}
+            return {recipe.quantity: pd.Series([recipe.value], [np.nan])}
         first = self.streams[recipe.columns[0].rpartition(".")[0]].time_s
 
         def column(name: str) -> FloatArray:
             stream, _, field = name.rpartition(".")
-            values = np.asarray(self.streams[stream].fields[field], float)
-            return sampled(Series(self.streams[stream].time_s, values), first)
+            values = self.streams[stream].series({name: self.streams[stream].fields[field]})
+            return sampled(values[name], first)
 
-        return {name: Series(first, values) for name, values in recipe.values(column).items()}
+        return {name: pd.Series(values, first) for name, values in recipe.values(column).items()}
 
     def needed(self, names: Sequence[str], lack: str) -> Stream:
         """Return the first of the named streams that exists."""
@@ -110,7 +110,7 @@ class Streams:
         )
 
     def log(
-        self, made: Mapping[str, Series], boot_s: float, notes: list[str], battery: str
+        self, made: Mapping[str, pd.Series], boot_s: float, notes: list[str], battery: str
     ) -> FlightLog:
         """Join quantities at the times of the solar power; the layout's precede ``made``."""
         ignored = self.layout.ignore
@@ -119,7 +119,7 @@ class Streams:
         if "load_w" in made and "load_w" not in self.mapped:
             notes.append(f"load_w is voltage times current of {battery}")
         every = {name: s for name, s in {**made, **self.mapped}.items() if name not in ignored}
-        time_s = every["solar_power_w"].time_s
+        time_s = every["solar_power_w"].index.to_numpy(float)
         columns = {name: sampled(series, time_s, name) for name, series in every.items()}
         table = pd.DataFrame({EPOCH: time_s + boot_s, **columns})
         return log_from_table(table, self.source, notes, self.layout.exclude)

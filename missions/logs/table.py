@@ -46,16 +46,13 @@ _AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(REQUIRED[:3], 2.0)}
 _OTHER_AGE_S = 5.0
 
 
-class Series(NamedTuple):
-    """Quantity in the unit of the log format over time since boot [s]; NaN time: a constant."""
+def sampled(series: pd.Series, time_s: FloatArray, quantity: str = "") -> FloatArray:
+    """Return the nearest sample at each time, NaN if it is too far away.
 
-    time_s: FloatArray
-    values: FloatArray
-
-
-def sampled(series: Series, time_s: FloatArray, quantity: str = "") -> FloatArray:
-    """Return the nearest sample at each time, NaN if it is too far away."""
-    logged_s = series.time_s
+    ``series``: quantity in the unit of the log format over time since boot [s]; of a time of NaN a
+    constant.
+    """
+    logged_s = series.index.to_numpy(float)
     if not len(logged_s):
         return np.full(len(time_s), np.nan)
     after = np.minimum(np.searchsorted(logged_s, time_s), len(logged_s) - 1)
@@ -63,7 +60,7 @@ def sampled(series: Series, time_s: FloatArray, quantity: str = "") -> FloatArra
     earlier = np.abs(time_s - logged_s[before]) <= np.abs(logged_s[after] - time_s)
     nearest = np.where(earlier, before, after)
     far = np.abs(logged_s[nearest] - time_s) > _AGES.get(quantity, _OTHER_AGE_S)
-    return np.where(far, np.nan, series.values[nearest])
+    return np.where(far, np.nan, series.to_numpy(float)[nearest])
 
 
 class EulerAngles(NamedTuple):
@@ -240,9 +237,7 @@ def _join_at_power_times(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
     known, at_s = rows[rows.index.notna()], rows.index[power].unique()
     together = {}
     for name in rows:
-        column = known[name].dropna()
-        series = Series(column.index.to_numpy(float), column.to_numpy(float))
-        together[name] = sampled(series, at_s.to_numpy(float), str(name))
+        together[name] = sampled(known[name].dropna(), at_s.to_numpy(float), str(name))
     ages = sorted({_AGES.get(str(name), _OTHER_AGE_S) for name in rows})
     notes.append(
         "columns are written at times of their own: for each value of the solar power the nearest "
