@@ -2,6 +2,6 @@
 
 * ``csv``: ``read_flight_log``, and text tables; ``delimited``: how such a table is written
 * ``columns``: which column is what; ``units``, ``clock``: what its values mean
-* ``px4_ulog``, ``dataflash``: files of autopilots; ``streams``: their messages as one log
+* ``autopilots``: PX4 ULog and ArduPilot DataFlash
 * ``table``: the log, and the checks of what it holds
 """

@@ -19,11 +19,10 @@ from missions.files.errors import (
     shortened,
 )
 from missions.files.validation import unknown_key
+from missions.logs.autopilots import read_dataflash, read_ulog
 from missions.logs.clock import times_from_numbers, times_from_text
 from missions.logs.columns import ColumnMap, Recipe, Recipes, recipes_for
-from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
-from missions.logs.px4_ulog import read_ulog
 from missions.logs.table import COLUMNS, REQUIRED, Check, FlightLog, checked_log, numbers
 from missions.logs.units import (
     ATTITUDE,

@@ -10,8 +10,7 @@ from ulog_files import EPOCH_S, topics, ulog_bytes
 from missions.files.errors import InputError
 from missions.logs.columns import ColumnMap, parse_column
 from missions.logs.csv import read_flight_log
-from missions.logs.dataflash import _first_battery
-from missions.logs.streams import Stream
+from missions.logs.autopilots import Stream, _first_battery
 
 COUNT = 24
 SOLAR = "BAT[1].Volt * BAT[1].Curr"
