@@ -19,8 +19,7 @@ import sizing
 from sizing import load_aircraft
 from sizing.aircraft import Aircraft
 from sizing.structures.loads import lift_curve_slope
-from studies.exchange.airplane import airplane_text
-from studies.exchange.geometry import lifting_surfaces
+from studies.exchange.airplane import airplane_text, lifting_surfaces
 from studies.render.tables import Column, Table
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from log_layouts import FORMATS, FORMATS_2014, formats_of, message
 from ulog_files import EPOCH_S, topics, ulog_bytes
 
 from missions.files.errors import InputError
+from missions.logs.autopilots import Stream, _first_battery
 from missions.logs.columns import ColumnMap, parse_column
 from missions.logs.csv import read_flight_log
-from missions.logs.autopilots import Stream, _first_battery
 
 COUNT = 24
 SOLAR = "BAT[1].Volt * BAT[1].Curr"

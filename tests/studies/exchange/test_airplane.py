@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft
 
-from studies.exchange.airplane import airplane_text, to_aerosandbox
-from studies.exchange.geometry import lifting_surfaces
+from studies.exchange.airplane import airplane_text, lifting_surfaces, to_aerosandbox
 
 pytestmark = pytest.mark.extra
 pytest.importorskip("aerosandbox")

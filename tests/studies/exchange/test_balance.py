@@ -5,8 +5,8 @@ from builders import DESIGN, aircraft
 
 import missions
 import sizing
+from studies.exchange.airplane import lifting_surfaces
 from studies.exchange.files import design_bytes
-from studies.exchange.geometry import lifting_surfaces
 from studies.render.design_sheet import design_sheet
 from studies.report.geometry import Drawing
 from studies.report.three_view import plot_three_view
