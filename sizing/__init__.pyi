@@ -27,13 +27,13 @@ from .program.cells import size_cells as size_cells
 from .program.objectives import Objective as Objective
 from .program.result import SizingResult as SizingResult
 from .program.result import SizingStatus as SizingStatus
-from .propulsion.blade_elements import BladeElementPropeller as BladeElementPropeller
 from .propulsion.electric import Controller as Controller
 from .propulsion.electric import Gear as Gear
 from .propulsion.electric import Motor as Motor
 from .propulsion.operating_point import OperatingPoint as OperatingPoint
 from .propulsion.operating_point import Propulsor as Propulsor
 from .propulsion.operating_point import operating_point as operating_point
+from .propulsion.propeller import BladeElementPropeller as BladeElementPropeller
 from .propulsion.propeller import PropellerTable as PropellerTable
 from .propulsion.propeller_files import read_propeller as read_propeller
 from .results.analysis import Analysis as Analysis

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.air import Air
 from sizing.parameters import all_replaced
-from sizing.propulsion.blade_elements import Propeller
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
-from sizing.propulsion.propeller import tip_mach
+from sizing.propulsion.propeller import Propeller, tip_mach
 from sizing.roots import bracketed_root
 from sizing.smooth import Value
 from solar.schema import Allowed, spell, spell_ends

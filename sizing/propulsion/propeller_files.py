@@ -18,8 +18,7 @@ from missions.files.tables import number_of, number_rows, text_table
 from missions.files.texts import read_text, texts_as_read
 from missions.files.validation import wrong_file
 from sizing.catalogues.choice import CatalogueRecord, Kind
-from sizing.propulsion.blade_elements import BladeElementPropeller, Propeller
-from sizing.propulsion.propeller import PropellerTable, SpeedCurve
+from sizing.propulsion.propeller import BladeElementPropeller, Propeller, PropellerTable, SpeedCurve
 from solar.schema import (
     Allowed,
     Flag,

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from missions.air import standard_air
-from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.propulsion.operating_point import Propulsor, operating_point
-from sizing.propulsion.propeller import Coefficients
+from sizing.propulsion.propeller import BladeElementPropeller, Coefficients
 
 pytestmark = pytest.mark.extra
 asb = pytest.importorskip("aerosandbox")

@@ -9,10 +9,10 @@ from propulsors import aircraft
 
 from missions.air import standard_air
 from sizing.battery.battery import BatteryVoltage
-from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.operating_point import Propulsor, operating_point
+from sizing.propulsion.propeller import BladeElementPropeller
 from sizing.propulsion.propeller_files import read_propeller
 
 UIUC = Path(__file__).parent / "uiuc"

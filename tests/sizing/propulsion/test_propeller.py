@@ -8,7 +8,7 @@ import pytest
 from documented import DOCS
 
 from missions.air import standard_air
-from sizing.propulsion.blade_elements import BladeElementPropeller, section_coefficients
+from sizing.propulsion.propeller import BladeElementPropeller, section_coefficients
 
 UIUC = Path(__file__).parent / "uiuc"
 RUNS = sorted(path for path in UIUC.glob("*.txt") if "static" not in path.name)
