@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.independent_logs import Truth, made
 from missions.logs.table import log_from_table
 from sizing.library import load_aircraft
-from studies.flight_logs.fit import WIDE
+from studies.flight_logs.estimates import WIDE
 from studies.flight_logs.verification import verify
 
 TRUTHS = (Truth(), Truth(full=True), Truth("clock", 37.0), Truth("heading", 8.0))

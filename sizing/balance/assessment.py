@@ -15,15 +15,17 @@ from sizing.balance.in_design import (
     volume_for_margin,
 )
 from sizing.balance.masses import Item, centre_of_gravity
-from sizing.balance.stability import (
+from sizing.balance.surfaces import (
     NeutralPoint,
+    TailPlanes,
     Trim,
+    Wing,
     directional_stability,
     elevator_deflection,
     neutral_point,
     trim,
+    wing_of,
 )
-from sizing.balance.surfaces import TailPlanes, Wing, wing_of
 from sizing.design import Design, polar_at
 from sizing.limits import DesignInFlight
 from sizing.smooth import Value

@@ -16,8 +16,7 @@ from pydantic import model_validator
 
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aerodynamics.wing_polar import WingPolar, plane_form_factor
-from sizing.balance.stability import neutral_point, trim
-from sizing.balance.surfaces import Tail, Wing
+from sizing.balance.surfaces import Tail, Wing, neutral_point, trim
 from sizing.smooth import Value
 from sizing.structures.rib_wing import RibWingStructure
 from solar.schema import (

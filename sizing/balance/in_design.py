@@ -15,8 +15,7 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import BuiltUpPolar
 from sizing.balance.masses import SPAR, TAIL_MASS, WING_PARTS, Item, centre_of_gravity
-from sizing.balance.stability import neutral_point
-from sizing.balance.surfaces import wing_of
+from sizing.balance.surfaces import neutral_point, wing_of
 from sizing.design import DesignVariables, FlightConditions
 from sizing.parameters import all_replaced, replaced
 from sizing.roots import bracketed_root

@@ -2,5 +2,5 @@
 
 * ``verification``: ``verify``, which puts the others together
 * ``forward``: models on a log; ``errors``: how far they are off, and where
-* ``left_out``: what says nothing; ``fit``, ``estimates``: what a log tells; ``plots``: figures
+* ``left_out``: what says nothing; ``estimates``: what a log tells; ``plots``: figures
 """

@@ -1,13 +1,22 @@
-"""Estimates of clock, heading and powers of a log, with intervals and the options to apply them."""
+"""Estimates of clock, heading and powers of a log, with intervals and the options to apply them.
+
+``P = factor * P_FM(t - clock, yaw - heading)`` is fitted by :func:`scipy.optimize.least_squares`,
+reweighted for Cauchy's loss (Holland, P. W., Welsch, R. E. (1977), Communications in Statistics
+A6(9), 813-827). Errors of log and model that look like a clock or a heading are fitted along within
+their standard deviations. Intervals are by the sandwich estimator (White, H. (1980), Econometrica
+48, 817-838), over sums of ten minutes, weighted by the autocorrelation time of these sums.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.stats import t
+from scipy.optimize import brentq, least_squares
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from missions import air
 from missions.mission import Mission
@@ -16,8 +25,250 @@ from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import all_replaced, parameter_value
 from solar.schema import spell
 from solar.types import FloatArray, IntArray
-from studies.flight_logs.fit import CONFIDENCE, Fit, correlation_time
-from studies.flight_logs.forward import Forward
+from studies.flight_logs.forward import Forward, Offsets
+
+CONFIDENCE = 0.95
+WIDE = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))  # half-width in standard errors
+# Prior standard deviation, and step of the fit; docs/verify.md gives sources.
+_UNKNOWNS = {
+    "factor": (np.inf, 0.05),
+    "clock_s": (np.inf, 60.0),
+    "heading": (np.inf, 0.02),
+    "roll": (float(np.radians(0.5)), 0.005),
+    "pitch": (float(np.radians(0.5)), 0.005),
+    "haze": (0.1, 0.05),
+    "diffuse": (0.4, 0.1),
+    "incidence": (0.05, 0.02),
+    "low_light": (0.03, 0.02),
+    "drift": (0.02, 0.01),
+}
+# CAM ignores how wind tilts the wing, which looks like a clock: by 7 min in a log of the report's
+# flight, in 2 m/s of easterly wind.
+_CAM_CLOCK_S = 420.0
+_OF_ATTITUDE = ("heading", "roll", "pitch")
+_LEAST_SAMPLES, _SAMPLES, _FEW, _COARSE = 60, 1000, 250, 100
+_BLOCK_S = 600.0  # several circles
+_CAUCHY = 2.385  # 95 % efficient where residuals are normal (Holland & Welsch 1977)
+_LEAST_SCATTER = 2e-3  # of the peak: to which tables and rounding of the model hold
+_ROUNDS, _NEAR = 5, 1e-4  # each round goes on from the last one
+# Coarse grid of starts: clocks to either side, and turns of the heading.
+_MOST_CLOCK_S, _SHIFT_S, _TURNS, _STARTS = 14 * 3600.0, 1800.0, 12, 3
+# Autocorrelation that counts as none: where the window of its sum ends.
+_LAST_CORRELATION = 0.05
+_LONGEST_MEMORY = 0.97  # of a process, from bin to bin
+_MOST_LOST = 0.75  # share of that sum which a fit may have taken away; keeps the correction finite
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Values of ``names`` and their covariance; ``factor`` is the logarithm of the factor.
+
+    ``level``: logarithm of measured over modelled energy at this clock and heading, and its
+    standard error. ``scatter_w``: of the residuals.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    scatter_w: float
+    level: tuple[float, float] = (0.0, 0.0)
+
+    def of(self, name: str) -> tuple[float, float]:
+        """Return a fitted value and the half-width of its interval."""
+        place = self.names.index(name)
+        return float(self.values[place]), WIDE * float(np.sqrt(self.covariance[place, place]))
+
+    @property
+    def factor(self) -> tuple[float, float, float]:
+        """Measured over modelled energy, and the ends of its interval [-]."""
+        level, error = self.level
+        low, middle, high = np.exp(level + WIDE * error * np.array([-1.0, 0.0, 1.0])).tolist()
+        return middle, low, high
+
+    @property
+    def correlation(self) -> float | None:
+        """Correlation of the errors of clock and heading, None unless both are fitted."""
+        if "heading" not in self.names:
+            return None
+        i, j = self.names.index("clock_s"), self.names.index("heading")
+        c = self.covariance
+        return float(c[i, j] / np.sqrt(c[i, i] * c[j, j]))
+
+    def applied_w(self, forward: Forward) -> FloatArray:
+        """Return the power with the fitted clock, heading and factor alone [W]."""
+        moved = np.where(np.isin(self.names, ("clock_s", "heading")), self.values, 0.0)
+        return self.factor[0] * _power_w(forward, self.names, moved)
+
+    def expected_w(self, forward: Forward) -> FloatArray:
+        """Return the power with all fitted values [W]."""
+        return _power_w(forward, self.names, self.values)
+
+
+def _power_w(forward: Forward, names: tuple[str, ...], values: FloatArray) -> FloatArray:
+    """Return the modelled power [W] at values of ``names``."""
+    offsets = Offsets(**dict(zip(names[1:], values[1:].tolist(), strict=True)))
+    return np.asarray(np.exp(values[0]) * forward.power_w(offsets))
+
+
+def fit_log(forward: Forward) -> Fit | None:
+    """Fit clock, heading and factor to samples of a log; None for too few samples."""
+    names = tuple(n for n in _UNKNOWNS if forward.knows_angles or n not in _OF_ATTITUDE)
+    if len(forward.index) < _LEAST_SAMPLES or not forward.measured_w.sum() > 0.0:
+        return None
+    thinned = _thinned(forward, _SAMPLES)
+    starts = list(_starts(thinned, turned="heading" in names))
+    start = starts[0]
+    if len(starts) > 1:  # without the prior errors: these are small
+        few = _thinned(thinned, _FEW)
+        fits = (_fit(few, names[: len(start)], start, rounds=1) for start in starts)
+        start = min(fits, key=lambda fit: fit.scatter_w).values
+    fit = _fit(thinned, names, np.append(start, np.zeros(len(names) - len(start))))
+
+    # The other errors shift the fit's factor, which users apply without them.
+    def level(values: FloatArray) -> float:
+        moved = np.where(np.isin(names, ("clock_s", "heading")), values, 0.0)
+        whole, part = (_power_w(thinned, names, v).sum() for v in (values, moved))
+        return float(np.log(whole / part))
+
+    steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in names])
+    middle = level(fit.values)
+    slopes = np.array([level(fit.values + step) - middle for step in np.diag(steps)]) / steps
+    return replace(fit, level=(middle, float(np.sqrt(slopes @ fit.covariance @ slopes))))
+
+
+def _thinned(forward: Forward, most: int) -> Forward:
+    """Return at most so many samples, at random in even cells: a stride could match circles."""
+    count = len(forward.index)
+    if count <= most:
+        return forward
+    edges = np.linspace(0, count, most + 1)
+    within = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
+    return forward.of(forward.index[np.unique(within.astype(int))])
+
+
+def _starts(forward: Forward, *, turned: bool) -> Iterator[FloatArray]:
+    """Yield start values: factor, clock and heading as logged, and better ones of a grid."""
+    few = _thinned(forward, _COARSE)
+    count, measured = len(few.index), few.measured_w
+    turns = 2.0 * np.pi * np.arange(_TURNS if turned else 1) / _TURNS
+    every = few.of(np.tile(few.index, len(turns)))
+    tried = []
+    for shift_s in np.arange(-_MOST_CLOCK_S, _MOST_CLOCK_S + 1.0, _SHIFT_S).tolist():
+        offsets = Offsets(clock_s=shift_s, heading=np.repeat(turns, count))
+        for turn, power in zip(turns, every.power_w(offsets).reshape(-1, count), strict=True):
+            factor = float(measured @ power) / max(float(power @ power), 1e-9)
+            misfit = float(np.abs(measured - factor * power).mean())
+            angle = float((turn + np.pi) % (2.0 * np.pi) - np.pi)
+            tried.append((misfit, max(factor, 1e-9), shift_s, angle))
+    as_logged = next(trial for trial in tried if trial[2:] == (0.0, 0.0))
+    better = [trial for trial in sorted(tried) if trial[0] < as_logged[0]]
+    for _, factor, shift_s, turn in (as_logged, *better[:_STARTS]):
+        yield np.array([np.log(factor), shift_s, turn][: 3 if turned else 2])
+
+
+def _fit(
+    forward: Forward, names: tuple[str, ...], values: FloatArray, rounds: int = _ROUNDS
+) -> Fit:
+    """Fit in rounds: weights from residuals, then values from weights."""
+    sigmas, steps = np.array([_UNKNOWNS[name] for name in names]).T
+    measured = forward.measured_w
+
+    def residual_w(values: FloatArray) -> FloatArray:
+        return measured - _power_w(forward, names, values)
+
+    # Power that two in a hundred samples exceed: spikes do not count.
+    peak_w = float(np.quantile(measured, 0.98))
+    # Block of ten minutes of each sample, and stretch of each block.
+    log, index = forward.log, forward.index
+    slot, segment = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
+    block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(segment) != 0))))
+    first = np.flatnonzero(np.diff(block, prepend=-1))
+    run = np.concatenate(([0], np.cumsum(np.diff(slot[first]) > 1)))
+    residual, time = residual_w(values), 10.0
+    for _ in range(rounds):
+        scatter = 1.4826 * float(np.median(np.abs(residual)))
+        scatter = max(scatter, _LEAST_SCATTER * peak_w)
+        weight = 1.0 / (1.0 + (residual / (_CAUCHY * scatter)) ** 2)
+        root = np.sqrt(weight / time) / scatter
+
+        def rows(scaled: FloatArray, root: FloatArray = root) -> FloatArray:
+            left = residual_w(scaled * steps)
+            return np.concatenate((root * left, scaled * steps / sigmas))
+
+        best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
+        values = best.x * steps
+        residual = residual_w(values)
+        jacobian = best.jac / steps
+        inverse = np.linalg.pinv(jacobian.T @ jacobian)
+        shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
+        sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
+        times = [correlation_time(column, run, len(names)) for column in sums.T]
+        sandwich = (sums.T @ sums) * np.sqrt(np.outer(times, times))
+        # Samples for an independent one.
+        squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
+        time = max(float(np.median(np.diag(sandwich) / squares)), 1.0)
+        covariance = sandwich + inverse @ np.diag(sigmas**-2.0) @ inverse
+    if not forward.knows_angles:
+        covariance[1, 1] += _CAM_CLOCK_S**2
+    return Fit(names, values, covariance, scatter)
+
+
+def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:
+    """Return the integrated autocorrelation time of residuals, in bins, at least 1.
+
+    Each of ``unknown`` fitted values lowers correlations by about the time over the number of
+    residuals (Marriott, F. H. C. & Pope, J. A. (1954), Biometrika 41, 390-402); that is added back.
+    At least the time of a first-order process through the correlations of the first two lags. Pairs
+    across the ends of a ``run`` do not count.
+    """
+    count = len(residual)
+    raw = _autocorrelation(residual, run)
+    if len(raw) < 2:
+        return 1.0
+    least = _mixed_time(raw, 0.0)
+    least = _mixed_time(raw, min(least * unknown / count, 1.0))
+    small = np.flatnonzero(raw < _LAST_CORRELATION)
+    window = int(small[0]) if len(small) else len(raw)
+    lags = np.arange(1, window + 1)
+    seen = 1.0 + 2.0 * float(np.sum(raw[:window] * (1.0 - lags / count)))
+    # Every correlation within the window is too low by time * unknown / count.
+    lost = min(2.0 * window * unknown / count, _MOST_LOST)
+    time = min(max(seen, 1.0) / (1.0 - lost), count / 2.0)
+    return max(time, min(least, count / 2.0))
+
+
+def _mixed_time(raw: FloatArray, lost: float) -> float:
+    """Return the autocorrelation time of a first-order process, averaged or with white noise.
+
+    Its correlations are ``r_1 rho^(lag - 1)``, their sum ``1 + 2 r_1/(1 - rho)``; ``lost``: part of
+    each that the fit removed, which is added back [-].
+    """
+    first, second = ((float(value) + lost) / (1.0 + lost) for value in raw[:2])
+    if first <= 0.0:
+        return 1.0
+    rho = min(max(second / first, 0.0), _LONGEST_MEMORY)
+    return 1.0 + 2.0 * first / (1.0 - rho)
+
+
+def _autocorrelation(residual: FloatArray, run: IntArray) -> FloatArray:
+    """Return the autocorrelation at lags of 1, 2, ... bins, up to a third of all."""
+    count = len(residual)
+    variance = float(np.mean(residual**2))
+    if variance == 0.0 or count < 6:
+        return np.zeros(0)
+    correlations = []
+    for lag in range(1, count // 3):
+        same = run[lag:] == run[:-lag]
+        if np.count_nonzero(same) < 5:
+            break
+        correlations.append(float(np.mean((residual[lag:] * residual[:-lag])[same])) / variance)
+        # Beyond five below zero there is only noise.
+        if len(correlations) > 10 and max(correlations[-5:]) < 0.0:
+            break
+    return np.array(correlations)
+
+
+# ---- What users apply
 
 # Half-widths of intervals beyond which a value counts as unknown [min, deg].
 _UNKNOWN_MIN, _UNKNOWN_DEG = 120.0, 45.0
@@ -165,7 +416,7 @@ def _estimate_level_power(forward: Forward, daylight: IntArray) -> Estimate:
     run = np.cumsum(np.diff(bins, prepend=bins[0]) > 1).astype(int)
     count = len(means) / correlation_time(means - mean, run, 1)
     freedom = max(count - 1.0, 1.0)
-    wide = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * means.std() / np.sqrt(freedom))
+    wide = float(student.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * means.std() / np.sqrt(freedom))
     key = level_power_key(forward.aircraft, mission, mean)
     interval = (mean, mean - wide, mean + wide)
     if isinstance(key, str):

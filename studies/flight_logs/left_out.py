@@ -15,7 +15,7 @@ from sizing.battery.battery import NoChargeLimit, charge_rate_per_h
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
-from studies.flight_logs.fit import Fit, fit_log
+from studies.flight_logs.estimates import Fit, fit_log
 from studies.flight_logs.forward import Forward, Samples
 from studies.render.tables import Column, Table
 from studies.render.words import amount, percent

@@ -37,8 +37,7 @@ from studies.flight_logs.errors import (
     sections,
     surfaces_of,
 )
-from studies.flight_logs.estimates import LABELS, Applied, Estimate, estimates
-from studies.flight_logs.fit import CONFIDENCE
+from studies.flight_logs.estimates import CONFIDENCE, LABELS, Applied, Estimate, estimates
 from studies.flight_logs.forward import Forward, Samples, daylight_samples
 from studies.flight_logs.left_out import Stretch, fit_and_left_out, left_out_table
 from studies.render.tables import ALL, Column, Line, Table

@@ -5,15 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from sizing.balance.stability import (
+from sizing.balance.surfaces import (
+    Tail,
     control_effectiveness,
     directional_stability,
     downwash_slope,
     elevator_deflection,
+    lift_slope,
     neutral_point,
     trim,
+    wing_of,
 )
-from sizing.balance.surfaces import Tail, lift_slope, wing_of
 
 WING = wing_of(None, 5.65, 18.5)
 TAIL = Tail(arm_m=1.22, horizontal_volume=0.35, vertical_volume=0.02, dynamic_pressure_ratio=0.95)

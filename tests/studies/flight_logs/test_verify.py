@@ -23,8 +23,7 @@ from solar.horizontal_models import HORIZONTAL_MODELS
 from studies.cli.__main__ import cli
 from studies.flight_logs import plots
 from studies.flight_logs.errors import Window, moving_average, parse_window, surfaces_of
-from studies.flight_logs.estimates import Applied, estimates, level_power_key
-from studies.flight_logs.fit import Fit
+from studies.flight_logs.estimates import Applied, Fit, estimates, level_power_key
 from studies.flight_logs.forward import Forward
 from studies.flight_logs.verification import verify
 
