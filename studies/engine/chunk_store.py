@@ -15,7 +15,7 @@ import io
 import os
 import shutil
 import socket
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,11 +37,6 @@ _LOCK = ".solar-uav.lock"
 # Parts and the file made of them stand side by side for a moment, and the file twice.
 _COPIES = 3
 _PART_BYTES = 4096
-
-
-def joined(parts: Sequence[Part]) -> Part:
-    """Return parts one after the other."""
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 @dataclass(frozen=True)

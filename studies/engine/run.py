@@ -34,7 +34,7 @@ from pydantic_core import to_json
 
 from solar._version import __version__
 from solar.types import FloatArray, IntArray
-from studies.engine.chunk_store import FAILURE, ChunkStore, Part, joined
+from studies.engine.chunk_store import FAILURE, ChunkStore, Part
 from studies.engine.workers import Pool, WorkersUnavailableError
 from studies.signals import Signals, interruptible
 
@@ -140,7 +140,7 @@ def run(
             finished = True
         finally:
             pool.close(at_once=not finished)
-    whole = joined([parts[number] for number in range(len(cells))])
+    whole = _joined([parts[number] for number in range(len(cells))])
     place = np.argsort(np.concatenate(job.chunks), kind="stable")
     columns = {name: values[place] for name, values in whole.items()}
     reasons = columns.pop(FAILURE)
@@ -185,7 +185,7 @@ def _computed(
         part = result(future)
         if part is None and len(chunk) == 1:
             return _failed(job, _DIED)
-        return part or joined([alone(chunk[i : i + 1]) for i in range(len(chunk))])
+        return part or _joined([alone(chunk[i : i + 1]) for i in range(len(chunk))])
 
     while waiting or flying:
         while waiting and len(flying) < pool.size:
@@ -228,7 +228,7 @@ def _computed_or_failed(job: Job, cells: FloatArray) -> Part:
     except Exception as error:
         if len(cells) == 1:
             return _failed(job, " ".join(f"{type(error).__name__}: {error}".split()))
-    return joined([_computed_or_failed(job, cells[i : i + 1]) for i in range(len(cells))])
+    return _joined([_computed_or_failed(job, cells[i : i + 1]) for i in range(len(cells))])
 
 
 def _part_of(job: Job, cells: FloatArray) -> Part:
@@ -243,6 +243,11 @@ def _part_of(job: Job, cells: FloatArray) -> Part:
         if part[name].shape != (len(cells),):
             raise ValueError(f"column {name} has the shape {part[name].shape}, not ({len(cells)},)")
     return part
+
+
+def _joined(parts: Sequence[Part]) -> Part:
+    """Return parts one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _failed(job: Job, message: str) -> Part:

@@ -21,7 +21,7 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity import checks as validity
 from sizing.validity.extrapolations import cell_texts
 from solar.types import FloatArray
-from studies.maps.cells import scenarios_of
+from studies.maps.study import scenarios_of
 from studies.output.gridded import SIZED, TOO_WINDY
 from studies.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from studies.study import merged

@@ -1,4 +1,4 @@
-"""Points of a trade study as workers compute them: simulated, or prepared for sizing."""
+"""Points of a trade study as workers compute them: simulated, or sized beside what is varied."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ from sizing.day.heights import ClimbLimitError, climb_limits
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.design import DesignVariables, variables_of
+from sizing.design_space import DesignSpace, Range
 from sizing.limits import MASS_BUDGET, design_requirements
-from sizing.parameters import MISSION_PREFIX
+from sizing.parameters import MISSION_PREFIX, all_replaced
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.smooth import Value
@@ -31,6 +32,7 @@ from solar.types import FloatArray
 from studies.output import gridded
 from studies.quantities import (
     CHOSEN,
+    DESIGN_COLUMNS,
     ENDURANCE,
     LOAD,
     MAXIMUM_ALTITUDE,
@@ -42,7 +44,7 @@ from studies.quantities import (
 )
 from studies.render.words import percent
 from studies.study import blanks_of
-from studies.sweeps.axes import design_variable
+from studies.sweeps.axes import DESIGN_KEYS, design_variable
 
 _DESCRIBED = gridded.DESCRIBED | {
     ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
@@ -303,3 +305,64 @@ def _row_of_design(
 
 def _value_at(values: Value, place: tuple[int, ...]) -> float:
     return float(np.asarray(values)[place])
+
+
+# ---- Sized
+
+
+def with_fixed_variables(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
+    """Return an aircraft with design variables, by short names, fixed at values.
+
+    Their bounds coincide, which makes the solver drop them from the problem.
+    """
+    space: dict[str, Any] = {
+        name: Range.model_construct(minimum=value, maximum=value)
+        for name, value in variables.items()
+        if name != "aspect_ratio"
+    }
+    if "aspect_ratio" in variables:
+        space["aspect_ratio"] = None  # fixed at the airframe's
+    design_space: DesignSpace = aircraft.design_space.model_copy(update=space)
+    values = {DESIGN_KEYS[name]: value for name, value in variables.items()}
+    return all_replaced(aircraft, values).model_copy(update={"design_space": design_space})
+
+
+def size_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
+    """Size points with the varied design variables fixed; arguments as ``simulate_points``."""
+    assert configuration.objective is not None
+    rows: dict[int, dict[str, Any]] = {}
+    for numbers, aircraft, mission in valid_groups(configuration, cells, rows, SizingStatus):
+        for number in numbers:
+            names = map(design_variable, configuration.keys)
+            values = zip(names, cells[number].tolist(), strict=True)
+            fixed = {name: value for name, value in values if name is not None}
+            sized = with_fixed_variables(aircraft, fixed)
+            try:
+                rows[number] = _sizing_row(
+                    sized, mission, configuration.objective, configuration.solar, of=aircraft
+                )
+            except mass_budget.ImpossibleDesignError as error:
+                rows[number] = {"status": SizingStatus.infeasible, "message": str(error)}
+    return columns_of(configuration, rows)
+
+
+def _sizing_row(
+    aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, *, of: Aircraft
+) -> dict[str, Any]:
+    """Size a point of a trade study; ``of``: aircraft without the point's fixed variables."""
+    from sizing.program.size import size_aircraft  # with the optimiser, a seventh of a second
+
+    result = size_aircraft(aircraft, mission, objective, solar)
+    row: dict[str, Any] = {"status": result.status, PAYLOAD_MASS.variable: mission.payload.mass_kg}
+    if result.status is SizingStatus.not_converged:
+        return row | {"message": f"the solver did not converge ({result.solver.message})"}
+    if result.violations:
+        worst = max(result.violations, key=lambda v: v.shortfall)
+        row |= {"shortfall": worst.shortfall, "violated_requirement": worst.requirement}
+        row |= {"message": "; ".join(v.text for v in result.violations)}
+    if result.simulated is None or result.design is None:
+        return row
+    simulated, scenario = result.simulated, result.simulated.worst_scenario()
+    row |= {q.variable: q.of(result.design) for q in DESIGN_COLUMNS}
+    row |= {q.variable: float(q.of(simulated)[scenario]) for q in (*REACHED, LOAD)}
+    return row | {"extrapolations": as_text(extrapolations(of, simulated))}

@@ -44,6 +44,7 @@ from studies.sweeps.axes import (
 from studies.sweeps.points import (
     SweepConfiguration,
     simulate_points,
+    size_points,
     varies_climb,
 )
 
@@ -194,12 +195,10 @@ def prepare(
     # Points with the same aircraft and mission are adjacent, a batch.
     of_files = [table[:, i] for i, axis in enumerate(axes) if axis.design_variable is None]
     order = np.lexsort([np.arange(len(table)), *of_files[::-1]])
-    sized, function = objective is not None, simulate_points
-    if sized:  # the optimiser takes a seventh of a second to import
-        from studies.sweeps.sized import size_points as function
+    sized = objective is not None
     with_result = gridded.SIZED if sized else ENDS
     return Study(
-        function,
+        size_points if sized else simulate_points,
         configuration,
         table,
         cell_s=cell_s,

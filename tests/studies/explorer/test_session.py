@@ -19,8 +19,7 @@ from sizing.results.analysis import analyse
 from studies.case import Case, Loaded
 from studies.cli.files import opened
 from studies.explorer.fields import DAY, LATITUDE, Field
-from studies.explorer.season import COARSE_STEP_H, DAYS, LATITUDES_DEG
-from studies.explorer.session import Session
+from studies.explorer.session import COARSE_STEP_H, DAYS, LATITUDES_DEG, Session
 from studies.explorer.settings import RefusedError
 
 MOVED = {
@@ -128,7 +127,7 @@ def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam():
     settings = one.settings({"mission.wind_m_per_s": 20.0})
     assert one.day(settings)["notes"][0] == "airspeed 8.5 m/s is below the wind of 20 m/s"
     assert one.season(settings, coarse=True) == calm
-    assert one._maps._light.cache_info().currsize == 1
+    assert one._light.cache_info().currsize == 1
 
 
 def test_a_held_place_is_mapped_where_the_wind_is_known():

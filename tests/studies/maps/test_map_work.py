@@ -22,7 +22,7 @@ from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from studies.maps import cells as map_cells
+from studies.maps import study as map_study
 from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.sized import sized_cells
 from studies.maps.study import feasibility_map, prepare, resized_map
@@ -58,7 +58,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     def refuse(*arguments):
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(map_cells, "_simulated", refuse)
+    monkeypatch.setattr(map_study, "_simulated", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
     run("map", *SMALL, "--out", "again.nc", "--work", "map.nc.parts").good()
@@ -66,7 +66,7 @@ def test_kept_parts_are_used_again(run, tmp_path, monkeypatch):
     assert not (tmp_path / "map.nc.parts").exists()
 
 
-simulated = map_cells._simulated
+simulated = map_study._simulated
 
 
 def failing(aircraft, mission, solar, scenarios):
@@ -76,7 +76,7 @@ def failing(aircraft, mission, solar, scenarios):
 
 
 def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(map_cells, "_simulated", failing)
+    monkeypatch.setattr(map_study, "_simulated", failing)
     answer = run("map", *SMALL, "--out", "map.nc", "--workers", "1", "--json")
     assert answer.code == 1
     said = "1 of 60 cells failed; the first: FloatingPointError: not today"
@@ -107,7 +107,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(run, tmp_path, monkeypa
 
 
 def test_where_every_cell_fails_there_is_no_file(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(map_cells, "_simulated", failing)
+    monkeypatch.setattr(map_study, "_simulated", failing)
     cell = ("--latitudes", "44", "--days", "81", "--workers", "1")
     answer = run("map", "atlantiksolar-as2", *cell, "--out", "map.nc")
     assert answer.code == 1
@@ -117,7 +117,7 @@ def test_where_every_cell_fails_there_is_no_file(run, tmp_path, monkeypatch):
 
 def command(*arguments, cwd):
     """Start the command as it is installed: worker processes import that script again."""
-    root = str(Path(map_cells.__file__).parents[2])
+    root = str(Path(map_study.__file__).parents[2])
     return subprocess.Popen(
         [str(Path(sys.executable).with_name("solar-uav")), *arguments],
         stdout=subprocess.PIPE,
@@ -287,7 +287,7 @@ def test_python_names_what_a_model_needs():
 
 
 def test_python_warns_of_failed_cells_and_raises_where_all_failed(monkeypatch):
-    monkeypatch.setattr(map_cells, "_simulated", failing)
+    monkeypatch.setattr(map_study, "_simulated", failing)
     with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
         data = feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[81])
     assert data["status"].values[:, 0].tolist()[1] == Status.failed

@@ -27,9 +27,8 @@ from studies.output.gridded import SizingStatus, to_table
 from studies.render.tables import Table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
-from studies.sweeps.points import SweepConfiguration, simulate_points
+from studies.sweeps.points import SweepConfiguration, simulate_points, with_fixed_variables
 from studies.sweeps.results import SweepResult, pareto_front
-from studies.sweeps.sized import with_fixed_variables
 from studies.sweeps.study import prepare, sweep
 
 AS2 = load_aircraft("atlantiksolar-as2")
