@@ -50,14 +50,6 @@ def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(aircraft):
     assert np.all(result.gliding_h == 0.0)
 
 
-def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator():
-    turbulence = {"all_day": 0.1, "thermal": 0.4}
-    where = mission(FLOOR_M, turbulence=turbulence, payload={"mass_kg": 0.2, "power_w": 3.0})
-    result = climb_performance(DESIGN, where)
-    assert np.ptp(result.constant.load_w) > 0.2 * result.constant.load_w.min()
-    assert result.performance.load_w == pytest.approx(result.constant.load_w, rel=1e-12)
-
-
 def by_rule_h(aircraft, ceiling_m, day, *, surplus):
     """Excess time with climbs by a rule: once the battery is full, or on any surplus."""
     limit = aircraft.battery.charge_limit

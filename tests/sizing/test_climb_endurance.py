@@ -4,7 +4,7 @@ import builders
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, UNLIMITED_AS2, climb_performance
-from plain_climb import DISCHARGE, FLOOR_M, FULL_WH, PlainClimb
+from plain_climb import FLOOR_M, PlainClimb
 
 from missions.air import standard_air
 from missions.dates import day_of_year
@@ -87,13 +87,6 @@ def test_propulsion_that_cannot_climb_gives_level_flight():
     theirs = longest(performance(weak, builders.mission(**high)))
     # It has no power to go down and up again with either, but for a minute.
     assert ours.endurance_h == pytest.approx(theirs.endurance_h, abs=0.05)
-
-
-def test_without_any_sun_it_is_the_battery_over_the_load():
-    night = {"latitude_deg": 80.0, "dates": {"on": "12-21"}}
-    perf = performance(AS2, mission(3536.0, **night))
-    by_hand = FULL_WH * DISCHARGE / float(perf.nominal_load_w[0])
-    assert longest(perf).endurance_h == pytest.approx(by_hand, rel=1e-3)
 
 
 def test_flight_that_is_drawn_ends_with_the_endurance(climbing):

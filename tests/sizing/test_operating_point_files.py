@@ -70,21 +70,6 @@ def test_what_cannot_fly_has_a_reason_and_no_number():
         sizing.size(weak, MISSION)
 
 
-def test_a_sized_design_has_its_own_operating_point():
-    subject = aircraft()
-    study = sizing.size(subject, MISSION, "min_mass")
-    assert study.feasible
-    design = sizing.design_of(study.sized_aircraft(), MISSION)
-    assert design.propulsion_power_w == pytest.approx(study.design.propulsion_power_w, rel=1e-5)
-    assert design.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-5)
-    # Not that of the file's design, which is larger.
-    before = sizing.design_of(subject, MISSION).chain
-    assert abs(study.design.chain.efficiency - before.efficiency) > 0.01
-    # No other design within a per cent of it that closes its day is lighter in the simulator.
-    least = sizing.analyse(study.sized_aircraft(), MISSION)
-    assert least.excess_time_h == pytest.approx(0.0, abs=0.02)
-
-
 @pytest.mark.parametrize("name", ["sky-sailor", "atlantiksolar-design", "solong", "parts"])
 def test_the_power_budget_adds_up(name):
     subject = aircraft() if name == "parts" else sizing.load_aircraft(name)

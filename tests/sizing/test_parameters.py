@@ -1,6 +1,7 @@
 """The catalogue of parameters: every key is one of a file, and nothing is called by two units."""
 
 import re
+from functools import cache
 
 import pytest
 
@@ -35,6 +36,7 @@ _ENDINGS = {
 }
 
 
+@cache
 def aircraft():
     common = [
         "design_space.maximum_total_mass_kg=50",

@@ -12,11 +12,9 @@ from sizing import analyse_uncertainty, load_aircraft, operating_point, size
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import design_of, parametric_design
-from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import fly, performance
 from sizing.program.size import size_aircraft
 from sizing.station import FASTEST, faster_flight, station_keeping
-from sizing.uncertainty.propagation import Propagation
 
 CELLS = Scenarios(np.array([20.0, 40.0, 50.0]), np.array([166, 166, 166]))
 
@@ -156,25 +154,6 @@ def test_the_rated_power_ends_the_airspeed(tmp_path):
     assert not study.feasible
     missed = {violation.requirement for violation in study.result.violations}
     assert missed & {"power_against_wind", "energy_balance", "battery_capacity"}
-
-
-@pytest.mark.parametrize(
-    "flown", [DESIGN, pytest.param("twin-boom-design", marks=pytest.mark.long)], ids=str
-)
-def test_draws_without_scatter_fly_as_the_analysis(tmp_path, flown):
-    subject = aircraft(flown) if isinstance(flown, str) else flown
-    speed_m_per_s = float(design_of(subject, mission()).airspeed_m_per_s)
-    where = holding(in_winds(tmp_path, 4.0, 1.2 * speed_m_per_s))
-    key = "battery.specific_energy_wh_per_kg"
-    energies = parameter_value(subject, where, key) * np.array([1.0, 0.9, 1.05])
-    draws = Propagation(subject, where, UNCORRECTED_CAM).flights({key: energies})
-    each = [performance(with_parameter(subject, where, key, e)[0], where) for e in energies]
-    excess_h = [float(flight.cycle.excess_time_h.min()) for flight in each]
-    # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
-    chain = 2e-2 if isinstance(flown, str) else 1e-9
-    assert draws.excess_time_h == pytest.approx(excess_h, abs=chain)
-    calm = performance(subject, in_winds(tmp_path, 4.0, 1.2 * speed_m_per_s))
-    assert calm.cycle.excess_time_h.min() > excess_h[0] + 1.0
 
 
 @pytest.mark.long

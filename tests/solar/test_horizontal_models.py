@@ -161,17 +161,6 @@ MAP = {
 }
 
 
-@pytest.mark.parametrize("model", ["CDM", "CAM"])
-def test_own_sky_that_is_the_shipped_one_gives_the_same_power(model):
-    given = {"cell": SolarCell(), "module_temperature_c": 20.0, "altitude_m": 1500.0}
-    shipped = horizontal_specific_power(**MAP, **given, model=model, clearness=0.8)
-    user_defined = horizontal_specific_power(
-        **MAP, **given, model=model, clearness=0.8, sky=lambda *where: clear_sky(*where)
-    )
-    # Sums of the same products in another order.
-    np.testing.assert_allclose(user_defined, shipped, rtol=1e-11, atol=1e-11)
-
-
 def test_own_sky_and_own_model_are_used():
     def sky(day, latitude, cos_z, altitude):
         direct = np.where(np.asarray(cos_z) > 0.0, 1000.0 + 0.0 * np.asarray(altitude), 0.0)

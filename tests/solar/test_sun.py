@@ -90,12 +90,6 @@ def test_declination_agrees_with_another_implementation_of_the_series():
     assert declination(whole_days) == pytest.approx(other, abs=1e-12)
 
 
-@pytest.mark.parametrize(("longitude", "sign"), [(90, 1.0), (-90, -1.0), (0, 0.0), (180, 2.0)])
-def test_solar_time_is_ahead_in_the_east(longitude, sign):
-    expected = 12.0 + 6.0 * sign + equation_of_time_h(100.0)  # 15 degrees are one hour
-    assert solar_time_h(12.0, 100.0, longitude) == pytest.approx(expected)
-
-
 def test_day_lengths_at_special_places():
     north = np.radians(23.44)
     assert sun_times(0.0, north).day_length_h == pytest.approx(12.0)  # equator: always 12 h

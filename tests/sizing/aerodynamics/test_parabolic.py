@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from arithmetics import assert_alike
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -60,12 +59,3 @@ def test_lift_coefficient_at_stall_is_refused():
             profile_drag_coefficient=0.01,
             reference_reynolds=1e5,
         )
-
-
-@settings(max_examples=30)
-@given(span=spans, aspect=aspects, mass=masses)
-def test_arrays_and_symbols_equal_floats(span, aspect, mass):
-    def power(b, ar, m):
-        return [level_flight_power_w(POLAR, mass_kg=m, wingspan_m=b, aspect_ratio=ar, **AIR)]
-
-    assert_alike(power, span, aspect, mass)

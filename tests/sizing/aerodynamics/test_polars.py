@@ -2,22 +2,19 @@
 
 import math
 import pickle
-from functools import cache
 
-import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from source_tree import ROOT
 
 from benchmarks.validation.make_polars import default_grid, main
-from benchmarks.validation.power_curve import AS2, power_tables
+from benchmarks.validation.power_curve import power_tables
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
-from sizing.aerodynamics.parabolic import level_airspeed_m_per_s, level_flight_power_w
 from sizing.aerodynamics.polar_table import (
     COLUMNS,
     parse_polar_table,
@@ -173,38 +170,6 @@ def test_drag_and_slope_are_continuous_across_the_clamps(name):
         assert np.max(np.abs(curvature[2:-2])) < 6000.0
 
 
-@pytest.mark.long
-@settings(deadline=None)  # builds CasADi graphs
-@given(polars, st.floats(-3.0, 3.0), wild_reynolds)
-def test_numbers_and_symbols_agree(polar, cl, reynolds):
-    for symbol in (ca.SX, ca.MX):
-        lift, re = symbol.sym("lift"), symbol.sym("re")
-        outputs = [polar.profile_drag(lift, re), polar.maximum_lift(re)]
-        drag, peak = ca.Function("polar", [lift, re], outputs)(cl, reynolds)
-        assert float(drag) == pytest.approx(float(polar.profile_drag(cl, reynolds)), rel=1e-10)
-        assert float(peak) == pytest.approx(float(polar.maximum_lift(reynolds)), rel=1e-10)
-
-
-@cache
-def derivatives(airfoil):
-    """Hessian and gradient of the drag over lift and Reynolds number."""
-    lift, re = ca.SX.sym("lift"), ca.SX.sym("re")
-    drag = AirfoilPolar.load(airfoil).profile_drag(lift, re)
-    return ca.Function("derivatives", [lift, re], ca.hessian(drag, ca.vertcat(lift, re)))
-
-
-@given(st.sampled_from(SHIPPED), st.floats(-2.0, 3.0), wild_reynolds)
-def test_first_and_second_derivatives_are_finite(airfoil, cl, reynolds):
-    values = derivatives(airfoil)(cl, reynolds)
-    assert all(np.all(np.isfinite(np.asarray(value))) for value in values)
-
-
-def test_stalled_rows_at_the_low_end_are_left_out():
-    # MH 114 does not reattach at 60 000: maximum lift 1.1 there, 1.7 at the next Reynolds number.
-    assert AirfoilPolar.load("mh114").reynolds_range[0] > 60e3
-    assert AirfoilPolar.load("fx60126").reynolds_range == (60e3, 600e3)
-
-
 # ---- Reading tables
 
 
@@ -308,21 +273,6 @@ def test_writer_repeats_a_shipped_table(tmp_path):
 
 
 # ---- The wing
-
-
-def test_wing_polar_serves_level_flight_power_as_the_parabolic_polar_does():
-    polar = _wing()
-    flight = {"mass_kg": AS2.mass_kg, "density_kg_per_m3": AS2.density_kg_per_m3}
-    power = level_flight_power_w(
-        polar,
-        wingspan_m=AS2.wingspan_m,
-        aspect_ratio=AS2.aspect_ratio,
-        dynamic_viscosity=AS2.dynamic_viscosity,
-        **flight,
-    )
-    speed = level_airspeed_m_per_s(polar, wing_area_m2=AS2.wing_area_m2, **flight)
-    electric = power / AS2.propulsion_efficiency
-    assert float(AS2.electric_power_w(polar, speed)) == pytest.approx(float(electric), rel=1e-9)
 
 
 def test_best_lift_needs_least_power_within_the_stall_margin():

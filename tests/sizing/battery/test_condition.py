@@ -17,7 +17,6 @@ from sizing.battery.condition import (
     cycles_to_end_of_life,
 )
 from sizing.day.battery import Store
-from sizing.day.replay import calendar_run
 from sizing.parameters import with_parameter
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
@@ -31,14 +30,6 @@ temperatures = st.floats(-60.0, 60.0)
 
 def heated(**changes):
     return BatteryTemperature(**({"held_c": 10.0, "heat_loss_w_per_k": 0.4} | changes))
-
-
-@given(temperatures)
-def test_a_battery_without_them_is_the_same_in_any_air(air_c):
-    assert PLAIN.capacity_fraction(air_c) == 1.0
-    assert PLAIN.heater_w(air_c) == 0.0
-    assert PLAIN.mean_charge_efficiency == PLAIN.charge_efficiency
-    assert PLAIN.mean_discharge_efficiency == PLAIN.discharge_efficiency
 
 
 def test_capacity_is_that_of_the_specification():
@@ -167,16 +158,6 @@ def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight):
     plain = analyse(spelled_out("atlantiksolar-as2"), where)
     assert analysis.excess_time_h == pytest.approx(plain.excess_time_h, abs=1e-9)
     assert analysis.excess_time_h < analyse(aircraft("atlantiksolar-as2"), where).excess_time_h
-
-
-def test_a_replay_is_that_of_the_plain_keys_that_say_the_same():
-    launch = {"date": "07-14", "time_local": "10:00", "duration_h": 30.0}
-    where = mission(air={"ambient_temperature_c": -5.0}, launch=launch, longitude_deg=8.5)
-    charge = [
-        calendar_run(loaded, where, step_h=0.25).state_of_charge
-        for loaded in (aircraft("atlantiksolar-as2", *IN_FLIGHT), spelled_out("atlantiksolar-as2"))
-    ]
-    assert charge[0] == pytest.approx(charge[1], abs=1e-12)
 
 
 def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same():

@@ -106,10 +106,3 @@ def test_without_height_it_is_the_day_of_level_flight(thermal):
     # 1e-4 of the table in thermals.
     assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=2e-3)
     assert found.performance.load_w == pytest.approx(found.constant.load_w, rel=5e-4)
-
-
-def test_no_more_is_climbed_with_than_the_parts_can_do():
-    weak = sizing.load_aircraft("twin-boom-design", {"airframe.propulsion.maximum_tip_mach": 0.1})
-    found = climb_performance(weak, mission(1536.0))
-    strong = climb_performance(TWIN, mission(1536.0))
-    assert found.performance.load_w.max() < strong.performance.load_w.max() - 1.0

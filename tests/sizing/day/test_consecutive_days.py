@@ -144,16 +144,6 @@ def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
         assert not after.any()
 
 
-def test_days_that_never_settle_are_marched_one_after_the_other():
-    # Never empty, never full: each day's end depends on all days before.
-    clearness = 0.6 + 0.02 * np.sin(np.arange(30.0))
-    balance, its_store = days_of(clearness), store(20000.0, 30)
-    run = carried_from(balance, its_store, 8000.0)
-    nodes, _ = step_by_step(balance, its_store, 8000.0)
-    assert 0.0 < nodes.min() < nodes.max() < 20000.0
-    assert pytest.approx(nodes, rel=1e-9) == run.energy_at_nodes_wh().T
-
-
 def test_the_same_day_again_and_again_becomes_the_repeated_day():
     for peak_w in (150.0, 165.0, 200.0):
         days = 120

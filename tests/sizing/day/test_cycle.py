@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from plain_days import TIME, battery, rate_per_h, sun
 
-from sizing.battery.battery import NoChargeLimit, RuleChargeLimit, TableChargeLimit
+from sizing.battery.battery import RuleChargeLimit, TableChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.metrics import Status, equal_power
+from sizing.day.metrics import equal_power
 
 MEASURED = TableChargeLimit(
     state_of_charge=(0.78, 0.82, 0.86, 0.89, 0.90, 0.92, 0.93, 0.94, 0.95, 0.96, 0.97, 0.98, 0.99),
@@ -153,30 +153,6 @@ def test_metrics_equal_the_slow_simulation(name):
     # made where the charger takes over within 5 min, is 0.005 h; two such instants.
     assert found.full_charge_h == pytest.approx(expected.full_charge_h, abs=0.02, nan_ok=True)
     assert float(found.charge_margin_h) == pytest.approx(expected.charge_margin_h, abs=0.02)
-
-
-def test_always_lit_is_infinite():
-    cycle = simulate_cycle(TIME, sun(85.0, 172), constant_load(25.0), Store.of(battery(700.0)))
-    assert cycle.excess_time_h == inf
-    assert cycle.status == Status.always_lit
-    assert cycle.minimum_state_of_charge == 1.0
-    # Full at every instant of the day.
-    assert float(cycle.charge_margin_h) == pytest.approx(24.0, abs=1e-9)
-    assert np.isnan(cycle.equal_power_morning_h)
-    assert np.isnan(cycle.equal_power_evening_h)
-    assert bool(cycle.perpetual)
-
-
-@pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit(), MEASURED])
-def test_never_lit_lacks_all_hours(limit):
-    store = Store.of(battery(700.0, limit))
-    cycle = simulate_cycle(TIME, np.zeros_like(TIME), constant_load(40.0), store)
-    # 24 hours, summed from 288 intervals: rounding.
-    assert float(cycle.excess_time_h) == pytest.approx(-24.0, abs=1e-9)
-    assert cycle.status == Status.never_lit
-    assert cycle.minimum_state_of_charge == 0.0
-    assert cycle.charge_margin_h == 0.0
-    assert not bool(cycle.perpetual)
 
 
 # 12 h at 200 W of sun, load 50 W: night 12 h * 50 W / 0.97 = 618.6 Wh.

@@ -130,13 +130,6 @@ def test_polar_night_is_the_battery_alone(limit, power):
     assert float(found.endurance_h) == pytest.approx(732.0 * 0.97 / power, rel=1e-9)
 
 
-def test_perpetual_flight_has_no_end():
-    solar = np.stack((sun(47.6, 196, HOURLY), sun(85.0, 172, HOURLY)))
-    load = np.array([[43.0], [20.0]]) * np.ones_like(HOURLY)
-    store = Store.of(battery(1.0), np.array([732.0, 10.0]))
-    assert longest_flight(HOURLY, solar, load, store).endurance_h.tolist() == [inf, inf]
-
-
 def test_whole_days_that_lose_the_same_are_skipped_without_effect():
     # A loss of 0.4 % of the battery a day: some 250 days until it is empty. What a plain
     # sum of days gives: the deficit of a day divides the battery.

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import climb_performance
 from propulsors import VOLTAGE, aircraft
 from scipy.integrate import solve_ivp
 from weather_files import clear_record
@@ -15,7 +14,6 @@ from missions.library import load_mission
 from missions.weather.site import mission_at_site
 from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day
-from sizing.day.load import part_load_of
 from sizing.day.record import weather_performance
 from sizing.day.replay import calendar_run
 from sizing.design import DesignVariables, FlightConditions
@@ -80,17 +78,6 @@ def test_a_constant_voltage_and_load_leave_the_result_as_it_is(all_day):
     # To rounding: nothing is interpolated.
     assert flown.cycle.excess_time_h == pytest.approx(level.excess_time_h, rel=1e-10)
     assert flown.cycle.energy_wh == pytest.approx(level.energy_wh, rel=1e-10)
-
-
-@pytest.mark.parametrize("name", list(AIRCRAFT))
-def test_the_table_is_the_exact_chain(name):
-    own, mission = AIRCRAFT[name], rough(0.1, 0.5)
-    design, rng = design_of(own, mission), np.random.default_rng(7)
-    part = part_load_of(own, mission, design)
-    load = rng.uniform(1.1, 1.6, 40)
-    ratio = exact_w(own, mission, load, half_charged_v(own)) / float(design.propulsion_power_w)
-    # A hundredth of what would change the efficiency as it is printed, in 0.1 %.
-    assert part.at(load) == pytest.approx(ratio, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", list(AIRCRAFT))
@@ -221,12 +208,3 @@ def test_a_record_has_the_load_of_its_air(name):
         power_w = parts.propulsors * float(point.bus_power_w)
         heater_w = run.load_w[day, at] - power_w - float(design.constant_power_w)
         assert heater_w == pytest.approx(0.0, abs=3e-5 * power_w)
-
-
-def test_a_climb_begins_with_the_load_of_the_moment():
-    own = AIRCRAFT["atlantiksolar"]
-    climb = {"ceiling_m": 1500.0}
-    mission = load_mission("rafz-july", {"climb": climb})
-    flown = climb_performance(own, mission)
-    constant = performance(own, rough())
-    assert flown.constant.cycle.excess_time_h == constant.cycle.excess_time_h

@@ -55,17 +55,6 @@ def test_near_the_ground_modules_of_a_flight_are_warm_at_noon_as_measured(model)
         assert warmer_k == pytest.approx(12.0, abs=4.5)
 
 
-def test_modules_high_up_are_warmer_than_the_air_and_colder_than_near_the_ground():
-    as_cold = with_modules_at(HIGH, HIGH.air_state().temperature_c)
-    warm, cold = (solar_day(STRATOSPHERE, one) for one in (HIGH, as_cold))
-    noon = len(warm.time_h) // 2
-    ratio = warm.specific_power_w_per_m2[0, noon] / cold.specific_power_w_per_m2[0, noon]
-    loss_per_k = STRATOSPHERE.modules.temperature_coefficient_per_k
-    at_air = float(STRATOSPHERE.modules.temperature_efficiency(HIGH.air_state().temperature_c))
-    warmer_k = (1.0 - ratio) * at_air / loss_per_k
-    assert 30.0 < warmer_k < 75.0
-
-
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
 @pytest.mark.parametrize(
     ("span_m", "where"),
@@ -86,19 +75,6 @@ def test_a_design_of_another_flow_has_its_own_temperature(model, span_m, where):
     # Of VM and FM one other flow is known besides the own. With the warmth of CAM, whose horizontal
     # modules see less of a low sun, their energy was off by 0.18 % there.
     assert found == pytest.approx(exact, rel=2e-4 if model in ("VM", "FM") else 5e-5)
-
-
-def test_a_sized_design_is_analysed_as_it_was_sized_with_the_heater_of_its_battery():
-    laden = {"payload": {"mass_kg": 5.0, "power_w": 50.0}, "required_excess_time_h": 1.0}
-    summer = with_values(HIGH, laden)
-    study = size(STRATOSPHERE, summer, "min_mass")
-    again = analyse(study.sized_aircraft(), summer)
-    sized_h = float(np.min(study.result.simulated.cycle.excess_time_h))
-    # 0.003 % of the sun's energy is a second of a night.
-    assert again.excess_time_h == pytest.approx(sized_h, abs=1e-3)
-    told_w = study.to_dict()["battery_condition"]["heater_power_w"]
-    loads_w = float(study.result.simulated.design.constant_power_w) - 50.0 - 50.0
-    assert told_w == pytest.approx(loads_w, rel=1e-9)
 
 
 def test_a_first_guess_that_cannot_fly_has_a_flow():

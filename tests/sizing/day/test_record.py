@@ -143,18 +143,6 @@ def test_a_clear_year_closes_on_the_days_of_the_season():
     assert done.recorded.longest_run_days == len(done.recorded.closes.nonzero()[0])
 
 
-def test_days_are_those_of_the_place_and_not_of_greenwich():
-    far = Site("Far", 40.0, 179.0, 0.0, 12.0)
-    record = clear_record(6, first="2001-07-14", site=far)
-    axis = weather_performance(AS2, mission_at(record), record).recorded.axis
-    assert axis.day_of_year.tolist() == [195, 196, 197, 198, 199, 200]
-    # A record in universal time begins there at noon: its first half-day is left out.
-    utc = clear_record(6, first="2001-07-14", site=replace(far, utc_offset_h=0.0))
-    axis = weather_performance(AS2, mission_at(utc), utc).recorded.axis
-    assert axis.day_of_year.tolist() == [196, 197, 198, 199, 200]
-    assert np.abs(axis.midnight_h).max() < 0.1
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("longitude_deg", "offset_h"),
@@ -273,15 +261,3 @@ def test_the_heater_of_a_cold_day_is_load():
     lacking_k = 10.0 - float(done[0].days.light.temperature_c.mean())
     assert 20.0 < lacking_k < 20.5
     assert heater_w == pytest.approx(np.full((3, 49), 0.4 * lacking_k))
-
-
-def test_less_light_never_helps():
-    closes, charges = [], []
-    for share in (0.5, 0.7, 1.0):
-        record = clear_record(20, first="2001-07-14", share=share)
-        run = weather_performance(AS2, mission_at(record), record).recorded
-        closes.append(run.closes.sum())
-        charges.append(run.dawn_state_of_charge)
-    assert closes == sorted(closes)
-    assert np.all(charges[0] <= charges[1] + 1e-12)
-    assert np.all(charges[1] <= charges[2] + 1e-12)

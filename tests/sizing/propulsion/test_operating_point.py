@@ -1,10 +1,7 @@
-import contextlib
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from documented import DOCS, blocks
 from propulsors import aircraft
 
 from missions.air import standard_air
@@ -64,15 +61,6 @@ def test_what_is_lost_adds_up():
     assert budget["wiring"] == pytest.approx(point.bus_current_a**2 * 0.03)
     inlet = point.bus_power_w / point.bus_current_a - point.bus_current_a * 0.03
     assert point.duty * inlet - (1 - point.duty) * 0.7 == pytest.approx(voltage + 0.02 * current)
-
-
-def test_points_are_the_same_alone():
-    many = operating_point(PROPULSOR, [1.0, 2.0, 4.0], [7.0, 8.0, 9.0], AIR, [18.0, 20.0, 24.0])
-    for place in range(3):
-        single = operating_point(
-            PROPULSOR, 1.0 * 2**place, 7.0 + place, AIR, (18.0, 20.0, 24.0)[place]
-        )
-        assert many.bus_power_w[place] == pytest.approx(float(single.bus_power_w), rel=1e-9)
 
 
 def test_part_load_of_the_controller_costs_at_high_voltage():
@@ -229,15 +217,6 @@ def test_controller_by_hand():
 
 def test_battery_voltage():
     assert cells().voltage_v([0.0, 0.25, 1.0]) == pytest.approx([18.0, 19.8, 25.2])
-
-
-def test_example_of_the_page():
-    example = next(b for b in blocks(DOCS / "propulsion.md") if "import sizing" in b.text)
-    page = (DOCS / "propulsion.md").read_text(encoding="utf-8")
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(example.text, {})
-    assert printed.getvalue() in page
 
 
 def test_parts_near_a_flight_are_the_exact_ones():

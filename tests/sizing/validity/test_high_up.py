@@ -1,7 +1,5 @@
 """What is assumed high up is told, with its worth: warm battery, cold modules, error, record."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, mission
@@ -12,11 +10,9 @@ import sizing
 from sizing.aircraft import Aircraft
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
-from sizing.validity.ranges import Extrapolation
 from studies.maps.study import feasibility_map
 from studies.output.gridded import extrapolations_of
 from studies.render.words import extrapolation_caption
-from studies.serialise import serialise
 
 # Perpetual there on the longest day, by less than the assumptions are worth.
 HIGH = mission(altitude_m=10000.0, dates={"on": "06-21"})
@@ -166,35 +162,7 @@ def test_captions_say_what_is_assumed_and_its_worth():
         assert f"{what} ({otherwise}: excess time {hours})" in caption
 
 
-def test_records_keep_the_worth_and_those_from_before_it_are_read():
-    for note in analyse(DESIGN, HIGH).extrapolations:
-        record = serialise(note)
-        assert Extrapolation.from_dict(record) == note
-        old = {key: value for key, value in record.items() if not key.startswith(("worth", "exc"))}
-        plain = dataclasses.replace(note, worth="", excess_time_h=None)
-        assert Extrapolation.from_dict(old) == plain
-
-
 AT_10_KM = ("mission.altitude_m=10000", "mission.dates={on: 06-21}", "mission.air={}")
-
-
-@pytest.mark.parametrize(
-    "command", [("analyse",), ("map", "--latitudes", "45:50:5", "--days", "172:172:1")]
-)
-def test_commands_tell_the_worth_high_up_and_nothing_near_the_ground(command, run, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "300")
-    verb, *options = command
-    call = (verb, "atlantiksolar-design", *options)
-    high = tuple(word for value in AT_10_KM for word in ("--set", value))
-    record = run(*call, *high, "--json").json()
-    by_range = {(note["quantity"], note["model"]): note for note in record["extrapolations"]}
-    assert {MODULES, BATTERY, ERROR} <= set(by_range)
-    printed = run(*call, *high, "-v").out
-    for key in (MODULES, BATTERY):
-        assert isinstance(by_range[key]["excess_time_h"], float)
-        assert by_range[key]["text"] in printed
-    low = run(*call, "--set", "mission.altitude_m=500", "--json").json()["extrapolations"]
-    assert not HIGH_UP & {(note["quantity"], note["model"]) for note in low}
 
 
 @pytest.mark.long
