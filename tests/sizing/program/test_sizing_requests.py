@@ -136,8 +136,9 @@ def test_limits_are_kept_and_cost_something(name, side):
     value = unlimited * (1.03 if side == "minimum" else 0.97)
     held, found = sized(aircraft(ratio, f"design_space.limits.{name}.{side}={value}"))
     assert held.status is SizingStatus.optimal
-    # The solver meets its rows to 1e-8; masses are closed to 1e-13.
-    assert found == pytest.approx(value, rel=1e-4)
+    # A search ends where 0.03 % of the objective is left to gain; the limit itself holds to 1e-6.
+    assert found == pytest.approx(value, rel=1e-3)
+    assert (found - value if side == "minimum" else value - found) > -1e-6 * value
     assert f"{name}_{side}" in held.active_constraints
     assert held.objective_value >= free.objective_value * (1.0 - 1e-3)
 
@@ -168,7 +169,7 @@ def test_equal_limits_in_either_order_make_equal_keys():
     ("override", "told"),
     [
         ("design_space.limits.chrd_m.minimum=1", "chord_m"),
-        ("design_space.limits.chord_m={minimum: 2, maximum: 1}", "minimum must not exceed maximum"),
+        ("design_space.limits.chord_m={minimum: 2, maximum: 1}", "maximum: must be at least"),
         ("design_space.limits.chord_m={}", "give a minimum, a maximum or both"),
         ("design_space.lift_coefficient={minimum: 0.5, maximum: 9}", "maximum lift coefficient"),
         ("design_space.lift_coefficient={minimum: 0.5, maximum: 1.4}", "must be below the maximum"),
