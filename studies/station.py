@@ -292,7 +292,7 @@ def plot_station(result: Station, *, figure: Canvas = DEFAULT) -> Figure:
     months = np.asarray(result.months, float)
     percent = np.where(np.isfinite(result.airspeed_m_per_s), 100.0 * result.share, np.nan)
     mesh = draw_cells(axes, months, rows, percent, Normalize(0.0, 100.0))
-    draw_colour_bar(drawn, mesh, axes, "share of the time on station [%]", unlimited=False)
+    draw_colour_bar(mesh, axes, "share of the time on station [%]", percent)
     axes.set_xticks(months, [MONTH_NAMES[month - 1] for month in result.months])
     edges = cell_edges(rows)
     axes.set_ylim(float(edges[0]), float(edges[-1]))

@@ -171,38 +171,24 @@ def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
 
 def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     """Draw bars between mean excess times of each input's lowest and highest draws."""
-    excess = analysis.flights.excess_time_h
+    excess, names, means = analysis.flights.excess_time_h, [], []
     finite = np.isfinite(excess)
-    rows: list[tuple[str, float, float]] = []
     for source in analysis.inputs.inputs:
-        value = analysis.values[source.key]
-        low, high = (
-            float(np.mean(excess[finite & side])) if np.any(finite & side) else np.nan
-            for side in (value <= np.percentile(value, 20.0), value >= np.percentile(value, 80.0))
-        )
-        index, label = analysis.sobol.get(source.key), source.label
-        if index is not None:
-            label += f", {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"
-        rows.append((label, low, high))
-    rows.sort(key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
-    rows = rows[-_MOST_BARS:]
+        value, index = analysis.values[source.key], analysis.sobol.get(source.key)
+        fifths = value <= np.percentile(value, 20.0), value >= np.percentile(value, 80.0)
+        known = [excess[finite & fifth] for fifth in fifths]
+        means.append([float(np.mean(each)) if len(each) else np.nan for each in known])
+        share = "" if index is None else f", {100 * index.total:.0f}\u00a0%\u00a0of\u00a0variance"
+        names.append(f"{source.label}{share}")
+    ends = np.array(means)
+    shown = np.argsort(np.nan_to_num(np.abs(ends[:, 1] - ends[:, 0])), kind="stable")[-_MOST_BARS:]
     centre = float(np.mean(excess[finite])) if np.any(finite) else 0.0
-    for y, (_, low, high) in enumerate(rows):
-        for end, name, colour, hatch in (
-            (low, "lowest fifth of the input", drawing.ORANGE, ""),
-            (high, "highest fifth", drawing.BLUE, "//"),
-        ):
-            axes.barh(
-                y,
-                end - centre,
-                left=centre,
-                facecolor=colour,
-                edgecolor=drawing.paper(),
-                linewidth=0.0,
-                height=0.6,
-                hatch=hatch,
-                label=name if y == 0 else None,
-            )
+    for end, name, colour, hatch in (
+        (ends[shown, 0], "lowest fifth of the input", drawing.ORANGE, ""),
+        (ends[shown, 1], "highest fifth", drawing.BLUE, "//"),
+    ):
+        looks: dict[str, Any] = {"facecolor": colour, "edgecolor": drawing.paper(), "hatch": hatch}
+        axes.barh(range(len(shown)), end - centre, 0.6, centre, linewidth=0.0, label=name, **looks)
     axes.axvline(centre, color=drawing.DARK_GREY)
-    axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
+    axes.set_yticks(range(len(shown)), [names[index] for index in shown])
     axes.set_xlabel("mean excess time [h]")

@@ -103,13 +103,8 @@ def plot_resized_map(data: OnGrid, *, figure: drawing.Canvas = DEFAULT) -> Figur
     sized, about = np.isin(data["status"].to_numpy(), SIZED), data[name].attrs
     values = np.where(sized, data[name].to_numpy(), np.nan)
     norm = cells.finite_range(values)
-    cells.draw_colour_bar(
-        drawn,
-        cells.draw_cells(axes, days, latitudes, values, norm),
-        axes,
-        f"{about['long_name']} [{about['units']}]",
-        unlimited=bool(np.isposinf(values).any()),
-    )
+    mesh = cells.draw_cells(axes, days, latitudes, values, norm)
+    cells.draw_colour_bar(mesh, axes, f"{about['long_name']} [{about['units']}]", values)
     cells.draw_level_lines(axes, days, latitudes, values, norm, at_most=5)
     _finish(drawn, axes, data)
     return drawn

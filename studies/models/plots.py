@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -108,19 +108,16 @@ def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
 
 
 def _legend(comparison: Comparison) -> list[Line2D]:
-    def entry(label: str, color: str = "", marker: str = "", ls: Any = "") -> Line2D:
-        line: Line2D = library().lines.Line2D(
-            [], [], color=color or drawing.ink(), marker=marker, linestyle=ls, label=label
-        )
-        return line
-
     truth = model_label(comparison.reference.solar)
     shown = dict.fromkeys(case.solar.correction for case in comparison.cases)
-    entries = [entry(_LOOKS[c][2], *_LOOKS[c][:2]) for c in shown]
-    entries.append(entry(f"{truth} (reference)", ls=":"))
+    entries: list[tuple[str, str, str, str]] = [
+        (words, colour, marker, "") for colour, marker, words in (_LOOKS[c] for c in shown)
+    ]
+    entries.append((f"{truth} (reference)", drawing.ink(), "", ":"))
     if comparison.has_designs:
-        entries.append(entry(f"limited, evaluated by {truth}", marker="x"))
-    return entries
+        entries.append((f"limited, evaluated by {truth}", drawing.ink(), "x", ""))
+    line = library().lines.Line2D
+    return [line([], [], label=n, color=c, marker=m, linestyle=ls) for n, c, m, ls in entries]
 
 
 def _draw_solar_energy(axes: Axes, _: Comparison, case: Case, y: float) -> None:

@@ -15,7 +15,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
@@ -73,13 +72,11 @@ def _colour_ends(norm: Normalize) -> tuple[float, float]:
 
 
 def draw_colour_bar(
-    figure: Figure, mesh: QuadMesh, axes: Axes | list[Axes], label: str, *, unlimited: bool
+    mesh: QuadMesh, axes: Axes | list[Axes], label: str, values: FloatArray
 ) -> None:
-    """Draw the scale of :func:`draw_cells`.
-
-    ``unlimited``: whether there are infinite values, to which the tip of the scale belongs.
-    """
-    bar = figure.colorbar(mesh, ax=axes, extend="max" if unlimited else "neither")
+    """Draw the scale of :func:`draw_cells`; infinite values have its tip."""
+    unlimited = bool(np.isposinf(values).any())
+    bar = mesh.figure.colorbar(mesh, ax=axes, extend="max" if unlimited else "neither")
     bar.set_label(f"{label}; tip: unlimited" if unlimited else label)
 
 

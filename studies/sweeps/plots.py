@@ -200,8 +200,7 @@ def _contour_figure(data: xr.Dataset, canvas: drawing.Canvas) -> Figure:
             if value is not None and variable == _plotted_variables(data)[0]:
                 value_text = value if isinstance(value, str) else spell(value)
                 axes.set_title(f"{_label(data, names[2])} = {value_text}", fontsize="medium")
-        unlimited = bool(np.isposinf(every).any())
-        cells.draw_colour_bar(figure, mesh, row, _label(data, variable), unlimited=unlimited)
+        cells.draw_colour_bar(mesh, row, _label(data, variable), every)
     for axes in panels:
         _name_places(axes.xaxis, data, names[0])
         _name_places(axes.yaxis, data, names[1])
