@@ -14,8 +14,7 @@ from solar.types import BoolArray
 from studies import quantities as q
 from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.render import sentences as say
-from studies.render.analysis import part_tables
+from studies.render.analysis import part_tables, wind_rows
 from studies.render.tables import ALL, Line, Table, facts
 from studies.render.words import extrapolation_blocks, extrapolation_caption
 
@@ -45,7 +44,7 @@ def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
     """Return the days that close; at level 2 by month and year, and windows of days."""
     mission = analysis.mission
     rows = q.facts_of(q.of_part("weather"), analysis, level)
-    rows += say.wind_rows(mission) if mission.holds_station else []
+    rows += wind_rows(mission) if mission.holds_station else []
     shown: list[Any] = [Line(headline(analysis), "strong"), facts("", rows)]
     if level >= ALL:
         shown += _weather_tables(analysis)

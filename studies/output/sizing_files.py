@@ -28,7 +28,7 @@ from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
-from studies.render.sentences import cells_line
+from studies.render.analysis import cells_line
 from studies.render.words import extrapolation_caption
 from studies.serialise import serialise
 

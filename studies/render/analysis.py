@@ -9,16 +9,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
+from missions.mission import Mission
 from missions.mission.scenarios import latitude_label
+from sizing.aircraft import MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
 from sizing.day.replay import CalendarRun
+from sizing.layout.cells import rows_text
+from sizing.limits import ROW_TOLERANCE
 from sizing.relaxed_flight import Relaxation
+from sizing.results.design_result import wind_of
+from sizing.validity.ranges import model_error_note
+from solar.sun import solar_time_h
 from studies import quantities as q
-from studies.render import sentences as say
-from studies.render.tables import ALL, MISSING, Line, Table, facts
+from studies.render.tables import ALL, MISSING, Line, Table, clock_label, facts
 from studies.render.words import (
     amount,
+    clock_of_day,
     date_and_clock,
     extrapolation_blocks,
     given,
@@ -60,19 +67,19 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
         f"{f', worst of {scenarios} scenarios' if scenarios > 1 else ''}: {_status(analysis)}"
     )
     facts = in_columns(_analysis_facts(analysis, level), analysis, level)
-    beyond, alone = say.coverage_line(analysis), analysis.relaxations
+    beyond, alone = coverage_line(analysis), analysis.relaxations
     relaxations: list[Any] = []  # what alone would make a flight perpetual
     if alone and everything:
         relaxations.append(relaxation_table(alone, "perpetual"))
     elif alone:
-        relaxations.append(say.relaxations_line(alone[:2], "perpetual"))
+        relaxations.append(_in_a_line(alone[:2]))
     flight: list[Any] = []
     if analysis.flight is not None:
         table = flight_table(analysis.flight)
         text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
         flight.append(table if everything else f"{table.title}: {text}")
     return {
-        "answer": [Line(title, "strong"), say.answer(analysis), *facts],
+        "answer": [Line(title, "strong"), answer(analysis), *facts],
         "parts": part_blocks(analysis) if everything else [],
         "scenarios": [scenario_table(analysis)] if everything and scenarios > 1 else [],
         "relaxations": relaxations,
@@ -82,7 +89,7 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
         "sources": sources(analysis, level),
         "error": [
             *([Line(q.BELOW_ZERO, "faint")] if analysis.excess_time_h < 0.0 else []),
-            Line(say.uncertainty_line(analysis), "faint"),
+            Line(uncertainty_line(analysis), "faint"),
         ],
     }
 
@@ -102,7 +109,7 @@ def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
         *climb_facts(analysis, level),
         *q.facts_of(q.OF_AIRCRAFT, design, level),
         *q.facts_of((q.LOAD, q.SOLAR_ENERGY), values, level),
-        *say.wind_rows(analysis.mission),
+        *wind_rows(analysis.mission),
     ]
 
 
@@ -136,6 +143,79 @@ def flight_table(run: CalendarRun) -> Table:
     if run.empty_clock_h is not None:
         rows.append(("battery empty", date_and_clock(run.empty_clock_h, first_day)))
     return facts("flight on the calendar", rows)
+
+
+def answer(analysis: Analysis) -> str:
+    """Return how long the aircraft flies, in a sentence or two; solar time, and UTC if known."""
+    if analysis.mission.flight is not None:
+        return landing(analysis)
+    flight, status = analysis.limited_flight, analysis.status
+    if flight is None:
+        if status == "always_lit":
+            return "It flies perpetually: solar power exceeds the load at all times."
+        if analysis.is_perpetual:
+            return f"It flies perpetually, with an excess time of {hours(analysis.excess_time_h)}."
+        return "It flies for over a year, but its days do not repeat themselves."
+    first_day = int(analysis.performance.day.scenarios.day_of_year[analysis.worst])
+    empty = flight.empty_h
+    clock = f"{clock_of_day(empty)} (solar time{_utc(analysis, first_day, empty)})"
+    text = (
+        f"It flies {hours(flight.endurance_h)} at best: launched with a full battery at "
+        f"{clock_label(flight.launch_h)} it flies until {clock}"
+    )
+    if np.isfinite(flight.before_sun_h):
+        text += f", {hours(flight.before_sun_h)} before the sun carries the load"
+    if not np.isfinite(flight.from_sunrise_h):
+        return f"{text}."
+    return (
+        f"{text}. Launched at sunrise it flies {hours(flight.from_sunrise_h)}, at noon "
+        f"{hours(flight.from_noon_h)}."
+    )
+
+
+def landing(analysis: Analysis) -> str:
+    """Return when the flight of the worst scenario begins and ends, and what is left then."""
+    window_h = analysis.mission.flight_window_h(analysis.performance.day.scenarios)
+    assert window_h is not None
+    launch_h, land_h = (float(ends[analysis.worst]) for ends in window_h)
+    when = f"from {clock_label(launch_h)} to {clock_of_day(land_h)} (solar time)"
+    excess_h = analysis.excess_time_h
+    if excess_h > 0.0:
+        return f"It flies {when} and lands with an excess time of {hours(excess_h)}."
+    return f"Of a flight {when} it lacks power for {hours(-excess_h)}."
+
+
+def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
+    """Return the same instant in UTC, where the mission has a longitude."""
+    longitude = analysis.mission.longitude_deg
+    if longitude is None:
+        return ""
+    ahead_h = float(solar_time_h(0.0, day, longitude))
+    return f"; {clock_label((solar_h - ahead_h) % 24.0)} UTC"
+
+
+def _in_a_line(relaxations: Sequence[Relaxation]) -> str:
+    """Return the single changes that suffice, in a line."""
+    changes = (
+        f"{parameter_words(row.parameter)} {row.direction} {given(row.value, row.unit)}"
+        for row in relaxations
+    )
+    return f"perpetual with one change: {', or '.join(changes)}"
+
+
+def coverage_line(analysis: Analysis) -> str | None:
+    """Return a note on modules that cover more of the wing than the file allows; else None."""
+    airframe, design = analysis.aircraft.airframe, analysis.design
+    if isinstance(airframe, MeasuredAirframe):
+        return None
+    covered = float(design.variables.module_area_m2 / design.wing_area_m2)
+    most = airframe.maximum_module_coverage
+    if covered <= most * (1.0 + ROW_TOLERANCE):
+        return None
+    return (
+        f"The modules cover {percent(covered, '.0f')} of the wing, more than the "
+        f"{percent(most, 'g')} of airframe.maximum_module_coverage."
+    )
 
 
 # ---- Blocks that other results have as well
@@ -213,8 +293,8 @@ def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
         *([] if shares is None else [drag_table(shares)]),
         *([] if balance is None else [balance_table(balance)]),
         *(tables for tables in every if tables),
-        *([] if placed is None else [say.cells_line(placed)]),
-        *([] if balance is None else say.balance_notes(balance)),
+        *([] if placed is None else [cells_line(placed)]),
+        *([] if balance is None else balance_notes(balance)),
         *([] if beyond is None else [f"beyond the parts: {beyond}"]),
     ]
 
@@ -275,3 +355,72 @@ def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible")
         for row in relaxations
     ]
     return Table(f"{title} with one of these, all else unchanged", columns, tuple(rows))
+
+
+def uncertainty_line(analysis: Analysis) -> str:
+    """Return what the RMS error of the solar power model means for the least excess time.
+
+    Where the worst scenario is another one with less sun, that one is named. The mission's
+    uncertainty margins are taken off before that error.
+    """
+    low, high, mission = analysis.low, analysis.high, analysis.mission
+    ends_h = [low.least_excess_time_h, high.least_excess_time_h]
+    # Less sun may turn a scenario with a short day into the worst one.
+    at = "" if low.worst_scenario() == analysis.worst else f" ({low.worst_label})"
+    means = (
+        f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
+        if hours(ends_h[0]) == hours(ends_h[1])
+        else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
+    )
+    solar, with_margins = low.solar, mission.uncertainty_margins.is_set
+    beyond = ", on top of the mission's uncertainty margins," if with_margins else ""
+    plain = solar.correction == "none"
+    error = "the model's RMS error" if plain else "the RMS error left after it"
+    if where := model_error_note(mission.altitude_m):
+        return (
+            f"{solar.label}; its error at {given(mission.altitude_m, 'm')} is not known. One of "
+            f"{percent(solar.rms_relative, '.0f')} of the mean power,{where},{beyond[1:]} "
+            f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
+        )
+    return (
+        f"{solar.label}; {error} of "
+        f"{percent(solar.rms_relative, '.0f')} of the mean power{beyond} {means}."
+    )
+
+
+def wind_rows(mission: Mission) -> list[tuple[str, str]]:
+    """Return the wind as facts, from the weakest to the strongest scenario."""
+    wind = wind_of(mission)
+    if wind is None:
+        return []
+    heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
+    speeds = [mission.at_altitude(height_m).scenario_winds_m_per_s() for height_m in heights_m]
+    ends = dict.fromkeys(amount(w, form=".1f") for w in (np.min(speeds), np.max(speeds)))
+    everywhere = ", at all heights" if len(heights_m) > 1 else ""
+    words = f"wind, {given(wind.percentile)} % of the time at most{everywhere}"
+    return [(words, f"{' to '.join(ends)} m/s")]
+
+
+_CLOSE = 0.01  # what a weighed list and the mass budget may differ by without a note
+
+
+def balance_notes(balance: BalanceAssessment) -> list[str]:
+    """Return that a balance is unstable, and how far weighed masses are off the mass budget."""
+    notes = [] if balance.static_margin > 0.0 else ["unstable: the static margin is negative"]
+    if balance.required_margin is not None and balance.volume_for_margin is None:
+        notes.append("no horizontal tail has the required static margin")
+    off = balance.mass_kg / balance.design_mass_kg - 1.0
+    if abs(off) > _CLOSE:
+        notes.append(
+            f"The weighed masses add up to {amount(balance.mass_kg, 'kg')}, "
+            f"{percent(off, '+.1f')} off the mass budget of {amount(balance.design_mass_kg, 'kg')}."
+        )
+    return notes
+
+
+def cells_line(solar_cells: Mapping[str, Any]) -> str:
+    """Return where whole solar cells lie, from their record."""
+    rows = ", then ".join(rows_text(bay) for bay in solar_cells["rows_of_each_half"])
+    tail = solar_cells["tail_rows"]
+    on_tail = f", the tail {rows_text(tail)}" if tail else ""
+    return f"solar cells: {solar_cells['count']}, each half of the wing {rows}{on_tail}"

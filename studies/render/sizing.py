@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from missions.dates import date_label
+from missions.mission.scenarios import latitude_label
+from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.limits import ROW_TOLERANCE
 from sizing.results.margins import RequirementMargin
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
-from studies.render import sentences as say
 from studies.render.analysis import (
+    cells_line,
     climb_facts,
     in_columns,
     part_blocks,
     relaxation_table,
     sources,
     structure_lines,
+    uncertainty_line,
+    wind_rows,
 )
 from studies.render.tables import ALL, UNLIMITED, Column, Line, Table
 from studies.render.words import (
@@ -32,13 +38,16 @@ from studies.render.words import (
     hours,
     parameter_words,
     percent,
+    required,
     with_unit,
 )
 from studies.serialise import serialise
 
 if TYPE_CHECKING:
+    from sizing.program.cross_check import CrossCheck
     from sizing.program.objectives import Objective
-    from sizing.results.sizing_study import SizingStudy
+    from sizing.program.ranges import WidestRange
+    from sizing.results.sizing_study import SizingStudy, Survival
 
 
 _FEW, _MOST_VIOLATIONS = 5, 3  # of a summary
@@ -65,7 +74,7 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     if study.design is None:
         return [*shown, *_without_design(study, level), *_builds(study, level)]
     if study.coverage is not None and study.coverage.first is not None:
-        shown.append(say.range_text(study.coverage))
+        shown.append(_range_text(study.coverage))
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
@@ -73,14 +82,14 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     assert study.optimum is not None
     shown += in_columns(_sizing_facts(study, level), study.optimum, level)
     shown += _limits(study, level, at_bounds)
-    shown += [*say.without_climbs(study), *_whole_cells(study, level)]
+    shown += [*without_climbs(study), *_whole_cells(study, level)]
     if study.reliability is not None:
-        shown.append(say.reliability_text(study))
+        shown.append(reliability_text(study))
     shown += _survival(study, level)
     if study.sensitivities is not None and level < ALL:
-        shown.append(say.sensitivities_line(study))
+        shown.append(sensitivities_line(study))
     if study.cross_check is not None:
-        line = say.cross_check_line(study.cross_check, study.objective)
+        line = cross_check_line(study.cross_check, study.objective)
         passed = study.cross_check.cross_checked and level < ALL
         shown.append(line.partition(",")[0] if passed else line)
     if level >= ALL:
@@ -109,7 +118,7 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
         launched = f"launched {flight.launch}"
         rows.append(("flight", launched if objective.value == "max_endurance" else flight.text))
     climbs = climb_facts(optimum, level)
-    return [*rows, *say.wind_rows(study.mission), (where, excess[1]), charge, *climbs]
+    return [*rows, *wind_rows(study.mission), (where, excess[1]), charge, *climbs]
 
 
 def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
@@ -118,7 +127,7 @@ def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[
     if study.objective.value == "max_excess_time" or not study.feasible:
         active = tuple(name for name in active if not name.startswith("excess_time"))
     active = tuple(name for name in active if name not in others)
-    return [say.limits_line(active, study.aircraft, keys=level >= ALL)] if active else []
+    return [limits_line(active, study.aircraft, keys=level >= ALL)] if active else []
 
 
 def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
@@ -127,8 +136,8 @@ def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
         return []
     placed = None if level >= ALL else (study.cells or {}).get("solar_cells")
     return [
-        say.loss_line(serialise(study.whole_cells), study.objective),
-        *([] if placed is None else [say.cells_line(placed)]),
+        loss_line(serialise(study.whole_cells), study.objective),
+        *([] if placed is None else [cells_line(placed)]),
     ]
 
 
@@ -137,7 +146,7 @@ def _survival(study: SizingStudy, level: int) -> list[Any]:
     survival = study.survival
     if survival is None:
         return []
-    shown: list[Any] = [say.survival_text(survival, study)]
+    shown: list[Any] = [survival_text(survival, study)]
     if survival.by_year and level >= ALL:
         years = (year | {"year": str(year["year"])} for year in survival.by_year)
         shown.append(q.table_of("year by year", "year days days_that_close share", years))
@@ -154,12 +163,12 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     if len(violations) > most:
         shown.append(f"  and {len(violations) - most} more")
     shown += _limits(study, level)
-    shown += [*say.nearest_lines(study), *(f"{a}: {b}" for a, b in say.wind_rows(study.mission))]
+    shown += [*nearest_lines(study), *(f"{a}: {b}" for a, b in wind_rows(study.mission))]
     if level >= ALL:
         shown += structure_lines(study)
     shown += extrapolation_blocks(study.extrapolations, level)
     if study.reliability is not None:
-        return [*shown, say.reliability_text(study)]
+        return [*shown, reliability_text(study)]
     shown += _survival(study, level)
     if study.whole_cells is not None:
         tried = neighbour_table(serialise(study.whole_cells), study.objective)
@@ -167,7 +176,7 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     if study.status.name != "infeasible" or study.coverage is not None:
         return shown
     if not study.relaxations:
-        return [*shown, say.NONE_ALONE.format(study.objective.value)]
+        return [*shown, NONE_ALONE.format(study.objective.value)]
     few = study.relaxations if level >= ALL else study.relaxations[:_FEW]
     return [*shown, relaxation_table(few)]
 
@@ -203,7 +212,7 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
     optimum = study.optimum
     shown: list[Any] = [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
     if optimum is not None:
-        error = say.uncertainty_line(optimum)
+        error = uncertainty_line(optimum)
         shown.append(Line(error, "faint"))
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.is_set or study.reliability is not None
@@ -275,6 +284,184 @@ def margin_table(
     )
     solar = SolarModel(sizing["model"], sizing["correction"])
     return Table(_with_error(solar), columns, tuple(rows))
+
+
+# ---- Sentences
+
+_FEW_SENSITIVITIES = 3  # of a line; a table has more
+NONE_ALONE = (
+    "no single one makes it feasible of: technology parameters to the ends of their ranges, less "
+    "payload, bounds and limits in the way, wind, latitude, required excess time. Where and when "
+    "there is a design: solar-uav map --resize {0}; with two changes at once: solar-uav sweep "
+    "--resize {0}"
+)
+
+
+def _range_text(widest: WidestRange) -> str:
+    """Return the range of days or latitudes that one design covers."""
+    first, last, extent = widest.first, widest.last, widest.extent
+    assert first is not None
+    assert last is not None
+    if widest.sizing.objective.value == "longest_season":
+        ends = " to ".join(date_label(int(day)) for day in (first, last))
+        return f"season: {ends}, {int(extent)} days; the mission's own dates play no part"
+    ends = f"{latitude_label(first)} to {latitude_label(last)}"
+    return f"latitudes: {ends}, {given(extent)} degrees; the mission's own latitude plays no part"
+
+
+def limits_line(active: Iterable[str], aircraft: Aircraft, *, keys: bool) -> str:
+    """Return what limits a design, most important first.
+
+    Without ``keys`` each limit once, and a scenario that they share once.
+    """
+    words = [constraint_words(name, aircraft) for name in active]
+    if keys:
+        order = " (most important first)" if len(words) > 1 else ""
+        return f"limited by{order}: {'; '.join(map(str, words))}"
+    first = list({limit.label: limit for limit in reversed(words)}.values())[::-1]
+    places = {limit.where for limit in words if limit.where}
+    if len(places) == 1:
+        return f"limited at {places.pop()} by {'; '.join(limit.label for limit in first)}"
+    return f"limited by {'; '.join(limit.without_key for limit in first)}"
+
+
+def nearest_lines(study: SizingStudy) -> list[str]:
+    """Return what the nearest design is, and how much of it is structure."""
+    nearest = study.result.nearest
+    if nearest is None:
+        return []
+    design = nearest.design
+    known = design.variables.chosen() | {q.AIRSPEED.name: design.airspeed_m_per_s}
+    facts_of = (quantity.fact(known[quantity.name]) for quantity in (*q.CHOSEN, q.AIRSPEED))
+    lines = [f"nearest design, not a solution: {', '.join(map(' '.join, facts_of))}"]
+    if study.structure is not None:
+        structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
+        of_mass, whole = (amount(mass_kg, "kg", ".3g") for mass_kg in (structure_kg, total_kg))
+        share = (
+            f"{of_mass} of its {whole} are structure ({percent(structure_kg / total_kg, '.0f')})"
+            if math.isfinite(total_kg)
+            else "its structure outgrows every mass that it could have"
+        )
+        lines.append(f"nearest design: {share}")
+    return lines
+
+
+def without_climbs(study: SizingStudy) -> list[str]:
+    """Return the optimum of level flight, and how much larger it is; nothing without climbs."""
+    level, objective = study.without_climbs, study.objective
+    if level is None or study.design is None:
+        return []
+    where = f"in level flight at {q.text_of('altitude_m', study.mission.altitude_m)}"
+    if level.design is None:
+        return [f"{where} no design was found ({level.status.label})"]
+    parts = [
+        f"{quantity.label} {quantity.fact(quantity.of(level.design))[1]} "
+        f"({change_text(float(quantity.of(study.design)), float(quantity.of(level.design)))})"
+        for quantity in (q.WINGSPAN, q.TOTAL_MASS)
+    ]
+    if objective.variable not in (q.WINGSPAN.name, q.TOTAL_MASS.name):
+        value = with_unit(level.objective_value, ".4g", objective)
+        assert level.objective_value is not None
+        assert study.result.objective_value is not None
+        change = change_text(study.result.objective_value, level.objective_value)
+        parts.insert(0, f"{objective.label} {value} ({change})")
+    return [f"{where}: {', '.join(parts)}"]
+
+
+def reliability_text(study: SizingStudy) -> str:
+    """Return how reliable the design is, and what the optimum without uncertainty is."""
+    reliability, objective = study.reliability, study.objective
+    assert reliability is not None
+    what = required(study.result.required_excess_time_h)
+    reached = reliability.achieved.text()
+    if not study.feasible:
+        reached = f"of the nearest design {reached}"
+    return (
+        f"reliability ({what} in every scenario): {reached} of {reliability.samples} draws; "
+        f"required {percent(reliability.required, 'g')}. The optimum without uncertainty, "
+        f"{objective.label} {with_unit(reliability.nominal_objective, '.4g', objective)}, has "
+        f"{percent(reliability.nominal.value)}"
+    )
+
+
+def survival_text(survival: Survival, study: SizingStudy) -> str:
+    """Return the days of the season that close, beside those of the design for a clear sky."""
+    days, season = survival.days, survival.mission.dates.range()
+    ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
+    whose = "" if study.feasible else " with the design that closes most of those found"
+    close = (
+        f"days that close, {ends}: {days.that_close} of {len(days)}, {percent(days.share)} "
+        f"(required {percent(survival.required, 'g')}){whose}; longest gap "
+        f"{days.longest_gap_days} days."
+    )
+    value, clear = survival.clear_sky.objective_value, survival.clear_sky_days
+    if value is None or clear is None:
+        return f"{close} No design flies perpetually on all of these dates under a clear sky"
+    objective, sized = study.objective, study.result.objective_value
+    text = (
+        f"{close} The design for a clear sky, {objective.label} "
+        f"{with_unit(value, '.4g', objective)}, closes {clear.that_close}, {percent(clear.share)}"
+    )
+    if sized is None or value <= 0.0:
+        return text
+    more = sized / value - 1.0
+    return f"{text}; this one is {percent(abs(more))} {'larger' if more >= 0.0 else 'smaller'}"
+
+
+def sensitivities_line(study: SizingStudy) -> str:
+    """Return what the most important parameters change, and what relaxing a constraint gains."""
+    objective, gain = study.objective, q.TABLE["gain"]
+    parts = (
+        f"{parameter_words(row.parameter)} {amount(row.per_percent, form='+.4f')}"
+        for row in (study.sensitivities or [])[:_FEW_SENSITIVITIES]
+    )
+    changes = ", ".join(parts) or f"none: {objective.label} is unlimited"
+    text = f"sensitivities, {objective.unit} per +1 %: {changes}"
+    for row in (study.multipliers or [])[:1]:
+        name = constraint_words(row.constraint).label
+        text += f"; {name} relaxed by {row.step}: {gain.text(row.gain)} {objective.unit}"
+    return text
+
+
+def cross_check_line(check: CrossCheck, objective: Objective) -> str:
+    """Return whether a search by simulation found a better design; a search is no proof."""
+    from sizing.program.result import RELATIVE_TOLERANCE  # with CasADi, which analyses do without
+
+    better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
+    text = (
+        f"the best of them has {with_unit(check.best_found, '.5g', objective)}, better by "
+        f"{with_unit(check.advantage, '.2g', objective)}"
+        if better
+        else "none is better by more than the tolerance"
+    )
+    fine = f"has {with_unit(check.fine_step_value, '.5g', objective)}"
+    if math.isnan(check.fine_step_value):
+        fine = "misses its requirement"
+    elif math.isinf(check.fine_step_value):
+        fine = f"has unlimited {objective.label}"
+    verdict = "passed" if check.cross_checked else "NOT passed"
+    return (
+        f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {text}; with a "
+        f"time step of one minute the optimum {fine}"
+    )
+
+
+def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
+    """Return what whole cells cost, from the record of a sizing."""
+    chosen, loss = record["chosen"], record["loss"]
+    relaxed = f"the relaxed optimum's {_value(record['relaxed'], objective)}"
+    if chosen is None:
+        return f"no whole cells beside {relaxed}"
+    text = f"{objective.label} {_value(chosen, objective)}"
+    if loss is None:
+        return f"whole cells: {text}, beside {relaxed}"
+    return f"loss by whole cells: {text}, {percent(loss)} worse than {relaxed}"
+
+
+def _value(design: Mapping[str, Any], objective: Objective) -> str:
+    """Return the objective of a design with its unit; JSON has null for an unlimited one."""
+    value = design["value"]
+    return with_unit(math.inf if value is None else value, ".4g", objective)
 
 
 # ---- Tables

@@ -16,15 +16,15 @@ from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.margins import requirement_margins
 from studies.quantities import words
-from studies.render.analysis import power_rows
+from studies.render.analysis import power_rows, wind_rows
 from studies.render.design_sheet import design_sheet
-from studies.render.sentences import (
+from studies.render.sizing import (
     cross_check_line,
     limits_line,
     loss_line,
-    wind_rows,
+    record_blocks,
+    requirement_table,
 )
-from studies.render.sizing import record_blocks, requirement_table
 from studies.render.tables import Line, facts
 from studies.render.words import percent, required, with_unit
 from studies.report.blocks import Bars, Block, Section, page_figure, page_options

@@ -9,7 +9,7 @@ import numpy as np
 
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
-from studies.render.sentences import landing
+from studies.render.analysis import landing
 from studies.render.words import amount, given, hours, percent
 from studies.report.blocks import Fact
 from studies.report.subject import Subject

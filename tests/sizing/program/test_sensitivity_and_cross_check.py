@@ -17,7 +17,7 @@ from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.sensitivity import Sensitivity, constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft
 from studies.output.sizing_files import plot_sensitivities
-from studies.render.sentences import cross_check_line
+from studies.render.sizing import cross_check_line
 
 pytestmark = pytest.mark.slow
 
