@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -17,46 +17,13 @@ from sizing.results.design_result import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from solar.names import CorrectionName, ModelName
 from studies.output.run_folder import InputFile, RunInputs
-from studies.report.blocks import Section
-from studies.report.confidence import (
-    belief_section,
-    glossary_section,
-    inputs_section,
-    margins_section,
-    provenance_section,
-)
-from studies.report.design import aircraft_section, budget_section, sizing_section
-from studies.report.flight import (
-    day_section,
-    models_section,
-    season_section,
-    uncertainty_section,
-    verification_section,
-    weather_section,
-)
+from studies.report.sections import AT_THE_END, OF_A_DESIGN, OF_A_LOG, Make
 from studies.report.subject import Subject
 from studies.report.verdict import key_facts, verdict
 
 if TYPE_CHECKING:
     from missions.weather.record import Weather
     from studies.flight_logs.verification import Verification
-
-_Make: TypeAlias = Callable[[Subject], Section | None]
-# In the order in which a design review reads them.
-_OF_A_DESIGN: tuple[_Make, ...] = (
-    aircraft_section,
-    budget_section,
-    day_section,
-    season_section,
-    sizing_section,
-    margins_section,
-    uncertainty_section,
-    weather_section,
-    belief_section,
-    models_section,
-)
-_OF_A_LOG: tuple[_Make, ...] = (aircraft_section, verification_section, belief_section)
-_AT_THE_END: tuple[_Make, ...] = (glossary_section, provenance_section, inputs_section)
 
 
 def make_report(
@@ -134,10 +101,10 @@ def make_report(
     )
 
 
-def makers(subject: Subject) -> tuple[_Make, ...]:
+def makers(subject: Subject) -> tuple[Make, ...]:
     """Return what makes the sections of a report; some make none of this subject."""
-    of_subject = _OF_A_DESIGN if subject.verification is None else _OF_A_LOG
-    return (*of_subject, *_AT_THE_END)
+    of_subject = OF_A_DESIGN if subject.verification is None else OF_A_LOG
+    return (*of_subject, *AT_THE_END)
 
 
 def render(subject: Subject, progress: Callable[[int, int], None] | None = None) -> str:

@@ -19,7 +19,7 @@ def reports(tmp_path_factory):
         "sized for a band": size(SKY_SAILOR, band, with_sensitivities=True),
     }
     with pytest.MonkeyPatch.context() as context:
-        context.setattr("studies.report.flight.CELLS", (9, 12))
+        context.setattr("studies.report.sections.CELLS", (9, 12))
         pages = {"built": make_report(AS2, mission())} | {
             name: make_report(one.sized_aircraft(), one.sized_mission(), sizing=one)
             for name, one in studies.items()

@@ -28,9 +28,15 @@ from sizing.results.sizing import size
 from studies import make_report
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars
-from studies.report.confidence import margin_table, margins_section
-from studies.report.design import aircraft_section, budget_section, loss_chain, sizing_section
 from studies.report.pdf import to_pdf, with_plain_colours
+from studies.report.sections import (
+    aircraft_section,
+    budget_section,
+    loss_chain,
+    margin_table,
+    margins_section,
+    sizing_section,
+)
 from studies.report.subject import Subject
 from studies.report.verdict import key_facts, verdict
 
@@ -81,7 +87,7 @@ class Page(HTMLParser):
 def _coarse():
     """Season maps of a few cells, few draws: nobody looks at those of tests."""
     with pytest.MonkeyPatch.context() as context:
-        context.setattr("studies.report.flight.CELLS", (5, 6))
+        context.setattr("studies.report.sections.CELLS", (5, 6))
         context.setattr("studies.report.subject.SAMPLES", 128)
         yield
 

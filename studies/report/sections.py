@@ -1,0 +1,691 @@
+"""Sections of a report: the aircraft, its flight, how far to trust the results, and the inputs.
+
+Margins: how much worse each assumption may become before perpetual flight ends, or how much better.
+One quantity at a time is moved until the weakest scenario just has the required excess time; all
+else stays as it is. The sun is not computed anew: none of the quantities changes it but by a
+factor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+from matplotlib.contour import ContourSet
+
+from missions.dates import DAYS_PER_YEAR, MONTH_NAMES, MONTH_STARTS, date_label
+from missions.files.writing import to_yaml
+from missions.mission import Mission, Scenarios
+from missions.mission.scenarios import latitude_label
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.metrics import Cycle
+from sizing.mass_budget import ImpossibleDesignError, design_of
+from sizing.parameters import with_parameter
+from sizing.performance import performance
+from sizing.program.cross_check import CrossCheck
+from sizing.program.objectives import Objective
+from sizing.results.analysis import Analysis
+from sizing.results.margins import requirement_margins
+from sizing.results.result import relative_change
+from sizing.roots import bracketed_root
+from solar.names import MODELS
+from solar.types import FloatArray
+from studies.maps.plots import plot_map
+from studies.maps.study import prepare
+from studies.models.plots import plot_comparison
+from studies.output.cycle_plots import panel_count, plot_cycle, plot_flight
+from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, TABLE, group, words
+from studies.render.analysis import power_rows, scenario_table, wind_rows
+from studies.render.design_sheet import design_sheet
+from studies.render.sizing import (
+    cross_check_line,
+    limits_line,
+    loss_line,
+    record_blocks,
+    requirement_table,
+)
+from studies.render.tables import ALL, Column, Line, Table, facts
+from studies.render.words import percent, required, with_unit
+from studies.report.blocks import Bars, Block, Listing, Section, page_figure, page_options
+from studies.report.geometry import Drawing
+from studies.report.subject import Subject
+from studies.report.three_view import description, plot_three_view
+from studies.uncertainty import plot_uncertainty
+from studies.weather import plot_weather
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Plot
+
+_WIDTH_IN = 7.4
+LIGHT, ELECTRIC, LOAD = (
+    "light on a horizontal area as large as the modules",
+    "electric energy of the modules",
+    "load",
+)
+SUMS = frozenset((LIGHT, ELECTRIC, LOAD))  # steps that say where the chain has arrived
+_SHOWN_WH = 0.5  # smaller losses are left out
+
+
+def aircraft_section(subject: Subject) -> Section:
+    """Return three views to scale, and the quantities of the design."""
+    aircraft, balance = subject.aircraft, subject.analysis.balance
+    drawing, points = Drawing(aircraft), {}
+    if balance is not None:
+        points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.neutral_point.x_m)}
+    views = page_figure(
+        plot_three_view(drawing, **points, figure=page_options(_WIDTH_IN)),
+        f"Three views to scale. {' '.join(drawing.notes)}",
+        title=f"Three views of {aircraft.name}",
+        description=description(drawing),
+        key="views",
+    )
+    blocks: list[Block] = [Line(aircraft.description, "strong")] if aircraft.description else []
+    blocks.append(views)
+    if subject.verification is None:
+        required_h = max(subject.mission.required_excess_time_h, 0.0)
+        margins = requirement_margins(aircraft, subject.analysis.performance, required_h)
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for entry in design_sheet(subject.analysis).quantities:
+            if entry.group not in ("masses", "balance"):
+                row = entry.quantity.label, " ".join(entry.shown()).strip()
+                groups.setdefault(entry.group, []).append(row)
+        groups.setdefault("flight", []).extend(wind_rows(subject.mission))
+        if subject.mission.holds_station:
+            groups["flight"].append(("flown, to hold its place", "as fast as the wind at least"))
+        tables = tuple(facts(group, rows) for group, rows in groups.items() if rows)
+        blocks += [tables, requirement_table(margins)]
+    return Section("aircraft", "The aircraft", blocks)
+
+
+# ---- Masses and power
+
+
+def budget_section(subject: Subject) -> Section:
+    """Return where mass, power and the energy of the day go."""
+    analysis = subject.analysis
+    where = analysis.performance.worst_label
+    measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)  # in a single part
+    names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
+    each = analysis.performance.design.masses._asdict().items()
+    masses = tuple((names.get(name, words(name)), float(kg)) for name, kg in each if kg > 0.0)
+    blocks: list[Block] = [
+        Bars("mass budget", "kg", ".3f", masses, "total mass"),
+        Bars("load in level flight", "W", ".2f", power_rows(analysis.power_budget), "load"),
+        Bars(f"from the sun to the load: energy of the day, {where}", "Wh", ".0f",
+             loss_chain(analysis), sums=SUMS),
+    ]  # fmt: skip
+    return Section("budgets", "Mass, power and energy", [*blocks, *subject.sections["parts"]])
+
+
+def loss_chain(analysis: Analysis) -> tuple[tuple[str, float], ...]:
+    """Return the steps from the light on the modules to the load, in the worst scenario [Wh].
+
+    A step is a loss, negative, or one of :data:`SUMS`. The losses of the modules are found by the
+    solar power model itself, with one loss after the other taken away. Of a flight that draws from
+    a full battery, what it draws is a step as well.
+    """
+    cycle, worst = analysis.performance.cycle, analysis.worst
+    budget = {
+        key.removesuffix("_wh"): float(np.broadcast_to(values, cycle.status.shape)[worst])
+        for key, values in vars(cycle.energy_budget).items()
+    }
+    solar_wh, stored_wh = budget["solar"], budget["stored"]
+    steps = [
+        *(_of_modules(analysis, solar_wh) if solar_wh > 0.0 else ()),
+        (ELECTRIC, solar_wh),
+        ("not collected, the battery being full", -budget["curtailed"]),
+        ("lost in charging", -budget["charge_loss"]),
+        ("lost in discharging", -budget["discharge_loss"]),
+        ("left in the battery" if stored_wh > 0.0 else "drawn from the battery", -stored_wh),
+        (LOAD, budget["load"]),
+        ("of which not met: the battery is empty", -budget["unserved"]),
+    ]
+    return tuple((label, wh) for label, wh in steps if label in SUMS or abs(wh) >= _SHOWN_WH)
+
+
+def _of_modules(analysis: Analysis, solar_wh: float) -> list[tuple[str, float]]:
+    """Return the steps from the light to the electric energy of the modules."""
+    solar, modules = analysis.performance.solar, analysis.aircraft.modules
+    uncorrected = replace(solar, correction="none")
+    ideal = {"mppt_efficiency": 1.0}
+    cool = ideal | {"temperature_coefficient_per_k": 0.0}
+    flat = cool | {"camber_efficiency": 1.0}
+    cases: tuple[tuple[SolarModel, dict[str, float]], ...] = (
+        (SolarModel("CDM"), flat | {"efficiency_stc": 1.0}),
+        (uncorrected, flat),
+        (uncorrected, cool),
+        (uncorrected, ideal),
+        (uncorrected, {}),
+        (solar, {}),
+    )
+    perf, worst, of = analysis.performance, analysis.worst, analysis.performance.day.scenarios
+    scenarios = Scenarios(of.latitude_deg[[worst]], of.day_of_year[[worst]])
+    each = np.zeros(len(cases))  # energy of a day, in proportion to the others
+    for number, (model, changes) in enumerate(cases):
+        update = {"modules": modules.model_copy(update=changes)}
+        aircraft = analysis.aircraft.model_copy(update=update)
+        day = solar_day(aircraft, analysis.mission, model, scenarios=scenarios, design=perf.design)
+        each[number] = np.trapezoid(day.specific_power_w_per_m2[0], day.time_h)
+    light, *by_model = solar_wh / each[-1] * each
+    labels = (
+        f"not converted: module efficiency {percent(modules.efficiency_stc)}",
+        f"angle of incidence, diffuse light, attitude{', MPPT' if solar.model == 'FM' else ''}",
+        "camber of the wing",
+        "temperature of the modules",
+        "MPPT",
+        "correction of the model's systematic error",
+    )
+    losses = np.diff([light, light * modules.efficiency_stc, *by_model]).tolist()
+    return [(LIGHT, float(light)), *zip(labels, losses, strict=True)]
+
+
+# ---- Sizing
+
+
+def sizing_section(subject: Subject) -> Section | None:
+    """Return what was optimised, what limits it, how sensitive it is, and its cross-check."""
+    sizing = subject.sizing
+    if sizing is None:
+        return None
+    objective = Objective(sizing["objective"]["name"])
+    value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
+    extreme = "largest" if objective.maximised else "smallest"
+    text = f"Sized for the {extreme} {objective.label}: {with_unit(value, '.4g', objective)}"
+    if required_h:
+        text += f", with {required(required_h)} required in every scenario"
+    blocks: list[Block] = [f"{text} ({sizing['status'].replace('_', ' ')})."]
+    if (reliability := sizing.get("reliability")) is not None:
+        achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
+        draws = f"{reliability['samples']} draws"
+        blocks.append(f"Reliability: {achieved} of {draws}; required {least}.")
+    if active := sizing["active_constraints"]:
+        blocks.append(limits_line(active, subject.aircraft, keys=True))
+    cells = sizing.get("whole_cells")
+    blocks += [] if cells is None else [loss_line(cells, objective)]
+    if sizing.get("sensitivities") is None and not objective.of_range:
+        blocks.append(Line("The sensitivities were not computed.", "faint"))
+    record = sizing.get("cross_check")
+    if record is not None:
+        values: dict[str, Any] = {k: math.nan if v is None else v for k, v in record.items()}
+        check = CrossCheck(**values)
+        line = cross_check_line(check, objective)
+        blocks.append(Line(line, "good" if check.cross_checked else "warning"))
+    elif not objective.of_range:
+        blocks.append(Line("The optimum was not cross-checked.", "faint"))
+    return Section("sizing", "Sizing", [*blocks, *record_blocks(sizing, objective)])
+
+
+# ---- The day
+
+_MOST_SCENARIOS = 20  # rows of the table
+# Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
+CELLS, CLIMBING_CELLS, SLOW_CELLS = (57, 74), (29, 37), (15, 14)
+_MIDDLE_OF_MONTH = 14  # days after its first
+_POLEWARD_DEG = 70.0  # or the poles, for a mission beyond
+_MOST_RINGS = 30
+# Lines on the cells of a map: black on a dark page as well, unlike the axes.
+_ON_CELLS = "#111111"
+
+
+def day_section(subject: Subject) -> Section:
+    """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
+    analysis = subject.analysis
+    where = analysis.performance.worst_label
+    several = len(analysis.performance.cycle.status) > 1
+    height = 1.2 + 2.0 * panel_count(analysis)
+    caption = (
+        f"Solar power, load and state of charge over solar time at {where}"
+        f"{', the weakest scenario' if several else ''}; bands: the solar model's RMS error. Grey: "
+        "night."
+    )
+    plot = plot_cycle(analysis, figure=page_options(_WIDTH_IN, height))
+    _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
+    words = f"{caption} The charge is least, {least}, in the morning."
+    title = f"Day cycle at {where}"
+    blocks: list[Block] = [page_figure(plot, caption, title=title, description=words, key="cycle")]
+    if several:
+        excess_h = analysis.performance.cycle.excess_time_h
+        weakest, notes = None, []
+        if len(excess_h) > _MOST_SCENARIOS:
+            weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
+            notes = [f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"]
+        blocks.append(replace(scenario_table(analysis, weakest), notes=tuple(notes)))
+    if analysis.flight is not None:
+        plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
+        caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
+        blocks.append(page_figure(plot, caption, title="Flight on the calendar", key="calendar"))
+        blocks += subject.sections["flight"]
+    return Section("day", "The day", blocks)
+
+
+# ---- Season
+
+
+def season_section(subject: Subject) -> Section:
+    """Return where and when the flight is perpetual, and the months."""
+    solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
+    rows, columns = SLOW_CELLS if solar.needs_path else CELLS
+    if subject.mission.climb is not None and not solar.needs_path:
+        rows, columns = CLIMBING_CELLS
+    farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
+    south, north = solar.latitudes_with_wind_deg(subject.mission)
+    latitudes = np.unique(np.linspace(max(-farthest, south), min(farthest, north), rows))
+    days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
+    data = prepare(subject.aircraft, subject.mission, latitudes, days, solar).computed()
+    plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
+    _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
+    season = _season_text(subject)
+    texts = [season] if season else []
+    caption = (
+        "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
+        "line: edge of perpetual flight; ring: the mission's scenarios."
+    )
+    if subject.mission.holds_station:
+        caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
+    if subject.mission.climb is not None:
+        caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
+    words = f"{caption} {season}"
+    drawing = page_figure(plot, caption, title="Season map", description=words, key="season")
+    return Section("season", "The season", [*texts, drawing, _months(subject)])
+
+
+def _months(subject: Subject) -> Table:
+    """Return the repeated day in the middle of every month, at the latitude of the worst one."""
+    scenarios, worst = subject.analysis.performance.day.scenarios, subject.analysis.worst
+    latitude = float(scenarios.latitude_deg[worst])
+    days = np.array(MONTH_STARTS) + _MIDDLE_OF_MONTH
+    data = prepare(subject.aircraft, subject.mission, [latitude], days, subject.solar).computed()
+    columns = group("month day_length_h solar_energy_wh load_energy_wh excess_time_h "
+                    "charge_margin_h minimum_state_of_charge")  # fmt: skip
+    values = (data[column.variable].to_numpy()[0] for column in columns[1:])
+    rows = tuple(zip(MONTH_NAMES, *values, strict=True))
+    title = f"the months at {latitude_label(latitude)}, each on its {_MIDDLE_OF_MONTH + 1}th"
+    short = bool(np.any(data[EXCESS_TIME.variable].to_numpy() < 0.0))
+    return Table(title, columns, rows, (BELOW_ZERO,) if short else ())
+
+
+def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
+    """Ring the places of a mission: of many, the corners of what they cover."""
+    if len(day) > _MOST_RINGS:
+        days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))
+        day, latitude_deg = (*days, *days), (latitudes[0], *latitudes, latitudes[1])
+    axes = plot.axes[0]
+    for contour in axes.collections:
+        if isinstance(contour, ContourSet) and not contour.filled:
+            contour.set_edgecolor(_ON_CELLS)
+    for colour, width in (("white", 3.2), (_ON_CELLS, 1.4)):
+        looks: dict[str, Any] = {"color": colour, "markeredgewidth": width, "fillstyle": "none"}
+        axes.plot(day, latitude_deg, "o", markersize=9.0, clip_on=False, zorder=5, **looks)
+
+
+def _season_text(subject: Subject) -> str:
+    """Return the days of the year with perpetual flight at all latitudes, in words."""
+    comparison = subject.comparison
+    cases = () if comparison is None else comparison.cases
+    latitudes = () if comparison is None else comparison.mission.latitudes()
+    season = next((case.season for case in cases if case.solar == subject.solar), None)
+    if season is None:
+        return ""
+    where = _places(latitudes)
+    if season.days in (0, DAYS_PER_YEAR):
+        day = "no day" if season.days == 0 else "every day"
+        return f"At {where}, flight is perpetual on {day} of the year."
+    text = f"At {where}, flight is perpetual on {season.days} days of the year"
+    if season.first is None or season.last is None:
+        return f"{text}, none of them at midsummer."
+    window = f"{date_label(season.first)} to {date_label(season.last)}"
+    return f"{text}, {window} without a break."
+
+
+def _places(latitudes: Sequence[float]) -> str:
+    """Return one latitude, or the ends of several, in words."""
+    ends = [latitude_label(latitude) for latitude in latitudes]
+    return ends[0] if len(ends) == 1 else f"all latitudes from {ends[0]} to {ends[-1]}"
+
+
+# ---- Models
+
+
+def models_section(subject: Subject) -> Section:
+    """Return all solar power models side by side."""
+    title = "Solar power models"
+    if subject.path_trouble is not None:
+        text = f"The solar power models are not compared: {subject.path_trouble}."
+        return Section("models", title, [text])
+    comparison = subject.comparison
+    assert comparison is not None  # the path has no trouble
+    height = 1.9 + 0.26 * len(comparison.cases)
+    plot = plot_comparison(comparison, figure=page_options(_WIDTH_IN + 0.4, height))
+    at = comparison.mission.latitudes()
+    where = "" if len(at) == len(subject.mission.latitudes()) else f" at {_places(at)}"
+    caption = (
+        f"What each model predicts{where}: solar energy and excess time with bars of the model's "
+        "RMS error, and the perpetual season."
+    )
+    words = f"{caption} The same numbers are in the table below."
+    blocks: list[Block] = [
+        f"{comparison.headline()} {comparison.perpetual_line()}",
+        page_figure(plot, caption, title=title, description=words, key="models"),
+        *comparison.scenario_tables(),
+        *(f"- {note}" for note in comparison.notes),
+    ]
+    return Section("models", title, blocks)
+
+
+# ---- Scatter, weather, logs
+
+
+def uncertainty_section(subject: Subject) -> Section | None:
+    """Return how likely the flight is perpetual when inputs scatter, if any do."""
+    uncertainty = subject.uncertainty
+    if uncertainty is None:
+        return None
+    caption = (
+        f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
+        "inputs, and what it depends on."
+    )
+    words = f"{caption} {uncertainty.headline()}. The shares are in the table below."
+    plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
+    title = "Excess time under uncertain inputs"
+    drawing = page_figure(plot, caption, title=title, description=words, key="scatter")
+    first, *others = uncertainty.at_level(ALL).blocks
+    blocks = [first, drawing, *others]
+    return Section("uncertainty", "Uncertain inputs", blocks)
+
+
+def weather_section(subject: Subject) -> Section | None:
+    """Return the flight through a weather record; None without one."""
+    weather = subject.weather
+    if weather is None:
+        return None
+    caption = "State of charge at every dawn, survival of launches, and the season in this weather."
+    plot = plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4))
+    title, words = "Flight through the weather record", f"{weather.headline()}. {caption}"
+    drawing = page_figure(plot, caption, title=title, description=words, key="weather")
+    first, *others = weather.at_level(ALL).blocks
+    return Section("weather", "Weather", [first, drawing, *others])
+
+
+def verification_section(subject: Subject) -> Section | None:
+    """Return the models against a flight log; None without one."""
+    verification = subject.verification
+    if verification is None:
+        return None
+    from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
+
+    blocks: list[Block] = [*verification.at_level(ALL).blocks]
+    for name, draw in figures(verification, figure=page_options(_WIDTH_IN + 0.4)):
+        key, caption = f"log-{name}", f"Measured and modelled power: {name}."
+        blocks.append(page_figure(draw(), caption, title=f"Log and models, {name}", key=key))
+    return Section("verification", "Models against the flight log", blocks)
+
+
+# ---- Margins, confidence, inputs
+
+
+def margins_section(subject: Subject) -> Section:
+    """Return how much worse each assumption may become."""
+    text = (
+        "Each quantity changes alone until the weakest scenario just meets the requirement; all "
+        "else stays as it is, the mass with the battery's specific energy as well."
+    )
+    table = margin_table(subject)
+    if table is None:
+        text = (
+            "None: the weakest scenario has just what is required. A little less of any quantity, "
+            "of the sun or the battery, ends it."
+        )
+        return Section("margins", "Margins", [Line(text, "warning")])
+    return Section("margins", "Margins", [table, Line(text, "faint")])
+
+
+def belief_section(subject: Subject) -> Section:
+    """Return what is extrapolated, the solar models' errors, and what is left out."""
+    blocks: list[Block] = []
+    if subject.verification is None:
+        within = Line("Nothing lies outside the range of a model.", "good")
+        blocks = [
+            *subject.sections["warnings"],
+            *(subject.sections["extrapolations"] or [within]),
+            *subject.sections["error"],
+        ]
+    columns = (
+        Column("model"),
+        Column("average", "mean error", form="+.2%"),
+        Column("rms", "RMS error", form=".2%"),
+        Column("scatter", "RMS without the mean", form=".2%"),
+    )
+    rows = tuple((model, of.average, of.rms, of.scatter) for model, of in MODELS.items())
+    note = (
+        "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "
+        "sunrise to 9.72 h (Oettershagen, High-Fidelity Solar Power Income Modeling, table 3)"
+    )
+    blocks.append(Table("published errors of the solar power models", columns, rows, (note,)))
+    left_out = [f"- {text}" for text in _left_out(subject)]
+    return Section("belief", "Confidence", [*blocks, *left_out])
+
+
+def _left_out(subject: Subject) -> Iterator[str]:
+    """Yield what the numbers of the report leave out."""
+    mission, clearness = subject.mission, subject.mission.pessimistic_clearness
+    sky = f"The light is {percent(clearness, '.0f')} of a clear sky's"
+    sky = "The sky is clear" if clearness == 1.0 else sky
+    yield f"{sky} all day; a weather record (--weather) adds clouds."
+    if subject.verification is None:
+        yield (
+            "The day repeats itself: the date does not advance, and the battery's state at dawn is "
+            "that of the settled cycle."
+        )
+        if subject.aircraft.battery.ageing is None:
+            yield "The battery is new: the aircraft file has no ageing."
+        if mission.holds_station:
+            yield "The wind is steady: faster flight against it takes as much all day."
+        elif mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0:
+            yield "The air is calm: level flight takes no more power than in still air."
+        asked = subject.with_uncertainty is not None or not subject.has_uncertain_inputs
+        if not asked and not subject.uncertainty_is_quick:
+            count = len(mission.scenarios())
+            yield f"Uncertain inputs: left out, {count} scenarios take long (--uncertainty)."
+    if mission.uncertainty_margins.is_set:
+        yield "The mission's uncertainty margins are taken off every number here."
+
+
+def glossary_section(_: Subject) -> Section:
+    """Return the words of the report: quantities, and solar power models."""
+    models = "; ".join(f"{name}: {model.label}" for name, model in MODELS.items())
+    rows = [
+        ("perpetual flight", "After each day the battery is as full as a day before."),
+        *(
+            (quantity.label, quantity.definition)
+            for quantity in TABLE.values()
+            if quantity.definition
+        ),
+        (
+            "scenario",
+            "A latitude and a date of the mission; the weakest has the least excess time.",
+        ),
+        ("solar power models", f"{models}."),
+        ("correction", "Factor that removes a model's systematic error."),
+    ]
+    columns = (Column("word"), Column("meaning"))
+    return Section("glossary", "Glossary", [Table("Words", columns, tuple(rows))])
+
+
+def inputs_section(subject: Subject) -> Section:
+    """Return aircraft and mission as they were used."""
+    blocks: list[Block] = []
+    if subject.overrides:
+        blocks.append("Values given in place of the files' own:")
+        blocks += [f"- {override}" for override in subject.overrides]
+    if subject.mission_is_default:
+        blocks.append(Line("The mission is the default one: --mission names another.", "warning"))
+    taken = subject.aircraft.from_catalogues()
+    if taken:
+        columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))
+        rows = [(entry.key, entry.text, entry.label, entry.source) for entry in taken]
+        blocks.append(Table("values from catalogues", columns, tuple(rows)))
+    for title, data in (
+        (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
+        (f"mission {subject.mission.name}", subject.inputs.mission),
+    ):
+        blocks.append(Listing(title, to_yaml(data, compact=True)))
+    return Section("inputs", "Inputs", blocks)
+
+
+def provenance_section(subject: Subject) -> Section:
+    """Return the command line, software and files of the report."""
+    run = subject.run
+    made = [
+        ("date (UTC)", run["date_utc"].replace("T", " ").removesuffix("+00:00")),
+        ("solar-uav", run["version"]),
+        ("Python", run["python"]),
+    ]
+    if subject.verification is None:
+        made.insert(0, ("solar power model", subject.solar.label))
+    columns = (Column("what"), Column("source", "file"), Column("sha256", "SHA-256"))
+    files = [
+        (kind, file["source"], file["sha256"] or "not read again (a pipe)")
+        for kind, file in run["inputs"].items()
+    ]
+    return Section(
+        "provenance",
+        "How this report was made",
+        [
+            Listing("command line", run["command"]),
+            (facts("software", made), facts("libraries", list(run["libraries"].items()))),
+            Table("files", columns, tuple(files)),
+        ],
+    )
+
+
+# The weakest scenarios, of which one remains the weakest.
+_SCENARIOS = 6
+_NO_MARGIN = 1e-3  # of a value, or in its unit: what a design on the edge has
+_TOLERANCE = 1e-4  # of a limit
+_NOT_FLYING_H = -24.0  # what lacks where no design closes
+
+
+class _Quantity(NamedTuple):
+    """A quantity that is moved: words, unit, value of the files, and ends of its range.
+
+    ``worse`` is the end at which nothing flies, ``better`` the other one. ``key``: of the parameter
+    that is moved, by ``scale``; none of the sun.
+    """
+
+    label: str
+    unit: str
+    value: float
+    worse: float
+    better: float
+    key: str = ""
+    scale: float = 1.0
+
+
+def margin_table(subject: Subject) -> Table | None:
+    """Return the margin of every quantity to the end of perpetual flight, or its gap.
+
+    Without those that have next to none; None where that is true of all.
+    """
+    nominal = subject.analysis.performance
+    weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
+    day = nominal.day.at(weakest)
+    required_h = max(subject.mission.required_excess_time_h, 0.0)
+    now_h = _spare_h(nominal.cycle, required_h)
+    holds = now_h >= 0.0
+    quantities = _quantities(subject.aircraft, subject.mission)
+
+    @cache
+    def spare_h(number: int, value: float) -> float:
+        """Return the excess time beyond what is required with one quantity at a value."""
+        if value == quantities[number].value:
+            return now_h
+        moved, (aircraft, mission) = quantities[number], (subject.aircraft, subject.mission)
+        if moved.key:
+            aircraft, mission = with_parameter(aircraft, mission, moved.key, moved.scale * value)
+        try:
+            if mission.ceiling_m > mission.altitude_m:
+                design_of(aircraft, mission.at_altitude(mission.ceiling_m))
+            light = day if moved.key else day.scaled(moved.scale * value)
+            cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
+        except ImpossibleDesignError:
+            return _NOT_FLYING_H
+        return _spare_h(cycle, required_h)
+
+    def of_all(values: FloatArray) -> FloatArray:
+        each = enumerate(values.tolist())
+        return np.array([np.nan if math.isnan(value) else spare_h(i, value) for i, value in each])
+
+    ends = [quantity.worse if holds else quantity.better for quantity in quantities]
+    now = np.array([quantity.value for quantity in quantities])
+    limits = bracketed_root(of_all, now, np.array(ends), _TOLERANCE)
+    rows = []
+    for quantity, found in zip(quantities, limits.tolist(), strict=True):
+        limit = None if math.isnan(found) else found
+        change = None if limit is None else limit - quantity.value
+        scale = max(abs(quantity.value), 100.0 if quantity.unit == "%" else 1.0)
+        if change is not None and abs(change) <= _NO_MARGIN * scale:
+            continue
+        relative = None if limit is None else relative_change(quantity.value, limit)
+        percent = None if relative is None else 100.0 * relative
+        rows.append((quantity.label, quantity.unit, quantity.value, limit, change, percent))
+    if not rows:
+        return None
+    what = "may become" if holds else "would have to become"
+    than = required(required_h)
+    columns = (
+        Column("quantity"),
+        Column("unit"),
+        Column("value", "now", form=".4g"),
+        Column("limit", what, form=".4g", missing="no limit" if holds else "not enough alone"),
+        Column("change", form="+.3g"),
+        Column("relative", "change", "%", "+z.0f"),
+    )
+    title = f"{'margins to the end of' if holds else 'what is missing for'} {than}, one at a time"
+    return Table(title, columns, tuple(rows))
+
+
+def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
+    """Return the quantities that are moved: sun, battery, propulsion, loads, payload."""
+    battery, avionics = aircraft.battery.specific_energy_wh_per_kg, aircraft.power.avionics_w
+    extra, payload, percent = 100.0 * mission.turbulence.all_day, mission.payload.mass_kg, 0.01
+    return [
+        _Quantity("solar power, relative to the model", "%", 100.0, 0.0, 400.0, "", percent),
+        _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery, 4.0 * battery,
+                  "battery.specific_energy_wh_per_kg"),
+        _Quantity("propulsion power, beyond level flight", "%", extra, 400.0, -90.0,
+                  "mission.turbulence.all_day", percent),
+        _Quantity("avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0, "power.avionics_w"),
+        _Quantity("payload mass", "kg", payload, payload + 50.0, 0.0, "mission.payload.mass_kg"),
+    ]  # fmt: skip
+
+
+def _spare_h(cycle: Cycle, required: float) -> float:
+    """Return the least excess time beyond what is required [h]; negative where one falls short."""
+    spare_h = np.clip(cycle.excess_time_h - required, _NOT_FLYING_H, -_NOT_FLYING_H)
+    # At the end of perpetual flight it may be just zero.
+    return float(np.min(np.where(cycle.sufficient, spare_h, np.minimum(spare_h, -_NO_MARGIN))))
+
+
+# ---- In the order of reading
+
+Make: TypeAlias = Callable[[Subject], Section | None]
+# In the order in which a design review reads them.
+OF_A_DESIGN: tuple[Make, ...] = (
+    aircraft_section,
+    budget_section,
+    day_section,
+    season_section,
+    sizing_section,
+    margins_section,
+    uncertainty_section,
+    weather_section,
+    belief_section,
+    models_section,
+)
+OF_A_LOG: tuple[Make, ...] = (aircraft_section, verification_section, belief_section)
+AT_THE_END: tuple[Make, ...] = (glossary_section, provenance_section, inputs_section)
