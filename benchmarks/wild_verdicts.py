@@ -18,7 +18,6 @@ from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
-from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.ranges import widest_range
 from sizing.program.reasons import least_mission
 from sizing.program.relaxations import relaxations
@@ -28,7 +27,7 @@ from sizing.program.result import (
     SizingResult,
     SizingStatus,
 )
-from sizing.program.size import size_aircraft
+from sizing.program.size import size_aircraft, sized_in_own_flow
 from sizing.relaxed_flight import Relaxation
 
 _EDGE = 0.999  # of the largest excess time

@@ -17,14 +17,13 @@ from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.margin import MarginCase
 from sizing.program.objectives import Objective
-from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.own_terms import with_own_terms
 from sizing.program.ranges import widest_range
 from sizing.program.relaxations import relaxations
 from sizing.program.reliability import check_reliability, size_reliably
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import constraint_multipliers, sensitivities
-from sizing.program.size import size_aircraft
+from sizing.program.size import size_aircraft, sized_in_own_flow
 from sizing.program.survival import SurvivalSizing, check_survival, in_the_record
 from sizing.program.whole_cells import size_whole_cells
 from sizing.results.design_result import check_subjects

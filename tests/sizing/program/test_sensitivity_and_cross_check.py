@@ -13,9 +13,8 @@ from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import CrossCheck, cross_check, random_factors
 from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
-from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.sensitivity import Sensitivity, constraint_multipliers, sensitivities
-from sizing.program.size import size_aircraft
+from sizing.program.size import size_aircraft, sized_in_own_flow
 from studies.output.sizing_files import plot_sensitivities
 from studies.render.sizing import cross_check_line
 
