@@ -47,8 +47,9 @@ class Size(
     mission: str | None = options.mission_option(None)
     objective: str = option(
         "Masses and wingspan become as small as the mission's required excess "
-        "time allows; max_excess_time ends at the bounds of the design space; the last two search "
-        "for the most days, or degrees of latitude, in which one design flies perpetually.",
+        "time allows; max_excess_time ends at the bounds of the design space; longest_season and "
+        "widest_latitude_band search for the most days, or degrees of latitude, in which one "
+        "design flies perpetually, max_endurance for the longest flight.",
         type=click.Choice(OBJECTIVE_NAMES),
         default="min_mass",
     )
@@ -59,7 +60,7 @@ class Size(
     )
     certify: bool = option("", hidden=True, callback=_renamed)
     with_cross_check: bool = option(
-        "Try to beat the optimum with thousands of other designs in the simulator."
+        "Try to beat the optimum with 400 other designs in the simulator."
     )
     whole_cells: bool = option(
         "Round the optimum to whole solar and battery cells, search the designs next to it "
