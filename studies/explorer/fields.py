@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from missions.mission import Mission
@@ -183,6 +183,7 @@ def fields_of(
 
 
 def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) -> Iterator[Field]:
+    measured = isinstance(aircraft.airframe, MeasuredAirframe)
     ends, days = (-90.0, 90.0), (1.0, 365.0)
     latitude, day = at[0], float(at[1])
     yield Field(
@@ -201,35 +202,27 @@ def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) 
             value = parameter_value(aircraft, mission, key)
             if value is None:
                 continue
-            field = _number_field(aircraft, key, group, value, step, payload_ends)
-            if key == ALTITUDE and mission.climb is not None:
-                field = replace(field, label="altitude by night")
+            known = parameter(key)
+            minimum, maximum = min(known.minimum, value), max(known.maximum, value)
+            slider = (minimum, maximum)
+            if group == "design":
+                space = getattr(aircraft.design_space, variable_keys()[key])
+                if isinstance(space, Range) and not measured:
+                    minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)
+                low = _round(_SLIDER_FROM * value, math.floor)
+                high = _round(_SLIDER_TO * value, math.ceil)
+                slider = (max(low, minimum), min(high, maximum))
+            elif key in payload_ends:
+                high = _round(payload_ends[key], math.ceil)
+                maximum = max(maximum, _PAYLOAD_BEYOND * high)  # of a large aircraft
+                slider = (minimum, min(max(high, value), maximum))
+            fixed = _MEASURED if measured and key.startswith("airframe.") else ""
             if key == WIND and mission.wind_statistics is not None:
                 fixed = _OF_PERCENTILE.format(mission.wind_statistics.percentile)
-                field = replace(field, fixed=fixed)
-            yield field
-
-
-def _number_field(
-    aircraft: Aircraft, key: str, group: Group, value: float, step: float, ends: dict[str, float]
-) -> Field:
-    known, measured = parameter(key), isinstance(aircraft.airframe, MeasuredAirframe)
-    minimum, maximum = min(known.minimum, value), max(known.maximum, value)
-    slider = (minimum, maximum)
-    if group == "design":
-        space = getattr(aircraft.design_space, variable_keys()[key])
-        if isinstance(space, Range) and not measured:
-            minimum, maximum = min(minimum, space.minimum), max(maximum, space.maximum)
-        low, high = _round(_SLIDER_FROM * value, math.floor), _round(_SLIDER_TO * value, math.ceil)
-        slider = (max(low, minimum), min(high, maximum))
-    elif key in ends:
-        high = _round(ends[key], math.ceil)
-        maximum = max(maximum, _PAYLOAD_BEYOND * high)  # of a large aircraft
-        slider = (minimum, min(max(high, value), maximum))
-    unit = unit_text(known.unit).replace("deg", "°")
-    fixed = _MEASURED if measured and key.startswith("airframe.") else ""
-    label, about = known.label, known.about
-    return Field(key, group, label, unit, value, minimum, maximum, slider, step, fixed, about)
+            by_night = key == ALTITUDE and mission.climb is not None
+            label = "altitude by night" if by_night else known.label
+            unit, ends = unit_text(known.unit).replace("deg", "°"), (minimum, maximum)
+            yield Field(key, group, label, unit, value, *ends, slider, step, fixed, known.about)
 
 
 def _round(value: float, rounded: Any) -> float:

@@ -126,18 +126,13 @@ def sizing_record(case: Case, objective: Objective) -> dict[str, Any]:
 
 
 def _optimum(study: SizingStudy) -> dict[str, Any]:
-    """Return an optimum in words, by the keys of the page, and where it is hardest."""
-    return {
-        "headline": study.headline(),
-        "values": _short_values(study),
-        "worst_scenario": study.to_dict()["worst_scenario"],
-    }
+    """Return an optimum in words, by the keys of the page, and where it is hardest.
 
-
-def _short_values(study: SizingStudy) -> dict[str, float] | None:
-    """Return the optimum by keys, in six digits where that meets the requirement."""
+    Its values have six digits where those meet the requirement.
+    """
+    known = {"headline": study.headline(), "worst_scenario": study.to_dict()["worst_scenario"]}
     if study.design is None:
-        return None
+        return known | {"values": None}
     chosen, payload = study.design.variables, study.sized_mission().payload
     values = {key: getattr(chosen, name) for key, name in variable_keys().items()}
     values |= {f"{MISSION_PREFIX}payload.{key}": getattr(payload, key) for key in _PAYLOAD_KEYS}
@@ -149,4 +144,4 @@ def _short_values(study: SizingStudy) -> dict[str, float] | None:
     perf = performance(aircraft, mission, study.solar, keep_trajectory=False)
     enough = float(perf.cycle.excess_time_h.min()) >= study.result.required_excess_time_h
     fits = perf.design.variables.module_area_m2 <= perf.design.wing_area_m2
-    return short if enough and fits else exact
+    return known | {"values": short if enough and fits else exact}

@@ -268,12 +268,6 @@ def points(
         return np.array([base, *rows], float), np.array([-1, *(index for index, _ in pairs)])
     if not 1 <= samples <= MAXIMUM_POINTS:
         raise ValueError(f"the number of samples must be from 1 to {MAXIMUM_POINTS}")
-    return _sampled_points(axes, sample, samples, seed)
-
-
-def _sampled_points(
-    axes: Sequence[Axis], sample: SampleName, samples: int, seed: int
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     from scipy.stats import qmc
 
     for axis in axes:
@@ -281,13 +275,12 @@ def _sampled_points(
             raise ValueError(f"{axis.key} has names, of which none can be drawn between two others")
         if len(axis.values) < 2:
             raise ValueError(f"{axis.key} needs a range to draw samples from, first:last")
-    low = np.array([min(axis.values) for axis in axes])
-    high = np.array([max(axis.values) for axis in axes])
+    low, high = (np.array([end(axis.values) for axis in axes]) for end in (min, max))
+    generator = np.random.default_rng(seed)
     if sample == "lhs":
-        unit = qmc.LatinHypercube(len(axes), rng=np.random.default_rng(seed)).random(samples)
+        unit = qmc.LatinHypercube(len(axes), rng=generator).random(samples)
     else:
         # A power of two keeps the sequence balanced; a part of it is still even.
         exponent = max(math.ceil(math.log2(samples)), 0)
-        sobol = qmc.Sobol(len(axes), rng=np.random.default_rng(seed))
-        unit = sobol.random_base2(exponent)[:samples]
+        unit = qmc.Sobol(len(axes), rng=generator).random_base2(exponent)[:samples]
     return low + unit * (high - low), np.full(samples, -1)
