@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,13 +16,16 @@ import click
 from sizing.program.objectives import RESIZE_NAMES
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import CommandOptions, argument, option
-from studies.cli.telling import tell_error
+from studies.cli.start import let_dask_in
+from studies.cli.telling import progress_of, tell_error
 from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange, latitude_deg
 from studies.output import formats
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 
 if TYPE_CHECKING:
     from studies.case import Case as Loaded
+    from studies.output.gridded import Gridded
+    from studies.study import Study
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -239,6 +248,72 @@ class Work(CommandOptions):
             from studies.engine.workers import fork_from
 
             fork_from(module)
+
+    @contextmanager
+    def completed(self, study: Study) -> Iterator[Gridded]:
+        """Compute a study; inside the context its result is to be written and printed.
+
+        After it the parts go. A signal ends the command with 128 plus its number and the way to go
+        on; so does a disk that fills up, as an error. Where cells failed, standard error says so
+        before and after the result, and the command ends with exit code 1; where all of them did
+        there is no result.
+        """
+        from missions.files.writing import OutputError  # not for help
+        from studies.engine.chunk_store import ChunkStore
+        from studies.engine.run import run
+        from studies.engine.workers import WorkersUnavailableError
+        from studies.signals import Stopped
+
+        job, store = study.job, None
+        folder = None if self.out_file is None else parts_folder(self.out_file)
+        if self.work_dir is not None:
+            folder = Path(self.work_dir)
+
+        def kept() -> str:
+            if store is None:
+                return "nothing is kept (--out or --work would keep what is finished)"
+            keys = job.keys()
+            count = sum(store.path(key).is_file() for key in keys)
+            command = shlex.join(["solar-uav", *sys.argv[1:]])
+            finished = f"{count} of {len(job.chunks)} chunks are kept in {store.folder}"
+            return f"{finished}; to go on:\n  {command}"
+
+        with ExitStack() as stack:
+            if folder is not None:
+                opened = ChunkStore(folder).opened(job.size_bytes, len(job.chunks))
+                store = stack.enter_context(opened)
+            try:
+                if self.scheduler is not None:
+                    let_dask_in()
+                pool = study.pool(
+                    self.workers, self.scheduler, lambda text: tell_error(f"solar-uav: {text}")
+                )
+                with progress_of(study.unit) as progress:
+                    outcome = run(job, pool, store, progress)
+                trouble = study.trouble(outcome)
+                if trouble is not None:
+                    tell_error(f"solar-uav: {trouble}")
+                if len(outcome.failures) == len(study.cells):
+                    sys.exit(EXIT_FAILED)
+                yield study.gridded(outcome)
+            except KeyboardInterrupt as stopped:
+                number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
+                tell_error(f"stopped; {kept()}")
+                sys.exit(128 + number)
+            except (OutputError, WorkersUnavailableError) as error:
+                tell_error(f"solar-uav: {error}; {kept()}")
+                sys.exit(EXIT_FAILED)
+            if store is not None and not self.keep_parts and not outcome.failures:
+                store.remove_parts(job.keys())
+        if trouble is not None:
+            tell_error(f"solar-uav: the result is not complete: {trouble}")
+            sys.exit(EXIT_FAILED)
+
+
+def parts_folder(target: str) -> Path | None:
+    """Return the folder for the parts of a result file; None for a device or a pipe."""
+    path = Path(target)
+    return path.with_name(f"{path.name}.parts") if path.is_file() or not path.exists() else None
 
 
 def resize(text: str, name: str = "--resize", **settings: Any) -> Any:

@@ -46,7 +46,7 @@ from studies.cli.files import opened
 made = Session(Case(opened("aircraft", "sky-sailor"), opened("mission", "rafz-july")))
 made.inputs(made.settings()).inputs()"""
 WITHOUT_REPORT = """\
-from studies.cli import commands, files, jobs
+from studies.cli import commands, files, options
 from studies.cli.outputs import check_report
 check_report(None)"""
 

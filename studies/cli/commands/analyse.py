@@ -135,7 +135,6 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
     def run(self) -> None:
         """Compute the cells of a map, write it, and tell it."""
         self.fork_workers("studies.maps.study")
-        from studies.cli.jobs import completed
         from studies.cli.outputs import call, deliver, grid_of
         from studies.maps.results import MapResult
         from studies.maps.study import prepare
@@ -158,7 +157,7 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
             objective=self.objective,
         )
         draw = "plot_map" if self.objective is None else "plot_resized_map"
-        with completed(study, self) as data:
+        with self.completed(study) as data:
             deliver(
                 case,
                 self,
@@ -242,7 +241,6 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
     def run(self) -> None:
         """Compute the time on station of each month, and tell it."""
         self.fork_workers("studies.station")
-        from studies.cli.jobs import completed
         from studies.cli.outputs import deliver
         from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
@@ -258,7 +256,7 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
         study, result_of = prepare(
             case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar
         )
-        with completed(study, self) as data:
+        with self.completed(study) as data:
             result = result_of(data)
 
             def content(path: str) -> bytes:

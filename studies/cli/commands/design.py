@@ -333,7 +333,6 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
         """Compute the points of a trade study, write them, and tell them."""
         self.fork_workers("studies.sweeps.study")
         from missions.files.errors import InputError
-        from studies.cli.jobs import completed
         from studies.cli.outputs import call, deliver, grid_of
         from studies.cli.telling import tell_error
         from studies.sweeps.study import prepare
@@ -358,7 +357,7 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
             named = [replace(p, source=f"--vary {p.source}") for p in error.problems]
             raise InputError(named) from None
         self._check_shown(study)
-        with completed(study, self) as points:
+        with self.completed(study) as points:
             from studies.sweeps.results import SweepResult  # pandas and xarray
 
             data = points.to_xarray()

@@ -18,7 +18,7 @@ import pytest
 from chunk_functions import numbered_job
 
 from missions.files.writing import OutputError, check_writable_file
-from studies.cli.jobs import parts_folder
+from studies.cli.options import parts_folder
 from studies.engine import chunk_store, workers
 from studies.engine import run as engine
 from studies.engine.chunk_store import FAILURE, ChunkStore
