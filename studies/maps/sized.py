@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.flight_path import largest_wind_m_per_s
-from missions.mission import Mission, Scenarios
+from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.module_power import on_path
@@ -16,7 +16,6 @@ from sizing.design import DesignVariables
 from sizing.mass_budget import parametric_design
 from sizing.performance import Performance, performance_of_designs
 from sizing.program import cells as cell_sizing
-from sizing.program.cells import CellSizings
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity import checks as validity
 from sizing.validity.extrapolations import cell_texts
@@ -55,8 +54,18 @@ def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
             },
         )
     sizings = cell_sizing.size_cells(aircraft, mission, scenarios, goal, solar)
-    outside = _extrapolations_of_cells(aircraft, mission, scenarios, solar, sizings)
-    known = sizings.variables._asdict() | vars(sizings)
+    variables = sizings.variables
+    design = parametric_design(aircraft, mission, variables, sizings.total_mass_kg)
+    checks = [
+        *validity.design_checks(aircraft, mission, design, solar),
+        *validity.correction_check(scenarios, solar, mission),
+    ]
+    if validity.charge_rate_is_open(aircraft):
+        day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * variables.module_area_m2
+        checks += validity.charge_rate_check(aircraft, mission, design, peak_w)
+    outside = np.array(cell_texts(checks, len(scenarios)))
+    known = variables._asdict() | vars(sizings)
     message = np.where(
         sizings.status == SizingStatus.not_converged,
         "the solver did not converge",
@@ -69,7 +78,7 @@ def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
         "shortfall": sizings.shortfall,
         "violated_requirement": sizings.requirement.astype(str),
         "message": message,
-        "extrapolations": np.array(outside),
+        "extrapolations": np.where(np.isin(sizings.status, SIZED), outside, ""),
     }
 
 
@@ -83,25 +92,3 @@ def sized_flight(sized: Sized, cell: FloatArray) -> Performance | None:
     values = (None if v is None else np.ravel(v)[0] for v in sizings.variables)
     day = solar_day(aircraft, mission, solar, scenarios=scenario)
     return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)
-
-
-def _extrapolations_of_cells(
-    aircraft: Aircraft,
-    mission: Mission,
-    scenarios: Scenarios,
-    solar: SolarModel,
-    sizings: CellSizings,
-) -> list[str]:
-    """Return a text per cell where its design leaves the range of a model."""
-    sized = np.isin(sizings.status, SIZED)
-    design = parametric_design(aircraft, mission, sizings.variables, sizings.total_mass_kg)
-    checks = [
-        *validity.design_checks(aircraft, mission, design, solar),
-        *validity.correction_check(scenarios, solar, mission),
-    ]
-    if validity.charge_rate_is_open(aircraft):
-        day = solar_day(aircraft, mission, solar, scenarios=scenarios)
-        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * sizings.variables.module_area_m2
-        checks += validity.charge_rate_check(aircraft, mission, design, peak_w)
-    texts = cell_texts(checks, len(scenarios))
-    return [text if there else "" for text, there in zip(texts, sized, strict=True)]
