@@ -30,8 +30,12 @@ from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
 from sizing.results.analysis import Analysis, analysis_of
-from sizing.results.design_result import DesignResult, described
-from sizing.results.margins import RequirementMargin, requirement_margins
+from sizing.results.design_result import (
+    DesignResult,
+    RequirementMargin,
+    described,
+    requirement_margins,
+)
 from sizing.results.result import NEGLIGIBLE, SERIALISER, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment

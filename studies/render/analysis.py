@@ -61,7 +61,7 @@ def blocks(analysis: Analysis, level: int) -> list[Any]:
 
 def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
     """Return the blocks of an analysis by what they are about, in the order of reading."""
-    everything, scenarios = level >= ALL, len(analysis.performance.cycle.status)
+    everything, scenarios = level >= ALL, len(analysis.scenarios)
     title = (
         f"{analysis.aircraft.name} on {analysis.mission.name}, {analysis.worst_scenario.label}"
         f"{f', worst of {scenarios} scenarios' if scenarios > 1 else ''}: {_status(analysis)}"

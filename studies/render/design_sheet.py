@@ -80,7 +80,7 @@ class DesignSheet:
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
     """Return the quantities of an aircraft on a mission."""
-    worst = analysis.performance.worst_label
+    worst = analysis.worst_scenario.label
     measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)  # in one part
     words = {"other": "airframe, propulsion, avionics"} if measured else {}
     masses = {

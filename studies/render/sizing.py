@@ -14,7 +14,7 @@ from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.limits import ROW_TOLERANCE
-from sizing.results.margins import RequirementMargin
+from sizing.results.design_result import RequirementMargin
 from sizing.validity.ranges import model_error_note
 from studies import quantities as q
 from studies.render.analysis import (

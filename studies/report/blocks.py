@@ -181,19 +181,14 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
     )
 
 
-def page_figure(
-    figure: Plot, caption: str, *, title: str, key: str, description: str = ""
-) -> Figure:
-    """Return a figure of matplotlib as a block.
-
-    ``description``: for those who cannot see it, by default the caption.
-    """
+def page_figure(plot: Plot, caption: str, *, title: str, key: str, words: str = "") -> Figure:
+    """Return a figure of matplotlib as a block; ``words``: more for those who cannot see it."""
     # Cells of maps become an image: thousands of paths would be slow, with seams between them.
-    for artist in (artist for axes in figure.axes for artist in axes.collections):
+    for artist in (artist for axes in plot.axes for artist in axes.collections):
         if isinstance(artist, QuadMesh) and artist.get_array() is not None:
             artist.set_rasterized(True)
     buffer = io.StringIO()
-    figure.savefig(
+    plot.savefig(
         buffer, format="svg", dpi=_DOTS_PER_INCH, transparent=True, metadata={"Date": None}
     )
     drawing = _NOT_DRAWN.sub("", buffer.getvalue())
@@ -206,7 +201,7 @@ def page_figure(
         f'<svg class="figure" role="img" aria-labelledby="{key}-drawn {key}-words" '
         f'viewBox="0 0 {width} {height}" width="{width}" height="{height}">'
         f'<title id="{key}-drawn">{html.escape(title)}</title>'
-        f'<desc id="{key}-words">{html.escape(description or caption)}</desc>{inside}'
+        f'<desc id="{key}-words">{html.escape(f"{caption} {words}".strip())}</desc>{inside}'
     )
     return Figure(markup, caption)
 

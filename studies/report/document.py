@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
@@ -15,11 +16,15 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.results.design_result import check_subjects
 from sizing.results.sizing_study import SizingStudy
+from sizing.validity.ranges import model_error_note
 from solar.names import CorrectionName, ModelName
+from studies import quantities as q
 from studies.output.run_folder import InputFile, RunInputs
+from studies.render.analysis import landing
+from studies.render.words import amount, given, hours, percent
+from studies.report.blocks import Fact
 from studies.report.sections import AT_THE_END, OF_A_DESIGN, OF_A_LOG, Make
 from studies.report.subject import Subject
-from studies.report.verdict import key_facts, verdict
 
 if TYPE_CHECKING:
     from missions.weather.record import Weather
@@ -142,3 +147,138 @@ def _titled(title: str) -> str:
 def _with_minus(text: str) -> str:
     """Return a text whose negative numbers have a minus sign, not a hyphen."""
     return re.sub(r"(?<![\w.\u2212-])-(?=\d)", "\u2212", text)
+
+
+# ---- The verdict in one sentence, and the numbers that it rests on
+
+_WORDS = {"good": "Requirement met", "edge": "On the edge", "bad": "Requirement not met"}
+
+
+class Verdict(NamedTuple):
+    """A sentence, and whether what it says is ``good``, on the ``edge`` or ``bad``.
+
+    ``word`` says the latter to those who see no colour.
+    """
+
+    state: str
+    sentence: str
+    word: str
+
+
+def verdict(subject: Subject) -> Verdict:
+    """Return whether and by how much the flight is perpetual, and how sure that is."""
+    verification = subject.verification
+    if verification is None:
+        state, sentence = _judged(subject)
+        return Verdict(state, sentence, _WORDS[state])
+    errors = _errors(verification)
+    if not errors:
+        text = f"{verification.log.source} has no sample to compare with."
+        return Verdict("edge", text, "No comparison")
+    model = min(errors, key=lambda model: errors[model][1])
+    average, rms = errors[model]
+    text = (
+        f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
+        f"{percent(average, '+.1f')} on average, RMS {percent(rms)}."
+    )
+    return Verdict("good", text, "Compared")
+
+
+def _judged(subject: Subject) -> tuple[str, str]:
+    """Return the state and the sentence of a flight."""
+    analysis, mission = subject.analysis, subject.mission
+    lows, highs = analysis.low.least_excess_time_h, analysis.high.least_excess_time_h
+    required, excess = mission.required_excess_time_h, analysis.excess_time_h
+    several = len(analysis.scenarios) > 1
+    where = analysis.worst_scenario.label
+    weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
+    who = f"{subject.aircraft.name} on {mission.name}"
+    measured = model_error_note(mission.altitude_m)
+    relative = percent(subject.solar.rms_relative, ".0f")
+    error = f"one RMS error of the solar model ({relative}{measured})"
+    if mission.flight is not None:
+        return _of_landing(subject, f"{who}, {weakest}", lows, error)
+    fails = f"{who} does not fly perpetually: {weakest}"
+    if not analysis.is_perpetual:
+        hold_h = float(analysis.endurance_h)
+        longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
+        without = hours(max(-float(excess), 0.0))
+        text = f"{fails} it flies for {longest}, {without} of every day are without power"
+        if highs > 0.0:
+            return "edge", f"{text}; with {error} more sun it would fly perpetually."
+        return "bad", f"{text}; {error} more sun would not change that."
+    remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
+    text = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
+    if excess < required:
+        return "bad", f"{text}, less than the required {given(required, 'h')}."
+    if required > 0.0 and np.isfinite(excess):
+        text += f", {hours(excess - required)} more than required"
+    if lows <= 0.0:
+        return "edge", f"{text}, but {error} less sun ends perpetual flight."
+    if lows < required:
+        return "edge", f"{text}, but {error} less sun leaves {hours(lows)}, too little."
+    if np.isinf(lows):
+        return "good", f"{text}, also with {error} less sun."
+    return "good", f"{text}, and {hours(lows)} with {error} less sun."
+
+
+def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> tuple[str, str]:
+    """Return whether the flight lands with its reserve."""
+    text = f"{where} {landing(subject.analysis).rstrip('.')}".replace("It flies", "it flies")
+    excess, required = subject.analysis.excess_time_h, subject.mission.required_excess_time_h
+    if excess <= 0.0:
+        return "bad", f"{text}."
+    if excess < required:
+        return "bad", f"{text}, less than the required {given(required, 'h')}."
+    if low_h <= 0.0 or low_h < required:
+        return "edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little."
+    return "good", f"{text}, {hours(low_h)} with {error} less sun."
+
+
+def _errors(verification: Verification) -> dict[str, tuple[float, float]]:
+    """Return average and RMS error of every model over the whole log [-]."""
+    from studies.flight_logs.errors import sections  # with pandas
+
+    if not verification.days:
+        return {}
+    excluded, filter_s = verification.excluded, verification.days[0].filter_s
+    whole = [("log", np.ones(len(excluded), bool))]
+    (log,) = sections(verification.samples, excluded, filter_s, "UTC", whole)
+    return {
+        model: (errors["average_error_relative"], errors["rms_error_relative"])
+        for model, errors in log.models.items()
+        if errors["rms_error_relative"] is not None
+    }
+
+
+def key_facts(subject: Subject) -> Iterator[Fact]:
+    """Yield the key numbers, the most important first."""
+    if (compared := subject.verification) is not None:
+        log, count = compared.log, len(compared.samples.time_s)
+        yield Fact("samples", str(count), f"with the sun up, of {len(log)}")
+        long_h = (log.time_s[-1] - log.time_s[0]) / 3600.0
+        yield Fact("flight", amount(long_h, "h", ".1f"), f"every {given(log.step_s, 's')}")
+        for model, (average, rms) in _errors(compared).items():
+            yield Fact(f"error of {model}", percent(average, "+.1f"), f"RMS {percent(rms)}")
+        yield Fact("samples left out", str(int(compared.excluded.sum())))
+        return
+    aircraft, analysis = subject.aircraft, subject.analysis
+    battery, required = aircraft.battery, subject.mission.required_excess_time_h
+    values, design = analysis.scenario(), analysis.design
+    ratio = q.ASPECT_RATIO.fact(q.ASPECT_RATIO.of(design))
+    share = float(design.variables.module_area_m2) / float(design.wing_area_m2)
+    covered = f"{percent(share, '.0f')} of the wing"
+    energy = given(battery.specific_energy_wh_per_kg, "Wh/kg")
+    least = f"required: {given(required, 'h')}" if required else ""
+    yield Fact(*q.EXCESS_TIME.fact(values["excess_time_h"]), least)
+    if (scattered := subject.uncertainty) is not None:
+        of = f"of {scattered.samples} draws of the uncertain inputs"
+        yield Fact("probability", percent(scattered.probability_required.value), of)
+    charge, sun = values["minimum_state_of_charge"], q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)
+    yield Fact(*q.CHARGE_MARGIN.fact(values["charge_margin_h"]), "how long the battery stays full")
+    yield Fact(*q.MINIMUM_CHARGE.fact(charge), "in the morning")
+    yield Fact(*q.WINGSPAN.fact(q.WINGSPAN.of(design)), " ".join(ratio))
+    yield Fact(*q.TOTAL_MASS.fact(design.total_mass_kg), f"battery {amount(battery.mass_kg, 'kg')}")
+    yield Fact("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh)[1], energy)
+    yield Fact("modules", q.MODULE_AREA.fact(aircraft.modules.area_m2)[1], covered)
+    yield Fact(*q.LOAD.fact(values["power_out_w"]), f"sun: {sun[1]} a day")

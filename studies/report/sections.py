@@ -30,7 +30,7 @@ from sizing.performance import performance
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
-from sizing.results.margins import requirement_margins
+from sizing.results.design_result import requirement_margins
 from sizing.results.result import relative_change
 from sizing.roots import bracketed_root
 from solar.names import MODELS
@@ -81,7 +81,7 @@ def aircraft_section(subject: Subject) -> Section:
         plot_three_view(drawing, **points, figure=page_options(_WIDTH_IN)),
         f"Three views to scale. {' '.join(drawing.notes)}",
         title=f"Three views of {aircraft.name}",
-        description=description(drawing),
+        words=description(drawing),
         key="views",
     )
     blocks: list[Block] = [Line(aircraft.description, "strong")] if aircraft.description else []
@@ -108,7 +108,7 @@ def aircraft_section(subject: Subject) -> Section:
 def budget_section(subject: Subject) -> Section:
     """Return where mass, power and the energy of the day go."""
     analysis = subject.analysis
-    where = analysis.performance.worst_label
+    where = analysis.worst_scenario.label
     measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)  # in a single part
     names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
     each = analysis.performance.design.masses._asdict().items()
@@ -235,8 +235,8 @@ _ON_CELLS = "#111111"
 def day_section(subject: Subject) -> Section:
     """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
-    where = analysis.performance.worst_label
-    several = len(analysis.performance.cycle.status) > 1
+    where = analysis.worst_scenario.label
+    several = len(analysis.scenarios) > 1
     height = 1.2 + 2.0 * panel_count(analysis)
     caption = (
         f"Solar power, load and state of charge over solar time at {where}"
@@ -245,9 +245,8 @@ def day_section(subject: Subject) -> Section:
     )
     plot = plot_cycle(analysis, figure=page_options(_WIDTH_IN, height))
     _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
-    words = f"{caption} The charge is least, {least}, in the morning."
-    title = f"Day cycle at {where}"
-    blocks: list[Block] = [page_figure(plot, caption, title=title, description=words, key="cycle")]
+    charge, title = f"The charge is least, {least}, in the morning.", f"Day cycle at {where}"
+    blocks: list[Block] = [page_figure(plot, caption, title=title, words=charge, key="cycle")]
     if several:
         excess_h = analysis.performance.cycle.excess_time_h
         weakest, notes = None, []
@@ -289,8 +288,7 @@ def season_section(subject: Subject) -> Section:
         caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
     if subject.mission.climb is not None:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
-    words = f"{caption} {season}"
-    drawing = page_figure(plot, caption, title="Season map", description=words, key="season")
+    drawing = page_figure(plot, caption, title="Season map", words=season, key="season")
     return Section("season", "The season", [*texts, drawing, _months(subject)])
 
 
@@ -367,10 +365,10 @@ def models_section(subject: Subject) -> Section:
         f"What each model predicts{where}: solar energy and excess time with bars of the model's "
         "RMS error, and the perpetual season."
     )
-    words = f"{caption} The same numbers are in the table below."
+    words = "The same numbers are in the table below."
     blocks: list[Block] = [
         f"{comparison.headline()} {comparison.perpetual_line()}",
-        page_figure(plot, caption, title=title, description=words, key="models"),
+        page_figure(plot, caption, title=title, words=words, key="models"),
         *comparison.scenario_tables(),
         *(f"- {note}" for note in comparison.notes),
     ]
@@ -389,10 +387,10 @@ def uncertainty_section(subject: Subject) -> Section | None:
         f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
         "inputs, and what it depends on."
     )
-    words = f"{caption} {uncertainty.headline()}. The shares are in the table below."
+    words = f"{uncertainty.headline()}. The shares are in the table below."
     plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
     title = "Excess time under uncertain inputs"
-    drawing = page_figure(plot, caption, title=title, description=words, key="scatter")
+    drawing = page_figure(plot, caption, title=title, words=words, key="scatter")
     first, *others = uncertainty.at_level(ALL).blocks
     blocks = [first, drawing, *others]
     return Section("uncertainty", "Uncertain inputs", blocks)
@@ -405,8 +403,8 @@ def weather_section(subject: Subject) -> Section | None:
         return None
     caption = "State of charge at every dawn, survival of launches, and the season in this weather."
     plot = plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4))
-    title, words = "Flight through the weather record", f"{weather.headline()}. {caption}"
-    drawing = page_figure(plot, caption, title=title, description=words, key="weather")
+    title, words = "Flight through the weather record", f"{weather.headline()}."
+    drawing = page_figure(plot, caption, title=title, words=words, key="weather")
     first, *others = weather.at_level(ALL).blocks
     return Section("weather", "Weather", [first, drawing, *others])
 

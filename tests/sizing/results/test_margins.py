@@ -5,7 +5,7 @@ from propulsors import VOLTAGE, aircraft
 import sizing
 from missions.library import load_mission
 from sizing.mass_budget import parametric_design
-from sizing.results.margins import requirement_margins
+from sizing.results.design_result import requirement_margins
 from studies.render.sizing import requirement_table
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})

@@ -15,7 +15,7 @@ from command_line import BIRD, FIELD, edited, files
 
 from missions.files.shipped import shipped_text
 from sizing.library import load_aircraft
-from sizing.results.margins import RECOMMENDED_STALL_MARGIN
+from sizing.results.design_result import RECOMMENDED_STALL_MARGIN
 from sizing.validity.ranges import ranges
 from studies.cli import __main__ as cli
 from studies.cli.files import opened

@@ -28,6 +28,7 @@ from sizing.results.sizing import size
 from studies import make_report
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars
+from studies.report.document import key_facts, verdict
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.sections import (
     aircraft_section,
@@ -38,7 +39,6 @@ from studies.report.sections import (
     sizing_section,
 )
 from studies.report.subject import Subject
-from studies.report.verdict import key_facts, verdict
 
 pytestmark = pytest.mark.slow
 
