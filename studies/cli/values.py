@@ -79,7 +79,15 @@ class Parsed(click.ParamType):  # type: ignore[type-arg]  # click before 8.4 tak
 
 
 def latitude_deg(text: str) -> float:
-    """Return the latitude [deg], north positive, of ``-33.9``, ``-33.9°`` or ``33.9S``.
+    """Return the latitude [deg] of a text as :func:`degrees` reads it; from -90 to 90."""
+    number = degrees(text)
+    if not -90.0 <= number <= 90.0:
+        raise ValueError(f"must be from -90 to 90 (got {text})")
+    return number
+
+
+def degrees(text: str) -> float:
+    """Return degrees, north positive, of ``-33.9``, ``-33.9°`` or ``33.9S``.
 
     Another text is a ValueError.
     """
@@ -92,10 +100,7 @@ def latitude_deg(text: str) -> float:
         raise ValueError(
             f"{text!r} is not a number of degrees; north is positive, or written 47.6N, 33.9S"
         ) from None
-    number = -number if match and match[2] in ("s", "S") else number
-    if not -90.0 <= number <= 90.0:
-        raise ValueError(f"must be from -90 to 90 (got {text})")
-    return number
+    return -number if match and match[2] in ("s", "S") else number
 
 
 def grid(

@@ -9,7 +9,7 @@ import click
 
 from studies.cli import options
 from studies.cli.command import command, option
-from studies.cli.values import RealRange, grid, latitude_deg
+from studies.cli.values import RealRange, degrees, grid
 
 if TYPE_CHECKING:
     from studies.case import Case
@@ -115,7 +115,7 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
     latitudes: list[float] | None = option(
         "Latitudes [deg], north positive; the last one is met where the steps lead to it. "
         "[default: -70:70:1; with --resize, --endurance, VM, FM, loiter and climb -70:70:2]",
-        type=grid(-90.0, 90.0, read=latitude_deg),
+        type=grid(-90.0, 90.0, read=degrees),
     )
     days: list[float] | None = option(
         "Days of the year, 1 to 365; the last one is met where the steps lead to it. "
@@ -228,7 +228,7 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
 
     latitudes: list[float] | None = option(
         "Latitudes [deg], north positive. [default: -70:70:5]",
-        type=grid(-90.0, 90.0, read=latitude_deg),
+        type=grid(-90.0, 90.0, read=degrees),
     )
     altitudes: list[float] | None = option(
         "Altitudes [m] in place of latitudes; with --latitudes too, that of the largest share "

@@ -309,6 +309,7 @@ REFUSALS = {
     f"map {AS2}": [
         *[(f"--latitudes {grid}", "--latitudes") for grid in WRONG_GRIDS],
         ("--latitudes 45N:", "is no number and not first:last:step"),
+        ("--latitudes 0:100:10", "must rise within -90 to 90 by a positive step (got 0:100:10)"),
         ("--days 1:3:0.5", "whole numbers"),
         ("--out map.txt", "must end in .nc, .csv"),
         ("--resize min_mass", "airframe.kind: "),
