@@ -102,9 +102,10 @@ def opened(
     checked = validate(document, record)
     if is_aircraft and not of_run:
         refuse_named_twice(document)
-    sha256 = InputFile.of(Path(name_or_path)).sha256
-    if sha256 is None and name_or_path in shipped_names(kind):
-        sha256 = hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
+    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
+        sha256: str | None = hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
+    else:
+        sha256 = InputFile.of(Path(name_or_path)).sha256
     return Loaded(checked, document, sha256)
 
 

@@ -389,7 +389,9 @@ class Drawn(CommandOptions):
         places = [name for name in ("plot_file", "out_dir") if name in spelled]
         looks = ("size_in", "dots_per_inch", "style", "no_title")
         named = [name for name in looks if getattr(self, name) not in (None, False)]
-        if named and all(getattr(self, name) is None for name in places):
+        if not named:
+            return
+        if all(getattr(self, name) is None for name in places):
             draws = " or ".join(spelled[name] for name in places)
             raise click.UsageError(f"{spelled[named[0]]} is of the figure: give {draws} too")
         try:

@@ -19,7 +19,7 @@ from missions.files.errors import printable
 from missions.files.writing import write_files_atomically
 from sizing.results.result import Result
 from studies.case import DEFAULT_MISSION, Case
-from studies.cli.command import CommandOptions, check_outputs
+from studies.cli.command import check_outputs
 from studies.cli.files import mission_beside
 from studies.cli.telling import tell_error
 from studies.output import gridded
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from studies.cli.options import Drawn
     from studies.output.gridded import OnGrid
 
 PAGE, PRINTED = ".html", ".pdf"
@@ -47,7 +48,7 @@ Folder: TypeAlias = "tuple[RunInputs, dict[str, bytes], dict[str, Content]]"
 
 def deliver(
     case: Case,
-    options: CommandOptions,
+    options: Drawn,
     result: Result,
     *,
     table: tuple[str, Callable[[], pd.DataFrame]] | None = None,
@@ -75,7 +76,7 @@ def deliver(
     if table is not None and places["table_file"] is not None:
         contents = {places["table_file"]: table_of(*table), **contents}
     if plot and places["plot_file"] is not None:
-        contents[places["plot_file"]] = figure_of(*plot, figure=places["figure"])
+        contents[places["plot_file"]] = figure_of(*plot, figure=options.figure)
     written = [*contents]
     try:
         _write_files(contents)

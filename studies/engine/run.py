@@ -159,6 +159,10 @@ def _computed(
         task = replace(job, cells=job.cells[chunk], chunks=())
         signals.held = not pool.in_process
         try:
+            if pool.in_process:
+                here = Future[Part]()
+                here.set_result(compute_task(task))
+                return here
             return pool.submit(compute_task, task, None if pool.same_code else code_digest())
         finally:
             signals.held = True

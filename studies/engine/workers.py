@@ -79,11 +79,7 @@ class Pool:
         return 1 if self.in_process else self._workers + 1  # none waits for its next one
 
     def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
-        """Give out a task, or compute it here; ``work`` is importable by name."""
-        if self.in_process:
-            future = Future[T]()
-            future.set_result(work(*task))
-            return future
+        """Give out a task; ``work`` is importable by name."""
         with for_children():
             executor = self._executor or self._restarted()
             while True:
