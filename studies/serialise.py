@@ -56,12 +56,12 @@ RECORDS = {
         active_constraints=result.active_constraints violated_requirements=result.violations
         solver=result.solver *software battery_condition? nearest=result.nearest:NearestDesign
         quantities margins *result:Optimum power_out_w=optimum.power_out_w
-        worst_scenario=optimum.worst_scenario:WorstScenario simulated=reached:Reached
+        worst_scenario=optimum.worst_scenario:WorstScenario simulated=optimum:Reached
         power_budget=optimum.power_budget part_masses?=optimum.part_masses structure
         balance?=optimum.balance model=solar.model correction=solar.correction wind?
         uncertainty=optimum:LeastExcessTime extrapolations
         from_catalogues?=aircraft.from_catalogues reading_notes? range? relaxations? sensitivities?
-        constraint_multipliers?=multipliers cross_check? with_margin?:Guarded as_assumed?
+        constraint_multipliers?=multipliers cross_check? with_margin?:Guarded as_assumed?:Reached
         reliability? weather?=survival whole_cells? whole_cells.solar_cells?=cells.solar_cells
         whole_cells.strings?=cells.strings whole_cells.battery_pack?=cells.battery_pack
         climb?=optimum.worst_scenario.climb without_climbs?:LevelFlight builds?
@@ -88,7 +88,8 @@ RECORDS = {
         module_area_m2=design.variables.module_area_m2
         """,
     "Reached": """
-        excess_time_h charge_margin_h minimum_state_of_charge total_mass_kg model correction
+        excess_time_h charge_margin_h minimum_state_of_charge total_mass_kg
+        model=performance.solar.model correction=performance.solar.correction
         """,
     "LeastExcessTime": """
         solar_power_rms_relative=performance.solar.rms_relative

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
-from sizing.performance import MEASURES, Performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.ranges import WidestRange
@@ -42,7 +42,6 @@ from sizing.structures.assessment import StructureAssessment
 from sizing.validity.checks import check_user_models, record_check, stall_margin_within_polar
 from sizing.validity.extrapolations import add_effects, collect_extrapolations, extrapolations
 from sizing.validity.ranges import Extrapolation
-from solar.names import CorrectionName, ModelName
 from solar.types import BoolArray, IntArray
 
 if TYPE_CHECKING:
@@ -172,30 +171,6 @@ class BuiltDesign:
     objective_value: float | None
 
 
-class Reached(NamedTuple):
-    """What a sized design reaches in its worst scenario, by a solar power model."""
-
-    excess_time_h: float
-    charge_margin_h: float
-    minimum_state_of_charge: float
-    total_mass_kg: float
-    model: ModelName
-    correction: CorrectionName
-
-    @classmethod
-    def of(cls, flight: Performance | None) -> Reached | None:
-        """Return what a flight reaches; None without one."""
-        if flight is None:
-            return None
-        worst, solar = flight.worst_scenario(), flight.solar
-        excess_h, margin_h, charge = (
-            float(MEASURES[key](flight)[worst])
-            for key in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
-        )
-        total_kg = float(flight.design.total_mass_kg)
-        return cls(excess_h, margin_h, charge, total_kg, solar.model, solar.correction)
-
-
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class SizingStudy(DesignResult):
     """A sizing and what was asked about it.
@@ -216,9 +191,8 @@ class SizingStudy(DesignResult):
         Optimality cross-check by simulation, where asked for.
     optimum : Analysis or None
         Optimum as it was simulated.
-    reached, as_assumed : Reached or None
-        What it reaches in its worst scenario; as assumed: without the mission's uncertainty
-        margins, where it has any.
+    as_assumed : Analysis or None
+        Optimum without the mission's uncertainty margins, where it has any.
     quantities : dict or None
         Quantities of the optimum that may be bounded; outside of the airfoil's polar the stall is
         the fenced.
@@ -250,8 +224,7 @@ class SizingStudy(DesignResult):
     solar: SolarModel
     result: SizingResult
     optimum: Analysis | None
-    reached: Reached | None
-    as_assumed: Reached | None
+    as_assumed: Analysis | None
     quantities: dict[str, float] | None
     margins: list[RequirementMargin]
     structure: StructureAssessment | None
@@ -366,11 +339,12 @@ class SizingStudy(DesignResult):
 
     def scenarios(self) -> pd.DataFrame:
         """Return the metrics of the optimum in every scenario, one row each; NaN without one."""
-        perf = self.result.simulated
-        scenarios = self.mission.scenarios() if perf is None else perf.day.scenarios
+        scenarios, values = self.mission.scenarios(), dict.fromkeys(_OF_SCENARIO, np.nan)
+        if self.optimum is not None:
+            scenarios = self.optimum.performance.day.scenarios
+            values = {key: self.optimum.values[key] for key in _OF_SCENARIO}
         places = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        reached = {key: np.nan if perf is None else MEASURES[key](perf) for key in _OF_SCENARIO}
-        return data_frame(places | reached)
+        return data_frame(places | values)
 
 
 def study_of(
@@ -396,7 +370,13 @@ def study_of(
         optimum = analysis_of(aircraft, mission, simulated)
     if design is not None and simulated is not None:
         check_user_models(cooled or aircraft, mission, design)
-        as_assumed = _without_margins(cooled or aircraft, mission, design, simulated)
+        if mission.uncertainty_margins.is_set:
+            plain, scenarios = mission.without_margins(), simulated.day.scenarios
+            day = solar_day(cooled or aircraft, plain, solar, scenarios=scenarios)
+            flight = performance_of_designs(
+                cooled or aircraft, plain, design.variables, solar, day=day
+            )
+            as_assumed = analysis_of(aircraft, mission, flight)
         required_h = max(result.required_excess_time_h, 0.0)
         margins = requirement_margins(aircraft, simulated, required_h)
     if design is not None:
@@ -410,8 +390,7 @@ def study_of(
         solar=solar,
         result=result,
         optimum=optimum,
-        reached=Reached.of(simulated),
-        as_assumed=Reached.of(as_assumed),
+        as_assumed=as_assumed,
         quantities=quantities,
         margins=margins,
         structure=None if shown is None else _structure(aircraft, mission, shown),
@@ -420,17 +399,6 @@ def study_of(
         survival=survival,
         **others,
     )
-
-
-def _without_margins(
-    aircraft: Aircraft, mission: Mission, design: Design, simulated: Performance
-) -> Performance | None:
-    """Return the flight without the mission's uncertainty margins; None where it has none."""
-    if not mission.uncertainty_margins.is_set:
-        return None
-    plain, solar = mission.without_margins(), simulated.solar
-    day = solar_day(aircraft, plain, solar, scenarios=simulated.day.scenarios)
-    return performance_of_designs(aircraft, plain, design.variables, solar, day=day)
 
 
 def _structure(aircraft: Aircraft, mission: Mission, design: Design) -> StructureAssessment | None:
