@@ -80,21 +80,17 @@ def texts_as_read(texts: Mapping[str, str]) -> Iterator[None]:
         _READ.reset(token)
 
 
-def read_text(path: str) -> str:
-    """Return the text of a file, as first read within :func:`texts_as_read`."""
-    known = (_READ.get() or {}).get(path)
-    return _decoded(read_plain_file(path, most_bytes=_MAX_BYTES), path) if known is None else known
+def read_text(path: str, suffixes: tuple[str, ...] = ()) -> str:
+    """Return the text of a file, as first read within :func:`texts_as_read`.
 
-
-def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
-    """Return the text of a folder's files with given suffixes (lower case), in order of names.
-
-    Each begins with a line :data:`FILE_MARK` and its name. As :func:`texts_as_read` for files that
-    were read before.
+    A path that ends in a slash is that of a folder: the texts of its files with given suffixes
+    (lower case), in order of names, each after a line with :data:`FILE_MARK` and its name.
     """
     known = (_READ.get() or {}).get(path)
     if known is not None:
         return known
+    if not path.endswith("/"):
+        return _decoded(read_plain_file(path, most_bytes=_MAX_BYTES), path)
     with reading(path):
         every = sorted(Path(path).iterdir())
     files = [file for file in every if file.name.lower().endswith(suffixes)]

@@ -15,11 +15,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from missions.files.errors import file_error
+from missions.files.texts import read_text
 from sizing.aerodynamics.polar_table import (
+    POLAR_SUFFIXES,
     PolarTable,
     is_table_path,
     parse_polar,
-    read_polar_text,
     shipped_table,
 )
 from sizing.smooth import Value, chebyshev_series
@@ -117,7 +118,7 @@ class AirfoilPolar:
         """
         if not is_table_path(airfoil):
             return _shipped_polar(airfoil)
-        return cls.from_table(parse_polar(read_polar_text(airfoil), airfoil))
+        return cls.from_table(parse_polar(read_text(airfoil, POLAR_SUFFIXES), airfoil))
 
     @classmethod
     def from_table(cls, table: PolarTable) -> AirfoilPolar:

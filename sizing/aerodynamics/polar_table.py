@@ -15,7 +15,6 @@ import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error, left_out_note
 from missions.files.tables import number_rows, text_table
-from missions.files.texts import read_folder, read_text
 from sizing.aerodynamics.polar_files import (
     LIFT,
     SHARE_LEFT_OUT,
@@ -92,11 +91,6 @@ def shipped_table(name: str) -> PolarTable:
         )
     file = resources.files("sizing").joinpath("data", "polars", f"{name}.csv")
     return parse_polar_table(file.read_text(encoding="utf-8"), f"{name}.csv")
-
-
-def read_polar_text(path: str) -> str:
-    """Read the text of a file, or of all files of a folder, whose path ends with a slash."""
-    return read_folder(path, POLAR_SUFFIXES) if path.endswith("/") else read_text(path)
 
 
 def parse_polar_table(text: str, source: str) -> PolarTable:

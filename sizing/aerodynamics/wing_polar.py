@@ -19,14 +19,15 @@ from pydantic import (
 )
 
 from missions.files.errors import InputError
+from missions.files.texts import read_text
 from missions.files.validation import wrong_file
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_table import (
     OF_A_SECTION,
+    POLAR_SUFFIXES,
     WingReference,
     is_table_path,
     parse_polar,
-    read_polar_text,
 )
 from sizing.smooth import Value
 from solar.schema import (
@@ -123,7 +124,7 @@ class WingPolar(CompletedRecord):
         if not all(type(value) in (int, float) and value > 0.0 for value in values):
             return data
         try:
-            table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
+            table = parse_polar(read_text(airfoil, POLAR_SUFFIXES), airfoil, WingReference(*values))
         except InputError:  # which the checks of the record report
             return {"section_lift_ratio": 1.0, **data}
         assert table.span_efficiency is not None  # every polar of a wing has one
@@ -177,7 +178,7 @@ class WingPolar(CompletedRecord):
         if not is_table_path(self.airfoil):
             return None
         if self._table is None or self._table[0] != self.airfoil:
-            self._table = (self.airfoil, read_polar_text(self.airfoil))
+            self._table = (self.airfoil, read_text(self.airfoil, POLAR_SUFFIXES))
         return self._table[1]
 
     @field_serializer("airfoil")

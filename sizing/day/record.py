@@ -90,7 +90,7 @@ def weather_performance(
 ) -> WeatherPerformance:
     """Simulate an aircraft through a weather record, from a full battery at its beginning.
 
-    ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`): altitude,
+    ``mission``: at the record's site (:func:`missions.weather.files.mission_at_site`): altitude,
     air, turbulence, payload, margins. Its clearness plays no part: the clouds are the record's.
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)

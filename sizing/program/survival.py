@@ -64,7 +64,7 @@ def in_the_record(mission: Mission) -> Mission:
 class SurvivalSizing:
     """Search for the best design for which a share of the days of a season closes.
 
-    ``case``: its mission at the record's site (:func:`missions.weather.site.mission_at_site`), as
+    ``case``: its mission at the record's site (:func:`missions.weather.files.mission_at_site`), as
     :func:`in_the_record` has it; its dates are the season. ``required``: least share of the
     season's days that close [-]. ``progress``: called with the steps that are done, and in all.
     """

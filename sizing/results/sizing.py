@@ -7,8 +7,8 @@ from typing import Any, cast
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
+from missions.weather.files import mission_at_site
 from missions.weather.record import Weather
-from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
 from sizing.mass_budget import ImpossibleDesignError

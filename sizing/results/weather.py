@@ -12,8 +12,8 @@ import numpy as np
 
 from missions.dates import MONTH_NAMES
 from missions.mission import Mission, Scenarios
+from missions.weather.files import mission_at_site
 from missions.weather.record import Weather, longest_run
-from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from missions.logs.plausible import Kind, span_text
+from missions.logs.plausible import Kind
 from missions.logs.table import GAP_STEPS, FlightLog, Gap
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import NoChargeLimit, charge_rate_per_h
@@ -17,7 +17,6 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.estimates import Fit, fit_log
 from studies.flight_logs.forward import Forward, Samples
-from studies.render.tables import Column, Table
 from studies.render.words import amount, percent
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
@@ -186,15 +185,6 @@ def fit_and_left_out(
         if np.any(limited & ~full):
             fit = fit_without(dead | full) or fit
     return fit, stretches, (full | dead)[index]
-
-
-def left_out_table(stretches: tuple[Stretch, ...]) -> Table:
-    """Return a table of the stretches that are left out, with their evidence."""
-    columns = (Column("why"), Column("UTC"), Column("evidence"))
-    rows = [
-        (s.reason.replace("_", " "), span_text(s.start_s, s.end_s), s.evidence) for s in stretches
-    ]
-    return Table("left out", columns, tuple(rows))
 
 
 def _stretch(reason: Reason, time_s: FloatArray, inside: BoolArray, text: str) -> Stretch:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
-from missions.logs.plausible import utc_text
+from missions.logs.plausible import span_text, utc_text
 from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -39,7 +39,7 @@ from studies.flight_logs.errors import (
 )
 from studies.flight_logs.estimates import CONFIDENCE, LABELS, Applied, Estimate, estimates
 from studies.flight_logs.forward import Forward, Samples, daylight_samples
-from studies.flight_logs.left_out import Stretch, fit_and_left_out, left_out_table
+from studies.flight_logs.left_out import Stretch, fit_and_left_out
 from studies.render.tables import ALL, Column, Line, Table
 from studies.render.words import amount
 
@@ -143,7 +143,14 @@ class Verification(Result):
         tables.append(self.estimates_table())
         tables += residual_tables(self.residuals, self.best_model)
         tables += [] if self.mppts is None else [self.mppts.table()]
-        return [*tables, left_out_table(self.left_out)] if self.left_out else tables
+        if self.left_out:
+            columns = (Column("why"), Column("UTC"), Column("evidence"))
+            left = (
+                (s.reason.replace("_", " "), span_text(s.start_s, s.end_s), s.evidence)
+                for s in self.left_out
+            )
+            tables.append(Table("left out", columns, tuple(left)))
+        return tables
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything but the samples, JSON-ready."""

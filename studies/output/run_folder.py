@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any
 
 from missions.files.errors import InputError, Problem, file_error
-from missions.files.texts import read_folder, read_plain_file
+from missions.files.texts import read_plain_file, read_text
 from missions.files.writing import file_text, to_json, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
@@ -120,7 +120,7 @@ def write_run_folder(
     files = dict(inputs.files)
     for name, path in named.items():
         polars = path.is_dir()
-        content = read_folder(str(path), POLAR_SUFFIXES).encode() if polars else path.read_bytes()
+        content = read_text(f"{path}/", POLAR_SUFFIXES).encode() if polars else path.read_bytes()
         extra = {**extra, name: content}
         files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
     drawn, trouble = _drawn(figures)

@@ -6,9 +6,9 @@ from weather_files import SITE, clear_record
 
 from missions.files.errors import InputError
 from missions.library import load_mission
+from missions.weather.files import mission_at_site
 from missions.weather.light import light_at_altitude, wind_ratio
 from missions.weather.record import Site
-from missions.weather.site import mission_at_site
 from solar.clearsky import clear_sky
 
 

@@ -23,15 +23,15 @@ from polar_writers import (
 from pydantic import ValidationError
 
 from missions.files.errors import InputError
-from missions.files.texts import texts_as_read
+from missions.files.texts import read_text, texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_files import FilePolar, PolarRow, read_polars, reading_notes
 from sizing.aerodynamics.polar_table import (
+    POLAR_SUFFIXES,
     PolarTable,
     WingReference,
     _is_fixed,
     parse_polar,
-    read_polar_text,
 )
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.library import load_aircraft
@@ -318,7 +318,7 @@ def test_columns_of_xflr5_are_taken_from_the_left():
 def test_csv_of_an_airfoil_site_is_read(tmp_path):
     for re_ in REYNOLDS:
         (tmp_path / f"{re_:.0f}.csv").write_text(of_a_site(re_), encoding="utf-8")
-    table = parse_polar(read_polar_text(f"{tmp_path}/"), f"{tmp_path}/")
+    table = parse_polar(read_text(f"{tmp_path}/", POLAR_SUFFIXES), f"{tmp_path}/")
     assert sorted(set(table.columns["reynolds"])) == list(REYNOLDS)
     assert table.name == "formula-il"
     # Four digits of the lift coefficient.
@@ -383,7 +383,7 @@ def test_a_folder_of_polars_is_one_table(tmp_path):
         (folder / name).write_text(section(re_, program=XFLR5), encoding="utf-8")
     (folder / "notes.md").write_text("not a polar", encoding="utf-8")
     path = f"{folder}/"
-    text = read_polar_text(path)
+    text = read_text(path, POLAR_SUFFIXES)
     table = parse_polar(text, path)
     assert np.unique(table.columns["reynolds"]) == pytest.approx(REYNOLDS)
     # As one file, which a folder of results holds, it is the same.
@@ -391,14 +391,14 @@ def test_a_folder_of_polars_is_one_table(tmp_path):
     wrong = folder / "T1_Re0.100_M0.00_N9.0.txt"
     wrong.write_text(section(1e5).replace("   3.000   0.6984", "   3.000   0.6984 x"))
     with pytest.raises(InputError, match=r"polars/T1_Re0\.100_M0\.00_N9\.0\.txt:20: 7 numbers"):
-        parse_polar(read_polar_text(path), path)
+        parse_polar(read_text(path, POLAR_SUFFIXES), path)
     wrong.write_text("angle,lift\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"N9\.0\.txt:1: holds no polar"):
-        parse_polar(read_polar_text(path), path)
+        parse_polar(read_text(path, POLAR_SUFFIXES), path)
     for file in folder.iterdir():
         file.unlink()
     with pytest.raises(InputError, match=r"has no files of that kind \(\.csv, \.txt"):
-        read_polar_text(path)
+        read_text(path, POLAR_SUFFIXES)
 
 
 ALL = section(2e5) + wing(8.0, commas=True)

@@ -11,7 +11,7 @@ from weather_files import clear_record
 import sizing
 from missions.air import air_at
 from missions.library import load_mission
-from missions.weather.site import mission_at_site
+from missions.weather.files import mission_at_site
 from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day
 from sizing.day.record import weather_performance

@@ -7,9 +7,9 @@ from wind_tables import winds_file
 
 from missions.air import air_at
 from missions.library import load_mission
+from missions.weather.files import mission_at_site
 from missions.weather.light import DayAxis, light_at_altitude
 from missions.weather.record import Site, longest_run
-from missions.weather.site import mission_at_site
 from sizing.day.light import SolarModel
 from sizing.day.record import weather_performance
 from sizing.day.record_conditions import WeatherDays, load_of_days

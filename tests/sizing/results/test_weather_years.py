@@ -3,8 +3,8 @@ import pytest
 from weather_files import clear_record
 
 from missions.library import load_mission
+from missions.weather.files import mission_at_site
 from missions.weather.record import Site
-from missions.weather.site import mission_at_site
 from sizing.day.record import weather_performance
 from sizing.library import load_aircraft
 from sizing.results.weather import WeatherAnalysis
