@@ -143,11 +143,6 @@ class Recipe:
         return [factor.column for term in self.terms for factor in term]
 
     @property
-    def expression(self) -> str:
-        """Sum of products of columns, as error messages name it."""
-        return " + ".join(" * ".join(factor.column for factor in term) for term in self.terms)
-
-    @property
     def plain(self) -> bool:
         """True for a column that has the name and unit of the log format."""
         return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None

@@ -85,7 +85,8 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     for quantity, recipe in matched.items():
         if quantity != "time":
             made += _read_quantity(frame, recipe, check)
-            check.labels[quantity] = recipe.expression or quantity
+            parts = (" * ".join(factor.column for factor in term) for term in recipe.terms)
+            check.labels[quantity] = " + ".join(parts) or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in made})
     attitude = [matched[name] for name in ATTITUDE if name in matched]

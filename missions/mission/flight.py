@@ -6,7 +6,7 @@ import re
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, Strict, field_validator, model_validator
+from pydantic import AfterValidator, Field, Strict, model_validator
 
 from missions.mission.scenarios import OTHER_NAME, Date, Scenarios
 from solar.schema import Record, UnitInterval, refusal, spell, wrong_value
@@ -17,19 +17,24 @@ UtcOffset = Annotated[float, Strict(), Field(ge=-12.0, le=14.0, allow_inf_nan=Fa
 ExcessTime = Annotated[float, Strict(), Field(ge=0.0, le=1000.0, allow_inf_nan=False)]
 
 
+def _clock_time(value: str, others: str = "") -> str:
+    if re.fullmatch(r"([01]?\d|2[0-3]):[0-5]\d", value) is None:
+        raise ValueError(f"must be {others}a time HH:MM, for instance 11:14 (got {value!r})")
+    return value
+
+
+def _sunrise_or_clock(value: str) -> str:
+    return value if value == "sunrise" else _clock_time(value, "sunrise or ")
+
+
 class Launch(Record):
     """Start of a flight to replay: local date and clock time, state of charge, duration."""
 
     date: Date
-    time_local: str
+    time_local: Annotated[str, AfterValidator(_clock_time)]
     utc_offset_h: UtcOffset = 0.0
     state_of_charge: UnitInterval = 1.0
     duration_h: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 366)]
-
-    @field_validator("time_local")
-    @classmethod
-    def _check_time(cls, value: str) -> str:
-        return _clock_time(value)
 
     @property
     def text(self) -> str:
@@ -40,12 +45,6 @@ class Launch(Record):
     def clock_h(self) -> float:
         """Return the local clock time of the launch [h]."""
         return _clock_h(self.time_local)
-
-
-def _clock_time(value: str, others: str = "") -> str:
-    if re.fullmatch(r"([01]?\d|2[0-3]):[0-5]\d", value) is None:
-        raise ValueError(f"must be {others}a time HH:MM, for instance 11:14 (got {value!r})")
-    return value
 
 
 def _clock_h(value: str) -> float:
@@ -61,16 +60,11 @@ class Flight(Record):
     then must last: the mission's required excess time by another name.
     """
 
-    launch: str = "sunrise"
+    launch: Annotated[str, AfterValidator(_sunrise_or_clock)] = "sunrise"
     land: Literal["sunset"] | None = None
     hours: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 30)] | None = None
     reserve_h: ExcessTime | None = None
     utc_offset_h: UtcOffset | None = None
-
-    @field_validator("launch")
-    @classmethod
-    def _check_launch(cls, value: str) -> str:
-        return value if value == "sunrise" else _clock_time(value, "sunrise or ")
 
     @model_validator(mode="after")
     def _check_end(self) -> Flight:

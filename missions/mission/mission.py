@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, Strict, field_validator, model_validator
+from pydantic import AfterValidator, Field, Strict, model_validator
 
 from missions import dates as calendar
 from missions.air import (
@@ -144,7 +144,7 @@ class Mission(FileRecord):
     dates: Dates
     altitude_m: Altitude = 0.0
     air: AirConditions = AirConditions()
-    clear_sky: Text = "ashrae"
+    clear_sky: Annotated[Text, AfterValidator(lambda n: named_clear_sky(n) and n)] = "ashrae"
     clearness: Fraction = 1.0
     uncertainty_margins: UncertaintyMargins = UncertaintyMargins()
     turbulence: Turbulence = Turbulence()
@@ -171,12 +171,6 @@ class Mission(FileRecord):
         }
 
     # ---- Records that contradict each other
-
-    @field_validator("clear_sky")
-    @classmethod
-    def _check_sky(cls, value: str) -> str:
-        named_clear_sky(value)
-        return value
 
     @model_validator(mode="before")
     @classmethod

@@ -139,8 +139,7 @@ def _distribute(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> Floa
 
 def _gain(high: FloatArray, low: FloatArray) -> FloatArray:
     """Return clear light at flight altitude over clear light at the ground, 1 in the dark."""
-    usable = low > _LEAST_MEAN
-    return np.where(usable, high / np.where(usable, low, 1.0), 1.0)
+    return np.divide(high, low, out=np.ones_like(low), where=low > _LEAST_MEAN)
 
 
 def _interpolate_to_nodes(values: FloatArray, parts: int) -> FloatArray:

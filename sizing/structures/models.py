@@ -6,7 +6,7 @@ The formulas use arithmetic alone, for floats, arrays and symbolic expressions.
 from __future__ import annotations
 
 from functools import cache
-from typing import Annotated, ClassVar, Literal, Protocol
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field
 
@@ -81,14 +81,6 @@ class SparStructure(BuiltStructure):
         return self.mass_factor * (shell_kg + boom_kg + web_kg + caps_kg)
 
 
-class StructureModel(Protocol):
-    """Interface of a model of the structure to the mass budget."""
-
-    def mass_kg(self, inputs: StructureInputs) -> Value:
-        """Return the structural mass [kg]."""
-        ...
-
-
 class _PowerLaw(BuiltStructure):
     """Airframe mass as a power law, ``m = k b^x AR^y``."""
 
@@ -148,10 +140,10 @@ class UserStructure(BuiltStructure):
         return self.mass_factor * user_function("structure", self.name)(inputs)
 
 
-Structure = Annotated[
-    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure | UserStructure,
-    Field(discriminator="model"),
-]
+StructureModel: TypeAlias = (
+    PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure | UserStructure
+)
+Structure = Annotated[StructureModel, Field(discriminator="model")]
 
 
 @cache

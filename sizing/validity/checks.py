@@ -169,29 +169,25 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
             masses = {name: np.asarray(mass, float) for name, mass in by_model.items()}
             ratio = masses[model] / masses[other]
             yield Check.of("structure_mass_ratio", model, ratio, masses_kg=masses)
-    yield from _aerodynamic_checks(it)
+    polar = it.aircraft.parametric.aerodynamics
+    reynolds, speed = it.reynolds_number, design.airspeed_m_per_s
+    if isinstance(polar, WingPolar):
+        ends = polar.polar.reynolds_range
+        yield Check.of("reynolds_number", "wing_polar", reynolds, ends, airspeed_m_per_s=speed)
+        section = (polar.polar.least_lift, polar.polar.maximum_lift(np.asarray(reynolds, float)))
+        low, high = (np.asarray(lift) / polar.section_lift_ratio for lift in section)
+        yield Check.of("lift_coefficient", "wing_polar", it.lift_coefficient, (low, high))
+        margin = stall_margin_within_polar(it)
+        yield Check.of("stall_margin", "wing_polar", margin, (polar.stall_margin, None))
+    else:
+        yield Check.of("reynolds_number", "parabolic", reynolds, airspeed_m_per_s=speed)
+        yield Check.of("stall_margin", "parabolic", it.stall_margin)
     with np.errstate(invalid="ignore"):
         mach = design.airspeed_m_per_s / it.conditions.air.speed_of_sound_m_per_s
         yield Check.of("mach_number", "aerodynamics", mach)
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
-
-
-def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:
-    polar = it.aircraft.parametric.aerodynamics
-    reynolds, speed = it.reynolds_number, it.design.airspeed_m_per_s
-    if not isinstance(polar, WingPolar):
-        yield Check.of("reynolds_number", "parabolic", reynolds, airspeed_m_per_s=speed)
-        yield Check.of("stall_margin", "parabolic", it.stall_margin)
-        return
-    ends = polar.polar.reynolds_range
-    yield Check.of("reynolds_number", "wing_polar", reynolds, ends, airspeed_m_per_s=speed)
-    section = (polar.polar.least_lift, polar.polar.maximum_lift(np.asarray(reynolds, float)))
-    wing = tuple(np.asarray(lift) / polar.section_lift_ratio for lift in section)
-    yield Check.of("lift_coefficient", "wing_polar", it.lift_coefficient, (wing[0], wing[1]))
-    margin = stall_margin_within_polar(it)
-    yield Check.of("stall_margin", "wing_polar", margin, (polar.stall_margin, None))
 
 
 def stall_margin_within_polar(it: DesignInFlight) -> Any:

@@ -97,10 +97,9 @@ class Extrapolation(Range):
     @property
     def distance(self) -> float:
         """Distance of the value from the range, relative to its end [-]."""
-        low, high = self.minimum, self.maximum
-        below = 0.0 if low is None else (low - self.value) / (abs(low) or 1.0)
-        above = 0.0 if high is None else (self.value - high) / (abs(high) or 1.0)
-        return max(below, above)
+        low, high, value = self.minimum, self.maximum, self.value
+        below = 0.0 if low is None else (low - value) / (abs(low) or 1.0)
+        return max(below, 0.0 if high is None else (value - high) / (abs(high) or 1.0))
 
     @classmethod
     def from_dict(cls, record: Mapping[str, Any]) -> Extrapolation:

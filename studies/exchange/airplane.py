@@ -230,7 +230,9 @@ def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Ai
     missing = missing_library()
     if missing is not None:
         raise ImportError(missing)
-    airplane: asb.Airplane = _airplane(_library(), aircraft, gravity_m)
+    import aerosandbox  # which takes seconds
+
+    airplane: asb.Airplane = _airplane(aerosandbox, aircraft, gravity_m)
     return airplane
 
 
@@ -286,13 +288,6 @@ def _for_avl(asb: Any, **options: Any) -> dict[str, Any]:
     return {"analysis_specific_options": {asb.AVL: options}} if told else {}
 
 
-def _library() -> Any:
-    """Import AeroSandbox on demand, which takes seconds."""
-    import aerosandbox
-
-    return aerosandbox
-
-
 def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None = None) -> str:
     """Return the text of a geometry file: ``avl``, ``vspscript``, or ``py`` for a script."""
     notes = lifting_surfaces(aircraft, gravity_m).notes
@@ -301,7 +296,9 @@ def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None 
         made = _airplane(_Script("asb"), aircraft, gravity_m)
         text = f"import aerosandbox as asb\n\nairplane = {made}\n"
         return _commented(text, "#", (head, *notes))
-    airplane, asb = to_aerosandbox(aircraft, gravity_m), _library()
+    airplane = to_aerosandbox(aircraft, gravity_m)
+    import aerosandbox as asb
+
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / f"wing.{file_format}"
         if file_format == "vspscript":
