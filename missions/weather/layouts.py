@@ -28,6 +28,14 @@ from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.record import TYPICAL_YEAR, Site
 from solar.schema import Allowed, refusal, spell
 
+# Keys of a site, and their limits, in the order of its fields.
+_SITE = {
+    "latitude_deg": Allowed(-90.0, 90.0),
+    "longitude_deg": Allowed(-180.0, 180.0),
+    "altitude_m": Allowed(-500.0, 9000.0),
+    "utc_offset_h": Allowed(-14.0, 14.0),
+}
+
 
 def read_layout(path: Path, mission: Mission | None = None) -> RawTable:
     """Read a weather file: EPW, TMY2, TMY3, PVGIS, SAM, NSRDB PSM, BSRN, NASA POWER, ERA5, CSV.
@@ -44,12 +52,9 @@ def read_layout(path: Path, mission: Mission | None = None) -> RawTable:
                 head = text[:HEAD_LENGTH]
                 layout, read = next((n, read) for n, key, read in _LAYOUTS if re.match(key, head))
                 raw = read(text)
-        for name, value, allowed in (
-            ("latitude", raw.site.latitude_deg, Allowed(-90.0, 90.0)),
-            ("longitude", raw.site.longitude_deg, Allowed(-180.0, 360.0)),
-            ("altitude", raw.site.altitude_m, Allowed(-500.0, 9000.0)),
-        ):
-            if trouble := allowed.trouble(f"the {name} of its site", value):
+        for key, allowed in _SITE.items():
+            name = key.rpartition("_")[0]
+            if trouble := allowed.trouble(f"the {name} of its site", getattr(raw.site, key)):
                 raise refused(trouble)
         site = replace(raw.site, name=shortened(printable(raw.site.name)))
         return raw._replace(layout=layout, site=site)
@@ -230,26 +235,19 @@ def _site(
     name: str, head: Mapping[str, Any], *, altitude: str = "altitude", zone: str = ""
 ) -> Site:
     """Return the site of a file's head; ``altitude``, ``zone``: names of these numbers in it."""
-    limits = {"latitude": 90.0, "longitude": 180.0, altitude: 9000.0, zone: 14.0}
     values = []
-    for key, limit in limits.items():
+    for key, allowed in zip(("latitude", "longitude", altitude, zone), _SITE.values(), strict=True):
         try:
             value = float(head[key]) if key else 0.0
         except (KeyError, TypeError, ValueError):
             raise refused(f"its head has no number for {key}") from None
-        if trouble := Allowed(-limit, limit).trouble("", value):
+        if trouble := allowed.trouble("", value):
             raise refused(trouble, line=1, key=key)
         values.append(value)
     return Site(name, *values)
 
 
 # Plain CSV tables, with the site in comment lines.
-_CSV_SITE = {
-    "latitude_deg": 90.0,
-    "longitude_deg": 180.0,
-    "altitude_m": 9000.0,
-    "utc_offset_h": 14.0,
-}
 _CSV_COLUMNS = {
     "time_utc": "time",
     "time": "time",
@@ -331,15 +329,14 @@ def _site_lines(lines: list[str]) -> tuple[dict[str, Any], list[Problem]]:
         key, value = key.strip(), value.strip()
         if key in ("name", "site") and colon:
             meta["name"] = value
-        if key not in _CSV_SITE or not colon:
+        if key not in _SITE or not colon:
             continue
-        limit = _CSV_SITE[key]
         try:
             meta[key] = float(value)
         except ValueError:
             meta[key] = math.nan
-        if not (allowed := Allowed(-limit, limit)).holds(meta[key]):
-            message = refusal(f"must be a number {allowed}", shown(value))
+        if not _SITE[key].holds(meta[key]):
+            message = refusal(f"must be a number {_SITE[key]}", shown(value))
             problems.append(Problem("", number, None, key, message))
     return meta, problems
 

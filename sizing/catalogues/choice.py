@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, TypeVar
 
-from missions.files.errors import InputError, file_error, printable, shortened
+from missions.files.errors import InputError, did_you_mean, file_error, printable, shortened
 from missions.files.texts import read_text
 from missions.files.validation import validate, wrong_file
 from missions.files.yaml import ENTRY_KEYS, Document, parse_yaml
@@ -79,12 +78,13 @@ def entry(kind: Kind, name: str) -> Entry:
         return _shipped(kind, name)
     # Names with this text in name or label, else names of similar spelling.
     part = _letters(name)
-    similar = [
+    having = [
         entry
         for entry, document in known.items()
         if len(part) > 1 and (part in _letters(entry) or part in _letters(document.data["label"]))
-    ][:_HAVING] or get_close_matches(name.lower(), known, n=_ALIKE, cutoff=0.5)
-    meant = f"; did you mean {', '.join(similar)}?" if similar else ""
+    ]
+    meant = f"; did you mean {', '.join(having[:_HAVING])}?"
+    meant = meant if having else did_you_mean(name.lower(), known, _ALIKE, cutoff=0.5)
     elsewhere = [other for other in KINDS if name in _documents(other)]
     meant = f"; it is one of the {elsewhere[0]}" if elsewhere else meant
     shown = printable(shortened(name))

@@ -91,19 +91,15 @@ def flight_envelope(
     )
 
 
+# Criteria in words that are not those of their keys.
 _LABELS = {
     "compression": "compression strength",
-    "buckling": "buckling",
     "tension": "tensile strength",
     "shear": "shear strength",
     "gauge": "minimum gauge",
-    "tip_deflection": "tip deflection",
     "tip_slope": "slope of the tip",
     "landing_deflection": "tip deflection in landing",
-    "flutter": "flutter",
-    "divergence": "divergence",
     "twist_in_dive": "twist in a dive",
-    "twist_at_limit_load": "twist at limit load",
 }
 
 
@@ -162,6 +158,8 @@ class StructureAssessment:
     def headline(self) -> str:
         """Return a line with sizing criteria, load cases and deflections."""
         caps, web = next(iter(self.spar_caps)), next(iter(self.spar_web))
+        names = (_LABELS.get(key, key.replace("_", " ")) for key in (caps, web, self.nose))
+        of_caps, of_web, of_nose = names
         case = "" if caps in _WITHOUT_CASE else f" in {self.spar_caps_case}"
         factors = (self.limit_load_factor, -self.negative_limit_load_factor)
         up, down, landing = (round(factor, 1) for factor in (*factors, self.landing_load_factor))
@@ -169,9 +167,9 @@ class StructureAssessment:
         bent = (self.tip_deflection_1g, self.tip_deflection_limit, -self.tip_deflection_landing)
         level, limit, landed = (f"{round(100.0 * deflection, 1)} %" for deflection in bent)
         return (
-            f"structure: spar caps sized by {_LABELS[caps]}{case} "
-            f"({round(100.0 * self.spar_caps[caps])} %), webs by {_LABELS[web]}, nose by "
-            f"{_LABELS[self.nose]}; limit loads {up}{other} and {down} g "
+            f"structure: spar caps sized by {of_caps}{case} "
+            f"({round(100.0 * self.spar_caps[caps])} %), webs by {of_web}, nose by "
+            f"{of_nose}; limit loads {up}{other} and {down} g "
             f"({self.negative_load_case}), landing {landing} g; tip deflection {level} at 1 g, "
             f"{limit} at the limit load, {landed} in landing"
         )
