@@ -149,53 +149,41 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
     attack, lift, logarithm of drag and moment are interpolated linearly in the logarithm of the
     Reynolds number, to as many fixed Reynolds numbers as there are polars.
     """
-    if not is_foreign(text):
-        if wing is not None:
-            raise file_error(source, OF_A_SECTION)
+    polars = read_polars(text, source) if is_foreign(text) else []
+    of_wing = next((polar for polar in polars if polar.kind == "wing"), None)
+    if of_wing is None and wing is not None:
+        raise file_error(source, OF_A_SECTION)
+    if not polars:
         return parse_polar_table(text, source)
-    polars = read_polars(text, source)
-    _check_kind(polars, source, wing)
+    if of_wing is not None and any(polar.kind != "wing" for polar in polars):
+        message = "polars of an airfoil and of a wing mixed"
+        raise InputError([of_wing.problem(of_wing.line, message)])
+    if of_wing is not None and wing is None:
+        message = (
+            f"is the polar of a whole wing ({of_wing.name}), induced drag included, not of its "
+            "section: give wing_chord_m and wing_aspect_ratio, or polars of the section"
+        )
+        raise InputError([of_wing.problem(of_wing.line, message)])
     _check_settings(polars)
-    pairs = [(polar, _reynolds(polar, wing)) for polar in polars]
+    tables = [_table(polar, wing) for polar in polars]
     fixed = [_is_fixed(polar) for polar in polars]
     if any(fixed) and not all(fixed):
         odd = polars[fixed.index(not fixed[0])]
         raise InputError([odd.problem(odd.line, "polars of fixed speed and of fixed lift mixed")])
-    if all(fixed):
-        seen: dict[float, FilePolar] = {}
-        problems = []
-        for polar, reynolds in pairs:
-            first = seen.setdefault(float(reynolds[0]), polar)
-            if first is not polar:
-                message = f"Reynolds number {spell(reynolds[0])} as in {_place(first)}"
-                problems.append(polar.problem(polar.line, message))
-        if problems:
-            raise InputError(problems)
-        rows = np.concatenate([_table(polar, reynolds) for polar, reynolds in pairs])
-    else:
-        rows = _resampled(pairs, source)
+    seen: dict[float, FilePolar] = {}
+    problems = []
+    for polar, rows in zip(polars, tables, strict=True):
+        first = seen.setdefault(float(rows[0, 1]), polar)
+        if fixed[0] and first is not polar:
+            message = f"Reynolds number {spell(rows[0, 1])} as in {_place(first)}"
+            problems.append(polar.problem(polar.line, message))
+    if problems:
+        raise InputError(problems)
+    rows = np.concatenate(tables) if fixed[0] else _resampled(tables, source)
     columns = dict(zip(COLUMNS, (*rows.T, np.ones(len(rows))), strict=True))
     header = {"airfoil": polars[0].name, "source": polars[0].program or "XFLR5"}
     efficiency = None if wing is None else _span_efficiency(polars, wing, source)
     return PolarTable(source, header, columns, efficiency, reading_notes(polars))
-
-
-def _check_kind(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> None:
-    of_wings = [polar for polar in polars if polar.kind == "wing"]
-    if not of_wings:
-        if wing is not None:
-            raise file_error(source, OF_A_SECTION)
-        return
-    message = ""
-    if len(of_wings) < len(polars):
-        message = "polars of an airfoil and of a wing mixed"
-    elif wing is None:
-        message = (
-            f"is the polar of a whole wing ({of_wings[0].name}), induced drag included, not of its "
-            "section: give wing_chord_m and wing_aspect_ratio, or polars of the section"
-        )
-    if message:
-        raise InputError([of_wings[0].problem(of_wings[0].line, message)])
 
 
 def _check_settings(polars: Sequence[FilePolar]) -> None:
@@ -237,33 +225,31 @@ def _is_fixed(polar: FilePolar) -> bool:
     return not len(speeds) or bool(np.ptp(speeds) <= _SAME_SPEED * speeds.max())
 
 
-def _reynolds(polar: FilePolar, wing: WingReference | None) -> FloatArray:
-    """Return the Reynolds number of every row; NaN for fixed lift at lift below zero."""
-    lift, speed = polar.values("lift", "speed_m_per_s")
-    if wing is None and polar.reynolds_type == 1:
-        return np.full(len(lift), polar.reynolds)
-    if wing is None:
-        return np.asarray(polar.reynolds / np.sqrt(np.where(lift > 0.0, lift, np.nan)))
-    speed = np.where(np.isfinite(speed) & (speed > 0.0), speed, polar.speed_m_per_s)
-    if not np.all(speed > 0.0):
-        message = "neither the header nor a column QInf has the speed"
-        raise InputError([polar.problem(polar.line, message)])
-    reynolds = speed * (wing.chord_m / wing.kinematic_viscosity_m2_per_s)
-    if _is_fixed(polar):
-        # Speeds have few digits: all rows get their mean.
-        reynolds = np.full(len(reynolds), significant(float(np.mean(reynolds)), 4))
-    return np.asarray(reynolds)
+def _table(polar: FilePolar, wing: WingReference | None) -> FloatArray:
+    """Return the rows of a polar: angle, Reynolds number, lift, drag, moment.
+
+    Of fixed lift the Reynolds number is NaN at lift below zero.
+    """
+    alpha_deg, lift, drag, moment, speed = polar.values(
+        "alpha_deg", "lift", "drag", "moment", "speed_m_per_s"
+    )
+    if wing is not None:
+        speed = np.where(np.isfinite(speed) & (speed > 0.0), speed, polar.speed_m_per_s)
+        if not np.all(speed > 0.0):
+            message = "neither the header nor a column QInf has the speed"
+            raise InputError([polar.problem(polar.line, message)])
+        reynolds = speed * (wing.chord_m / wing.kinematic_viscosity_m2_per_s)
+        if _is_fixed(polar):  # speeds have few digits: all rows get their mean
+            reynolds = np.full(len(reynolds), significant(float(np.mean(reynolds)), 4))
+    elif polar.reynolds_type == 1:
+        reynolds = np.full(len(lift), polar.reynolds)
+    else:
+        reynolds = polar.reynolds / np.sqrt(np.where(lift > 0.0, lift, np.nan))
+    return np.column_stack((alpha_deg, reynolds, lift, drag, moment))
 
 
-def _table(polar: FilePolar, reynolds: FloatArray) -> FloatArray:
-    """Return the rows of a polar: angle, Reynolds number, lift, drag, moment."""
-    alpha_deg, *coefficients = polar.values("alpha_deg", "lift", "drag", "moment")
-    return np.column_stack((alpha_deg, reynolds, *coefficients))
-
-
-def _resampled(pairs: Sequence[tuple[FilePolar, FloatArray]], source: str) -> FloatArray:
+def _resampled(read: Sequence[FloatArray], source: str) -> FloatArray:
     """Return the rows at fixed Reynolds numbers, from polars of fixed lift."""
-    read = [_table(polar, reynolds) for polar, reynolds in pairs]
     highest = max(float(rows[:, 2].max()) for rows in read)
     # Rows with positive lift, by polar.
     points = [rows[(rows[:, 2] > 0.0) & np.isfinite(rows[:, 1])] for rows in read]
