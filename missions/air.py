@@ -10,7 +10,6 @@ Source: ISO 2533:1975 / U.S. Standard Atmosphere 1976, layers 0 to 2; viscosity 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -169,26 +168,6 @@ class AirConditions(Record):
             warmer_k = self.module_temperature_c - here.temperature_c
             update["module_temperature_c"] = standard_air(to_m, offset_k).temperature_c + warmer_k
         return self.model_copy(update=update)
-
-
-@dataclass(frozen=True)
-class SteadyWind:
-    """Constant wind, everywhere and all year, with the interface of wind statistics."""
-
-    speed_m_per_s: float
-    hold_station: ClassVar[bool] = False
-
-    def speeds(self, latitude_deg: FloatArray, *_elsewhere: object) -> FloatArray:
-        """Return the wind speed in each scenario [m/s]."""
-        return np.full(len(latitude_deg), self.speed_m_per_s)
-
-    def strongest_m_per_s(self, _winds_m_per_s: object) -> float:
-        """Return the strongest of the scenarios' winds [m/s]."""
-        return self.speed_m_per_s
-
-    def known_between_deg(self, _longitude_deg: float | None) -> tuple[float, float]:
-        """Return the latitudes between which the wind is known [deg]."""
-        return -90.0, 90.0
 
 
 # Batteries of published flights had no heater below the lower altitude; from the upper one on it is

@@ -9,14 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, Strict, model_validator
 
 from missions import dates as calendar
-from missions.air import (
-    MAXIMUM_ALTITUDE_M,
-    MINIMUM_ALTITUDE_M,
-    Air,
-    AirConditions,
-    SteadyWind,
-    plain_number,
-)
+from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, Air, AirConditions, plain_number
 from missions.files.validation import wrong_file
 from missions.flight_path import FlightPath, Heading, Wind
 from missions.mission.flight import ExcessTime, Flight, Launch
@@ -374,25 +367,25 @@ class Mission(FileRecord):
     # ---- Wind
 
     @property
-    def winds(self) -> WindStatistics | SteadyWind:
-        """Return the winds of the scenarios: by place and month, or the same everywhere."""
-        return self.wind_statistics or SteadyWind(self.wind_m_per_s)
-
-    @property
     def holds_station(self) -> bool:
         """Return whether the aircraft flies as fast as winds above its calm airspeed."""
-        return self.winds.hold_station
+        return self.wind_statistics is not None and self.wind_statistics.hold_station
 
     def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
         """Return the wind of each scenario, by default of the mission's [m/s]."""
         scenarios = self.scenarios() if scenarios is None else scenarios
+        if self.wind_statistics is None:  # the same everywhere and all year
+            return np.full(len(scenarios), self.wind_m_per_s)
         place = (scenarios.latitude_deg, scenarios.day_of_year, self.altitude_m, self.longitude_deg)
-        return self.winds.speeds(*place)
+        return self.wind_statistics.speeds(*place)
 
     @property
     def strongest_wind_m_per_s(self) -> float:
         """Return the wind that an aircraft must be faster than in all scenarios [m/s]."""
-        return self.winds.strongest_m_per_s(self.scenario_winds_m_per_s)
+        if self.wind_statistics is None:
+            return self.wind_m_per_s
+        strongest: float = plain_number(self.scenario_winds_m_per_s().max(axis=0))
+        return strongest
 
     def winds_on_path_m_per_s(self, scenarios: Scenarios) -> FloatArray:
         """Return the strongest wind of each scenario at the heights of flight [m/s]."""
@@ -409,7 +402,10 @@ class Mission(FileRecord):
     @property
     def wind_latitudes_deg(self) -> tuple[float, float]:
         """Return the latitudes between which the wind is known [deg]."""
-        return self.winds.known_between_deg(self.longitude_deg)
+        if self.wind_statistics is None:
+            return -90.0, 90.0
+        known = self.wind_statistics.table(self.longitude_deg).latitude_deg
+        return float(np.min(known)), float(np.max(known))
 
     def wind_to_beat_m_per_s(self, wind_m_per_s: FloatArray | float) -> FloatArray | float:
         """Return the wind that the calm airspeed must exceed: 0 where a place is held."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import gzip
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
@@ -18,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, SerializationInfo, Strict, field_serializer
 
-from missions.air import plain_number
 from missions.dates import MONTH_NAMES, month_and_day
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.files.tables import number_rows, text_table
@@ -223,16 +221,6 @@ class WindStatistics(Record):
         table = self.table(longitude_deg)
         latitude = latitude_deg.reshape(shape)
         return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
-
-    def strongest_m_per_s(self, winds_m_per_s: Callable[[], FloatArray]) -> float:
-        """Return the strongest of the scenarios' winds [m/s]."""
-        strongest: float = plain_number(winds_m_per_s().max(axis=0))
-        return strongest
-
-    def known_between_deg(self, longitude_deg: float | None) -> tuple[float, float]:
-        """Return the latitudes between which the wind is known [deg]."""
-        known = self.table(longitude_deg).latitude_deg
-        return float(np.min(known)), float(np.max(known))
 
     def contents_read(self) -> str | None:
         """Return a text that changes with the file's contents; None if shipped."""
