@@ -139,19 +139,14 @@ class FilePolar:
         return np.array([[getattr(row, name) for row in self.rows] for name in names])
 
 
-def is_foreign(text: str) -> bool:
-    """Return whether a text is from XFOIL or XFLR5 rather than a polar table."""
-    if text.startswith(FILE_MARK):
-        return True
-    known = (*_STARTS.values(), _PROGRAM)
-    return any(form.match(line) for line in text.splitlines()[:40] for form in known)
-
-
 def read_polars(text: str, source: str) -> list[FilePolar]:
-    """Read all polars of a file's or folder's text: at least one, each with rows.
+    """Read all polars of a file's or folder's text, each with rows; none of a polar table.
 
     ``source`` is the file or folder, for messages. Raises InputError with every wrong line.
     """
+    known, head = (*_STARTS.values(), _PROGRAM), text.splitlines()[:40]
+    if not text.startswith(FILE_MARK) and not any(form.match(x) for x in head for form in known):
+        return []
     polars: list[FilePolar] = []
     problems: list[Problem] = []
     program, count = "", 0

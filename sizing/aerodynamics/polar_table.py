@@ -19,7 +19,6 @@ from sizing.aerodynamics.polar_files import (
     LIFT,
     SHARE_LEFT_OUT,
     FilePolar,
-    is_foreign,
     read_polars,
     reading_notes,
 )
@@ -149,7 +148,7 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
     attack, lift, logarithm of drag and moment are interpolated linearly in the logarithm of the
     Reynolds number, to as many fixed Reynolds numbers as there are polars.
     """
-    polars = read_polars(text, source) if is_foreign(text) else []
+    polars = read_polars(text, source)
     of_wing = next((polar for polar in polars if polar.kind == "wing"), None)
     if of_wing is None and wing is not None:
         raise file_error(source, OF_A_SECTION)

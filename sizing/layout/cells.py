@@ -239,10 +239,8 @@ class CellLayout(Record):
         """Return depth and front of a bay's part of the chord for straight rows [m]."""
         breaks = () if self.planform is None else self.planform.half_span
         places = [bay.inboard, *(at for at in breaks if bay.inboard < at < bay.outboard)]
-        ends = [
-            (self.leading_edge_m(wing, at), self.chord_m(wing, at))
-            for at in (*places, bay.outboard)
-        ]
+        every = (*places, bay.outboard)
+        ends = [(self.leading_edge_m(wing, at), self.chord_m(wing, at)) for at in every]
         front_m = max(edge + bay.front * chord for edge, chord in ends)
         return min(edge + bay.rear * chord for edge, chord in ends) - front_m, front_m
 

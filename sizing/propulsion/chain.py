@@ -31,9 +31,10 @@ from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.operating_point import (
     OperatingPoint,
     Propulsor,
-    bus_power_w,
     operating_point,
     shafts_at,
+    voltages_of_inlet,
+    wiring_efficiency,
 )
 from sizing.propulsion.propeller_files import PropellerChoice
 from sizing.smooth import Value
@@ -343,10 +344,14 @@ class OperatingPointPropulsion(Record):
     ) -> Value:
         """Return the electric power of all propulsors without limits of the parts [W].
 
-        Voltages [V] broadcast with the other arguments. NaN outside the propeller's data.
+        Voltages [V] broadcast with the other arguments, but do not enter the search for the
+        rotation. NaN outside the propeller's data.
         """
         thrust_n = thrust_power_w / airspeed_m_per_s / self.propulsors
-        power_w = bus_power_w(self.propulsor, thrust_n, airspeed_m_per_s, air, bus_v)
+        state = shafts_at(self.propulsor, thrust_n, airspeed_m_per_s, air)[5:7]
+        inlet_v, _ = voltages_of_inlet(self.propulsor, MotorState(*state), bus_v)
+        power_w = self.controller.input_power_w(MotorState(*state), inlet_v)
+        power_w = power_w / wiring_efficiency(inlet_v, bus_v)
         return self.propulsors * power_w / self.efficiency_factor
 
     def propeller_state(

@@ -217,20 +217,6 @@ def _in_chunks(
         yield np.concatenate(columns).reshape(shape)
 
 
-def bus_power_w(
-    propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air, bus_v: FloatArray
-) -> FloatArray:
-    """Return the bus power at thrusts and voltages without limits of the parts [W].
-
-    Voltages broadcast with the other arguments, but do not enter the search for the rotation. NaN
-    outside the propeller's data.
-    """
-    motor = MotorState(*shafts_at(propulsor, thrust_n, airspeed_m_per_s, air)[5:7])
-    inlet_v, _ = _inlet(propulsor, motor, bus_v)
-    power_w = propulsor.controller.input_power_w(motor, inlet_v)
-    return np.asarray(power_w / _wiring_efficiency(inlet_v, bus_v))
-
-
 def shafts_at(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
 ) -> tuple[Any, ...]:
@@ -267,9 +253,9 @@ def _points_in_row(
     n, shaft_w, torque, motor_rpm, motor_torque, *state, reason = shafts
     motor = MotorState(*state)
     motor_w = motor.current_a * motor.voltage_v
-    inlet_v, needed_v = _inlet(propulsor, motor, bus)
+    inlet_v, needed_v = voltages_of_inlet(propulsor, motor, bus)
     inlet_w = controller.input_power_w(motor, inlet_v)
-    wiring = _wiring_efficiency(inlet_v, bus)
+    wiring = wiring_efficiency(inlet_v, bus)
     bus_w = inlet_w / wiring
     mach = tip_mach(v, n, d, air)
     for wrong, text, digits, *values in (
@@ -326,7 +312,7 @@ def _exceeded_limit(
     return values > most, f"{use} is above {{}}{use[-2:]}, the motor's limit", 3, values, most
 
 
-def _inlet(
+def voltages_of_inlet(
     propulsor: Propulsor, motor: MotorState, bus: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the voltage at the controller, and the least bus voltage that suffices [V].
@@ -343,7 +329,7 @@ def _inlet(
     return np.asarray(voltage), np.asarray(needed)
 
 
-def _wiring_efficiency(inlet_v: FloatArray, bus_v: FloatArray) -> FloatArray:
+def wiring_efficiency(inlet_v: FloatArray, bus_v: FloatArray) -> FloatArray:
     """Return the efficiency of the wiring [-]; at most 1 where the bus voltage is insufficient."""
     return np.asarray(np.minimum(inlet_v / bus_v, 1.0))
 
