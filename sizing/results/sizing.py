@@ -136,7 +136,13 @@ def size(
     if reliability is not None:
         if of_optimum:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
-        return _reliable(subject, demanding, goal, solar, least=reliability)
+        case = (subject, demanding, goal, solar)
+        check_reliability(*case, reliability)
+        result, reached = size_reliably(MarginCase(*case), reliability)
+        # What would help is known of a sizing that fails without uncertainty as well.
+        failed = result.status is SizingStatus.infeasible and reached is None
+        relaxed = tuple(relaxations(subject, demanding, result, solar)) if failed else ()
+        return study_of(subject, demanding, result, solar, relaxations=relaxed, reliability=reached)
     cooled, result, aspects = _of_repeated_days(subject, mission, goal, solar, required_h)
     optimum = (cooled, mission, result, solar)
     if result.feasible and with_sensitivities:
@@ -225,25 +231,6 @@ def _with_user_terms(
     aircraft, minimised = with_own_terms(aircraft, mission, user_defined, constraints)
     # It answers as an objective does.
     return aircraft, named if minimised is None else cast(Objective, minimised)
-
-
-def _reliable(
-    aircraft: Aircraft,
-    mission: Mission,
-    objective: Objective,
-    solar: SolarModel,
-    *,
-    least: float,
-) -> SizingStudy:
-    """Return the sizing for a probability of the mission's required excess time."""
-    case = (aircraft, mission, objective, solar)
-    check_reliability(*case, least)
-    result, reliability = size_reliably(MarginCase(*case), least)
-    optimum = (aircraft, mission, result, solar)
-    # What would help is known of a sizing that fails without uncertainty as well.
-    failed = result.status is SizingStatus.infeasible and reliability is None
-    relaxed = tuple(relaxations(*optimum)) if failed else ()
-    return study_of(*optimum, relaxations=relaxed, reliability=reliability)
 
 
 def checked_objective(objective: Objective | str) -> Objective:

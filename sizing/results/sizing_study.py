@@ -247,6 +247,12 @@ class SizingStudy(DesignResult):
         return math.nan if self.optimum is None else self.optimum.excess_time_h
 
     @property
+    def nearest(self) -> Analysis | None:
+        """Design that comes closest, of an infeasible sizing."""
+        flight = self.result.nearest
+        return None if flight is None else analysis_of(self.aircraft, self.mission, flight)
+
+    @property
     def status(self) -> SizingStatus:
         """How the sizing ended: ``optimal``, ``infeasible`` or ``not_converged``."""
         return self.result.status

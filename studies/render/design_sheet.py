@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -79,9 +79,9 @@ class DesignSheet:
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
-    """Return the quantities of an aircraft on a mission."""
-    worst = analysis.worst_scenario.label
-    measured = not isinstance(analysis.aircraft.airframe, ParametricAirframe)  # in one part
+    """Return the quantities of an aircraft on a mission, more of a parametric one."""
+    aircraft, design = analysis.aircraft, analysis.design
+    measured = not isinstance(aircraft.airframe, ParametricAirframe)  # in one part
     words = {"other": "airframe, propulsion, avionics"} if measured else {}
     masses = {
         q.Quantity(
@@ -91,10 +91,17 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
             ".3f",
             symbol=rf"m_\mathrm{{{name}}}",
         ): float(mass)
-        for name, mass in analysis.design.masses._asdict().items()
+        for name, mass in design.masses._asdict().items()
         if float(mass) > 0.0
     }
-    values = _values(analysis) | {part.name: mass_kg for part, mass_kg in masses.items()}
+    flight = DesignInFlight(aircraft, design)
+    values = analysis.scenario() | {part.name: mass_kg for part, mass_kg in masses.items()}
+    values |= {each.name: each.of(design) for each in q.CHOSEN}
+    values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
+    known = _OF_MEASURED.split() if measured else list(QUANTITIES)
+    values |= {key: of(flight) for key, of in QUANTITIES.items() if key in known}
+    technology = _GROUPS["technology"].split()
+    values |= {key: parameter_value(aircraft, None, key) for key in technology}
     keys = {group: list(map(_quantity, keys.split())) for group, keys in _GROUPS.items()}
     keys[_MASSES] = [*masses, *keys[_MASSES]]
     entries = (
@@ -104,9 +111,9 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
         if (value := values.get(quantity.name)) is not None and not np.isnan(value)
     )
     return DesignSheet(
-        f"{analysis.aircraft.name} on {analysis.mission.name}",
+        f"{aircraft.name} on {analysis.mission.name}",
         tuple(entries),
-        (f"Energy: {worst}; {analysis.performance.solar.label}.",),
+        (f"Energy: {analysis.worst_scenario.label}; {analysis.performance.solar.label}.",),
     )
 
 
@@ -116,19 +123,3 @@ def _quantity(key: str) -> q.Quantity:
         return q.TABLE[key]
     known = parameter(key)
     return q.Quantity(key, known.label, known.unit, "g", symbol=known.symbol)
-
-
-def _values(analysis: Analysis) -> dict[str, Any]:
-    """Return quantities of flight and design by their keys, more for a parametric aircraft."""
-    aircraft, design = analysis.aircraft, analysis.design
-    measured = not isinstance(aircraft.airframe, ParametricAirframe)
-    flight = DesignInFlight(aircraft, design)
-    values = analysis.scenario() | {each.name: each.of(design) for each in q.CHOSEN}
-    values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
-    values |= {
-        key: of(flight)
-        for key, of in QUANTITIES.items()
-        if not measured or key in _OF_MEASURED.split()
-    }
-    technology = _GROUPS["technology"].split()
-    return values | {key: parameter_value(aircraft, None, key) for key in technology}
