@@ -14,7 +14,6 @@ altitude_m: 536
 climb:
   ceiling_m: 3536
 """
-CLIMBS = "climbs from 536 to 3536 m"
 
 
 @pytest.fixture
@@ -87,22 +86,6 @@ def test_analyse_uses_the_climb(run, climb, tmp_path):
     assert plain["excess_time_h"] == pytest.approx(said["constant_altitude_excess_time_h"])
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["map", "--latitudes", "40:50:10", "--days", "172:173:1"], CLIMBS),
-        (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs"),
-        (["compare", "--corrections", "none", "-v"], CLIMBS),
-        (["ceiling", "--step", "2000"], "with climbs to 3536 m from night floors up to 3536 m"),
-        (["uncertainty", "--samples", "64"], CLIMBS),
-    ],
-)
-def test_commands_tell_that_the_flight_climbs(run, climb, tmp_path, words, said):
-    outcome = run(*words[:1], AS2, "-m", climb, *words[1:], "--plot", "climbs.svg").good()
-    assert said in " ".join(outcome.out.split())
-    assert "climbs" in (tmp_path / "climbs.svg").read_text()
-
-
 def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
     given = ("size", "atlantiksolar-design", "-m", climb, "--objective", "min_wingspan")
     outcome = run(*given, "--out", "sized").good()
@@ -128,14 +111,3 @@ def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
         record["simulated"]["excess_time_h"],
         abs=0.02,  # steps of 1 min and of 5
     )
-
-
-def test_resized_maps_and_sweeps_climb(run, climb, tmp_path):
-    where = ("--latitudes", "40:50:10", "--days", "172:173:1")
-    sized = ("atlantiksolar-design", "-m", climb)
-    run("map", *sized, *where, "--resize", "min_mass", "--json").good()
-    heights = "mission.climb.ceiling_m=536,3536"
-    run("sweep", *sized, "--vary", heights, "--resize", "min_mass", "--out", "swept.csv").good()
-    rows = pd.read_csv(tmp_path / "swept.csv", comment="#")
-    level, high = rows["total_mass"]
-    assert high < 0.95 * level

@@ -89,26 +89,6 @@ def test_every_result_says_whose_it_is(run, command):
     assert "default" not in named.out.splitlines()[0]
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
-@pytest.mark.parametrize("correction", ["none", "loiter"])
-def test_polar_night_leaves_the_endurance_of_the_battery(run, tmp_path, model, correction):
-    place = ("--latitude", "70", "--date", "12-21", "--model", model, "--correction", correction)
-    record = (
-        run("analyse", AS2, *place, "--plot", "a.png", "--csv", "a.csv", "--json").good().json()
-    )
-    assert record["status"] == "limited"
-    assert record["solar_energy_wh"] == 0.0
-    assert record["excess_time_h"] == pytest.approx(-24.0)
-    # A full battery, discharged at 97 % efficiency, over a constant load.
-    usable_wh = 0.97 * record["battery_energy_wh"]
-    assert record["endurance_h"] == pytest.approx(usable_wh / record["power_out_w"], rel=1e-9)
-    undefined = ("sunrise_h", "sunset_h", "equal_power_morning_h", "full_charge_h")
-    assert [record[key] for key in undefined] == [None] * 4
-    assert files(tmp_path) == {"a.png", "a.csv"}
-    assert run("analyse", AS2, *place).code == 0
-
-
 def test_a_polar_night_among_other_days(run):
     band = "mission.latitude_deg={from_deg: 50, to_deg: 80}"
     days = "mission.dates={from: 12-01, to: 12-31}"
@@ -123,29 +103,6 @@ def test_climbing_in_polar_night_gains_nothing(run):
     assert record["excess_time_h"] == pytest.approx(-24.0)
     assert record["climb"]["gliding_h"] == 0.0
     assert record["climb"]["gain_in_excess_time_h"] == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("option", "key", "larger"),
-    [
-        ("--model=CDM", "solar_energy_wh", True),
-        ("--correction=report", "solar_energy_wh", False),
-        ("power.avionics_w=12", "power_out_w", True),
-        ("aircraft.power.avionics_w=12", "power_out_w", True),
-        ("battery.mass_kg=2", "total_mass_kg", False),
-        ("battery_mass_kg=2", "total_mass_kg", False),
-        ("battery={mass_kg: 2, specific_energy_wh_per_kg: 251}", "total_mass_kg", False),
-        ("battery.charge_limit.current_a.12=0.1", "charge_margin_h", False),
-        ("mission.clearness=0.7", "solar_energy_wh", False),
-        ("mission.payload.power_w=3", "power_out_w", True),
-        ("mission.dates={on: 06-21}", "solar_energy_wh", True),
-    ],
-)
-def test_options_change_the_result(run, option, key, larger):
-    before = run("analyse", AS2, "--json").json()
-    options = [option] if option.startswith("--") else ["--set", option]
-    outcome = run("analyse", AS2, *options, "--json").good()
-    assert (outcome.json()[key] > before[key]) is larger
 
 
 def test_launch_is_replayed_unless_place_or_day_are_moved(run, tmp_path):

@@ -257,13 +257,6 @@ def test_chord_or_area_stand_for_the_aspect_ratio(run, chordwise):
     assert record["total_mass_kg"] == pytest.approx(expected["total_mass_kg"], rel=1e-12)
 
 
-def test_size_takes_place_and_day_as_analyse_does(run):
-    size = ("size", DESIGN, "-m", "rafz-july", "--json")
-    by_option = run(*size, "--latitude", "40N", "--date", "1 Jun")
-    by_key = run(*size, "--set", "mission.latitude_deg=40", "--set", "mission.dates.on=06-01")
-    assert by_option.json()["simulated"] == by_key.json()["simulated"]
-
-
 def test_version_and_helps(run):
     assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
     for command in cli.cli.list_commands(click.Context(cli.cli)):

@@ -32,13 +32,6 @@ def test_terminal_json_and_files_say_the_same(run, tmp_path):
     assert table["share_on_station"].to_numpy() == pytest.approx(share.ravel(), abs=1e-9)
 
 
-def test_altitudes_go_in_place_of_latitudes(run, tmp_path):
-    altitudes = ("--altitudes", "10000:14000:2000")
-    outcome = run("station", DESIGN, *GOOD, *altitudes, "--json", "--plot", "b.png")
-    assert outcome.json()["altitudes_m"] == [10000.0, 12000.0, 14000.0]
-    assert (tmp_path / "b.png").exists()
-
-
 def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run, tmp_path):
     call = ("station", DESIGN, *GOOD, "--latitudes", "45:45:1")
     heights = (9500, 12000)

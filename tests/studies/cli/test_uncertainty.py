@@ -19,16 +19,3 @@ def test_json_has_what_scripts_need(run):
     assert set(record["excess_time_h"]) == {"p10", "p50", "p90"}
     assert set(record["sobol"]["modules.efficiency_stc"]) == {"first", "total"}
     assert (record["samples"], record["seed"]) == (128, 5)
-
-
-def test_mistakes_name_file_and_line(run, tmp_path):
-    text = run("show", DESIGN).out.replace(
-        "modules.efficiency_stc: {relative_sigma: 0.015}",
-        "modules.efficiency_stc: {relative_sigma: 1.5}",
-    )
-    path = tmp_path / "wide.yaml"
-    path.write_text(text)
-    line = next(i for i, row in enumerate(text.split("\n"), 1) if "relative_sigma: 1.5" in row)
-    done = run("uncertainty", str(path))
-    assert done.code == 2
-    assert f"wide.yaml:{line}:5: uncertainty.inputs.modules.efficiency_stc" in done.err

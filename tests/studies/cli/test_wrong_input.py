@@ -11,64 +11,6 @@ from weather_files import clear_record, write_epw
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        # unknown keys and wrong types
-        ("power:\n", "colour: red\npower:\n", ":23:1: colour: unknown key; allowed keys: format_version, name, description, airframe, modules, battery, power, design_space"),  # noqa: E501
-        ("kind: measured", "kind: masured", ":3:9: airframe.kind: must be one of 'measured', 'parametric' (got 'masured')"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w: six", ":24:15: power.avionics_w: must be a number (got 'six')"),  # noqa: E501
-        ("name: bird", "name: 12", ":1:7: name: must be text (got 12); put it in quotes"),
-        # wrong numbers
-        ("efficiency_stc: 0.237", "efficiency_stc: 23.7", ":13:19: modules.efficiency_stc: must be at most 1 (got 23.7)"),  # noqa: E501
-        ("area_m2: 1.35", "area_m2: 13.5", ":12:12: modules.area_m2: must not exceed the wing area of 1.73 m², wingspan squared over aspect_ratio or wingspan times chord_m (got 13.5)"),  # noqa: E501
-        ("[10, 5, 1]", "[10, 5]", "battery.charge_limit: state_of_charge and current_a must have the same length"),  # noqa: E501
-        ("[0.8, 0.9, 1.0]", "[0.9, 0.8, 1.0]", "battery.charge_limit: state_of_charge must increase strictly"),  # noqa: E501
-        # what YAML allows and a description must not hold
-        ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
-        ("  avionics_w", "\tavionics_w", ":24:1: is not valid YAML"),
-    ],
-)  # fmt: skip
-def test_wrong_aircraft(run, tmp_path, old, new, message):
-    (tmp_path / "bird.yaml").write_text(edited(BIRD, old, new))
-    outcome = run("analyse", "bird.yaml", "--json")
-    assert (outcome.code, outcome.out) == (2, "")
-    assert any("bird.yaml" in line and message in line for line in outcome.err.splitlines())
-    assert all(line.startswith("bird.yaml") for line in outcome.err.splitlines())
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("on: 07-15", "on: 02-29", ":5:7: dates.on: month 02 has days 01 to 28 (got '02-29')"),
-        ("on: 07-15", "on: 715", "dates.on: must be a date MM-DD, for instance 07-15 (got 715)"),
-        ("dates:\n  on: 07-15", "dates: {}", ":4:1: dates: empty date range: give"),
-        ("on: 07-15", "from: 07-15", ":4:1: dates: empty date range: give"),
-        ("on: 07-15", "on: 07-15\n  to: 07-20", ":4:1: dates: give either"),
-        ("on: 07-15", "from: 07-15\n  to: 08-01\n  count: 0", ":7:10: dates.count: must be at least 1 (got 0)"),  # noqa: E501
-        ("on: 07-15", "from: 07-15\n  to: 08-01\n  count: 366", ":7:10: dates.count: must be at most 365 (got 366)"),  # noqa: E501
-        ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 95}", ":2:38: latitude_deg.to_deg: must be at most 90 (got 95)"),  # noqa: E501
-        ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 45}", "latitude_deg: from_deg and to_deg must differ"),  # noqa: E501
-        ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 50}", "latitude_deg: a launch needs a single latitude"),  # noqa: E501
-        ("latitude_deg: 47.6", "latitude_deg: -80", ":2:15: latitude_deg: polar night: the sun never rises at 80° S, 15 Jul"),  # noqa: E501
-        ("longitude_deg: 8.5\n", "", "launch: a launch by clock time needs longitude_deg"),
-        ("clearness: 1.0", "clearness: 0", ":9:12: clearness: must be greater than 0 (got 0)"),
-        ("thermal: 0.0", "thermal: 6", ":11:12: turbulence.thermal: must be at most 5 (got 6)"),
-        ("altitude_m: 500", "altitude_m: 1e6", ":6:13: altitude_m: must be at most 32000"),
-        ("clearness: 1.0", "clearness: 1.0\nwind_m_per_s: -1", "wind_m_per_s: must be at least 0"),
-        ("  ambient_temperature_c: 20.0", "  ambient_temperature_c: 20.0\n  temperature_offset_k: 1", "air.ambient_temperature_c: give this or temperature_offset_k, not both"),  # noqa: E501
-        ("time_local: 09:30", "time_local: 25:00", ":14:15: launch.time_local: must be a time HH:MM"),  # noqa: E501
-        ("duration_h: 30", "duration_h: 9000", "launch.duration_h: must be at most 8784 (got 9000)"),  # noqa: E501
-    ],
-)  # fmt: skip
-def test_wrong_mission(run, tmp_path, old, new, message):
-    (tmp_path / "field.yaml").write_text(edited(FIELD, old, new))
-    outcome = run("size", DESIGN, "--mission", "field.yaml")
-    assert (outcome.code, outcome.out) == (2, "")
-    lines = outcome.err.splitlines()
-    assert any(line.startswith("field.yaml:") and message in line for line in lines)
-
-
 def test_all_problems_of_both_files_are_reported_together(run, tmp_path):
     bird = edited(edited(BIRD, "avionics_w: 6.0", "avionics_w: -6"), "area_m2: 1.35", "area_m2: x")
     (tmp_path / "bird.yaml").write_text(bird)
@@ -210,17 +152,8 @@ REFUSALS = {
     ],
     f"analyse {AS2} --set": [
         ("nonsense", "--set nonsense: write an override as KEY=VALUE, for example a.b=2.5"),
-        ("colour=red", "--set colour: unknown key; allowed keys: format_version, name"),
-        ("battery.mass_kg=abc", "--set battery.mass_kg: must be a number (got 'abc')"),
-        ("battery.mass_kg.x=1", "battery.mass_kg is the single value 2.918 and has no keys"),
-        ("battery.charge_limit.current_a.99=1", "takes an index from 0 to 12 (got '99')"),
-        ("wingspan=3", "--set wingspan: unknown key; did you mean 'wingspan_m'?"),
         ("airframe.wingspan_m=1e300", "--set airframe.wingspan_m: must be at most"),
         (r"""'name="a\e[31mb"'""", "must not hold control characters"),
-        ("mission.payload.mass_kg=1e300", "--set mission.payload.mass_kg: must be at most"),
-        ("mission.latitude_deg=95", "--set mission.latitude_deg: must be at most 90"),
-        ("mission.dates.on=02-29", "dates.on: month 02 has days 01 to 28 (got '02-29')"),
-        ("mission.colour=red", "colour: unknown key; allowed keys: format_version, name, descript"),
         ("mission.climb.ceiling_m=3000 --weather typical.epw", "keep their altitude: leave out cl"),
         ("mission.climb.maximum_altitude_m=3", "the highest altitude is climb.ceiling_m"),
     ],
@@ -319,6 +252,7 @@ REFUSALS = {
     "sweep": [
         (DESIGN, "--vary"),
         (f"{DESIGN} --vary wingspan_m=5:1:1", "must rise"),
+        (f"{DESIGN} --vary wingspan=4,5", "--vary wingspan: unknown key; did you mean 'wings"),
         *[
             (f"{DESIGN} --vary wingspan_m=4,5 {options}", message)
             for options, message in [
@@ -444,27 +378,6 @@ def test_files_that_cannot_be_written(run, tmp_path, call, message):
     assert outcome.err.count("\n") == 1
     assert files(tmp_path) == {"file", *folders}
     assert (tmp_path / "file").read_text() == "old"
-
-
-LONG = 100_000 * "x"
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["analyse", "atlantiksolar-design", "--set", f"name={LONG}"],
-        ["analyse", "atlantiksolar-design", "--set", f"battery.mass_kg={LONG}"],
-        ["analyse", "atlantiksolar-design", "--set", f"{LONG}=1"],
-        ["analyse", LONG],
-        ["sweep", "atlantiksolar-design", "--vary", f"{LONG}=1:2:1"],
-        ["sweep", "atlantiksolar-design", "--vary", f"battery_mass_kg={LONG}"],
-        ["map", "atlantiksolar-design", "--latitudes", LONG],
-    ],
-)
-def test_echoed_values_are_cut(run, arguments):
-    outcome = run(*arguments)
-    assert (outcome.code, outcome.out) == (2, "")
-    assert len(outcome.err) < 2000
 
 
 def test_of_many_mistakes_the_first_are_told(run, tmp_path):

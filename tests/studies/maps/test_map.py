@@ -34,24 +34,6 @@ def data():
     return study.feasibility_map(AS2, JULY, latitudes=LATITUDES, days=DAYS, endurance=True)
 
 
-def test_parts_of_a_map_are_the_map_to_the_last_digit():
-    latitudes, days = np.linspace(-90.0, 90.0, 7), np.arange(1, 366, 52)
-    whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
-    assert whole["status"].shape == (7, len(days))
-    for cuts in ([1, 5], list(range(1, 7))):
-        parts = [
-            map_block(AS2, JULY, part, days, SolarModel(), True)
-            for part in np.split(latitudes, cuts)
-        ]
-        for name, values in whole.items():
-            joined = np.concatenate([part[name] for part in parts])
-            np.testing.assert_array_equal(joined, values, name)
-    for i, j in ((0, 0), (2, 5), (4, 3), (6, 6)):
-        cell = map_block(AS2, JULY, latitudes[[i]], days[[j]], SolarModel(), True)
-        for name, values in whole.items():
-            np.testing.assert_array_equal(cell[name], values[i : i + 1, j : j + 1], name)
-
-
 def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch):
     latitudes, days = np.linspace(-66.0, 66.0, 5), np.arange(1, 366, 30)
     whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)

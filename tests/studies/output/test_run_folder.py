@@ -6,7 +6,7 @@ import re
 from importlib import resources
 
 import pytest
-from command_line import BIRD, FIELD, edited, files
+from command_line import FIELD, files
 
 pytestmark = pytest.mark.slow
 
@@ -156,34 +156,6 @@ def test_a_folder_without_the_record_of_a_run_is_refused(run, tmp_path, record, 
     outcome = run("analyse", "r")
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err
-
-
-def test_a_table_beside_the_aircraft_is_found_from_anywhere(run, tmp_path, monkeypatch):
-    polar = resources.files("sizing").joinpath("data", "polars", "sd7037.csv").read_text()
-    craft = run("show", DESIGN).out
-    folder = tmp_path / "mine"
-    folder.mkdir()
-    (folder / "wing.csv").write_text(polar)
-    start = craft.index("  aerodynamics:")
-    end = start + re.search(r"\n(?=  \w|\w)", craft[start:]).start()  # type: ignore[union-attr]
-    aerodynamics = (
-        "  aerodynamics: {model: wing_polar, airfoil: wing.csv, design_aspect_ratio: 18.5, "
-        "design_reynolds: 200000}"
-    )
-    (folder / "craft.yaml").write_text(craft[:start] + aerodynamics + craft[end:])
-    outcome = run("analyse", "mine/craft.yaml", "--json").good()
-    monkeypatch.chdir(folder)
-    assert run("analyse", "craft.yaml", "--json").json() == outcome.json()
-    assert run("validate", "craft.yaml").code == 0
-
-
-def test_a_measured_aircraft_in_a_folder(run, tmp_path):
-    (tmp_path / "bird.yaml").write_text(edited(BIRD, "avionics_w: 6.0", "avionics_w: 5.0"))
-    (tmp_path / "field.yaml").write_text(FIELD)
-    before = run("analyse", "bird.yaml", "-m", "field.yaml", "--json").json()
-    run("compare", "bird.yaml", "-m", "field.yaml", "--no-design", "--out", "bird")
-    after = run("analyse", "bird", "--json").json()
-    assert after == before
 
 
 def test_what_an_earlier_run_wrote_does_not_stay_beside_another_aircraft(run, tmp_path):

@@ -3,7 +3,6 @@
 import io
 import json
 import re
-from importlib import resources
 from itertools import product
 
 import numpy as np
@@ -22,7 +21,6 @@ from sizing.mass_budget import design_of
 from sizing.performance import performance
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from studies.maps.study import prepare as prepare_map
 from studies.output.gridded import SizingStatus, to_table
 from studies.render.tables import Table
 from studies.sweeps import plots as sweep_plots
@@ -423,37 +421,3 @@ def test_steps_that_do_not_meet_their_end_are_told(run):
     assert "--vary battery_mass_kg=2:4:0.7 stops at 3.4, the last step before 4" in answer.err
     answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
     assert answer.err == ""
-
-
-def own_airfoil(file):
-    keys = {"model": "wing_polar", "airfoil": str(file)}
-    keys |= {"design_aspect_ratio": 18.5, "design_reynolds": 158000.0}
-    return load_aircraft("atlantiksolar-design", {"airframe.aerodynamics": keys})
-
-
-def keys_of_map(craft):
-    return prepare_map(craft, JULY, [47.6], [196], SolarModel()).job.keys()
-
-
-def test_points_and_cells_belong_to_the_table_that_was_read(tmp_path):
-    file = tmp_path / "own.csv"
-    shipped = resources.files("sizing").joinpath("data", "polars", "mh114.csv")
-    text = shipped.read_text(encoding="utf-8")
-    file.write_text(text)
-    first = own_airfoil(file)
-    axes = [parse_axis("battery.mass_kg=2:3:1")]
-    study = prepare(first, JULY, axes, SolarModel("CAM"))
-    cells = keys_of_map(first)
-    assert cells == keys_of_map(own_airfoil(file))
-    excess = study.computed()["excess_time"].values
-    drag = re.compile(r"^([-\d]\S*?,\S+?,\S+?,)([\d.e-]+)", re.M)
-    file.write_text(drag.sub(lambda row: f"{row[1]}{2 * float(row[2])}", text))
-    # The record holds what it has read; the file as it is now makes another aircraft.
-    assert study.computed()["excess_time"].values.tolist() == excess.tolist()
-    other = prepare(own_airfoil(file), JULY, axes, SolarModel("CAM"))
-    assert not set(study.job.keys()) & set(other.job.keys())
-    assert cells != keys_of_map(own_airfoil(file))
-    assert (other.computed()["excess_time"].values < excess).all()
-    # Nor does a worker need the file.
-    file.unlink()
-    assert study.computed()["excess_time"].values.tolist() == excess.tolist()
