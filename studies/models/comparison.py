@@ -20,7 +20,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import SolarModel, Sunlight
 from sizing.mass_budget import design_of
 from sizing.performance import performance, performance_of_designs
-from sizing.program.objectives import RESIZE_NAMES, Objective
+from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
 from sizing.results.result import Result
@@ -43,6 +43,7 @@ from studies.models.solar_models import (
     perpetual_line,
     reference_model,
 )
+from studies.output.gridded import resize_objective
 from studies.quantities import group, table_of
 from studies.render.tables import ALL, Column, Line, Table
 from studies.render.words import extrapolation_blocks
@@ -248,10 +249,7 @@ def compare(
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
-    if objective not in RESIZE_NAMES:
-        allowed = ", ".join(RESIZE_NAMES)
-        raise ValueError(f"objective must be one of {allowed} (got {objective!r})")
-    goal = Objective(objective)
+    goal = resize_objective(objective)
     requested = combinations(models, corrections, attitude=attitude_is_known(aircraft, mission))
     if not requested:
         raise ValueError("there is no model to compare")

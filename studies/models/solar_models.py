@@ -43,27 +43,20 @@ def combinations(
         if isinstance(model, SolarModel):
             pairs.append(model)
             continue
-        _check_name("model", model, MODEL_NAMES)
         for correction in CORRECTION_NAMES if corrections is None else corrections:
-            _check_name("correction", correction, CORRECTION_NAMES)
             by_report = (model, correction) == ("FM", "loiter")
             pairs.append(SolarModel(model, "report" if by_report else correction))
-    if attitude:
-        return list(dict.fromkeys(pairs))
-    named = [m.model if isinstance(m, SolarModel) else m for m in models or ()]
-    named_corrections = [m.correction for m in models or () if isinstance(m, SolarModel)]
-    for name in (*named, *named_corrections, *(corrections or ())):
-        if name in (*ATTITUDE_MODELS, "loiter"):
-            raise ValueError(
-                f"{name} needs modules.geometry of the aircraft and flight_path of the mission"
-            )
-    horizontal = (s for s in pairs if not s.needs_path)
-    return list(dict.fromkeys(horizontal))
-
-
-def _check_name(what: str, name: str, allowed: Sequence[str]) -> None:
-    if name not in allowed:
-        raise ValueError(f"{what} must be one of {', '.join(allowed)} (got {name!r})")
+    if not attitude:
+        named = [*(models or ()), *(corrections or ())]
+        words = [
+            w for n in named for w in (vars(n).values() if isinstance(n, SolarModel) else (n,))
+        ]
+        for word in words:
+            if word in (*ATTITUDE_MODELS, "loiter"):
+                needed = "modules.geometry of the aircraft and flight_path of the mission"
+                raise ValueError(f"{word} needs {needed}")
+        pairs = [pair for pair in pairs if not pair.needs_path]
+    return list(dict.fromkeys(pairs))
 
 
 def model_label(solar: SolarModel) -> str:
