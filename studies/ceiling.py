@@ -12,7 +12,6 @@ from sizing.aircraft import Aircraft
 from sizing.ceiling import (
     DEFAULT_STEP_M,
     HOPELESS_H,
-    AltitudeFlight,
     PerpetualCeiling,
     highest_perpetual_altitude,
 )
@@ -82,8 +81,19 @@ class Ceiling(Result):
 
     def table(self, most: int = _ROWS[2]) -> Table:
         """Return a table from the lowest altitude to the first without power, with the ceiling."""
-        scenarios, words = self.mission.scenarios(), self.words
-        shown, climbs = _shown_flights(self.search, most), bool(words.climbs)
+        search, scenarios, words = self.search, self.mission.scenarios(), self.words
+        ends = (search.flights[0], search.flights[-1])
+        ends = (*ends, *(() if search.highest is None else (search.highest,)))
+        between = search.flights[1:-1]
+        altitudes = [flight.altitude_m for flight in between]
+        step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0
+        stride = max(math.ceil(len(between) / (most - len(ends))), 1)
+        # Multiples of a round step, not every n-th from the first.
+        at_round = [f for f in between if round(f.altitude_m / step) % stride == 0]
+        each = {flight.altitude_m: flight for flight in (*at_round, *ends)}
+        shown, climbs = [each[altitude_m] for altitude_m in sorted(each)], bool(words.climbs)
+        while len(shown) > 1 and all(flight.excess_time_h <= HOPELESS_H for flight in shown[-2:]):
+            shown.pop()  # nothing changes from there up
         several, reasons = len(scenarios) > 1, any(flight.reason for flight in shown)
         altitude, *others = group(
             "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh "
@@ -176,22 +186,6 @@ def perpetual_ceiling(
         aircraft, mission, solar, highest_m=highest_m, step_m=step_m, progress=progress
     )
     return Ceiling(aircraft, mission, solar, ceiling)
-
-
-def _shown_flights(ceiling: PerpetualCeiling, most: int) -> list[AltitudeFlight]:
-    """Return at most ``most`` flights, at round altitudes, the ends and the ceiling."""
-    ends, between = (ceiling.flights[0], ceiling.flights[-1]), ceiling.flights[1:-1]
-    ends = (*ends, *(() if ceiling.highest is None else (ceiling.highest,)))
-    altitudes = [flight.altitude_m for flight in between]
-    step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0
-    stride = max(math.ceil(len(between) / (most - len(ends))), 1)
-    # Multiples of a round step, not every n-th from the first.
-    shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
-    each = {flight.altitude_m: flight for flight in (*shown, *ends)}
-    rows = [each[altitude_m] for altitude_m in sorted(each)]
-    while len(rows) > 1 and all(flight.excess_time_h <= HOPELESS_H for flight in rows[-2:]):
-        rows.pop()  # nothing changes from there up
-    return rows
 
 
 @drawing.styled

@@ -93,7 +93,18 @@ def opened(
     if is_aircraft:
         each = [text.partition("=") for text in mine]
         mine = [f"{design_keys().get(key, key)}{equals}{value}" for key, equals, value in each]
-        _refuse_keys_of_missions(mine)
+        problems = []
+        for key in (text.partition("=")[0].strip() for text in mine):
+            message = ""
+            if key.partition(".")[0] in Mission.model_fields.keys() - Aircraft.model_fields.keys():
+                message = f"is a key of the mission: write {MISSION_PREFIX}{key}"
+            elif "." not in key and key not in {*Aircraft.model_fields, *Aircraft.explained_keys}:
+                meant = did_you_mean(key, [*design_keys(), *Aircraft.model_fields])
+                message = f"unknown key{meant}" if meant else ""
+            if message:
+                problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
+        if problems:
+            raise InputError(problems)
     document = find_document(kind, name_or_path)
     keys = set(document.data)
     if len(keys & set(other.model_fields)) > len(keys & set(record.model_fields)):
@@ -173,21 +184,3 @@ def _is_default(option: str) -> bool:
     """Return whether an option of the running command has its default value."""
     context = click.get_current_context()
     return context.get_parameter_source(option) is ParameterSource.DEFAULT
-
-
-def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
-    """Tell a key of the mission that lacks its prefix, and a short name that is misspelt."""
-    of_missions = Mission.model_fields.keys() - Aircraft.model_fields.keys()
-    problems = []
-    for override in overrides:
-        key = override.partition("=")[0].strip()
-        message = ""
-        if key.partition(".")[0] in of_missions:
-            message = f"is a key of the mission: write {MISSION_PREFIX}{key}"
-        elif "." not in key and key not in {*Aircraft.model_fields, *Aircraft.explained_keys}:
-            meant = did_you_mean(key, [*design_keys(), *Aircraft.model_fields])
-            message = f"unknown key{meant}" if meant else ""
-        if message:
-            problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
-    if problems:
-        raise InputError(problems)

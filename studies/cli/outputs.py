@@ -77,9 +77,16 @@ def deliver(
         contents = {places["table_file"]: table_of(*table), **contents}
     if plot and places["plot_file"] is not None:
         contents[places["plot_file"]] = figure_of(*plot, figure=options.figure)
-    written = [*contents]
+    written, made = [*contents], dict[str | os.PathLike[str], bytes]()
     try:
-        _write_files(contents)
+        try:
+            for path, content in contents.items():
+                made[path] = content(path)
+        except Exception:
+            write_files_atomically(made)  # data, where they cannot be drawn
+            raise
+        if made:
+            write_files_atomically(made)
         if folder is not None and places["out_dir"] is not None:
             written.append(places["out_dir"])
             inputs, tables, figures = folder()
@@ -99,22 +106,6 @@ def deliver(
     if not places["as_json"]:
         name_written(written)
         suggest(next_step)
-
-
-def _write_files(files: Mapping[str, Content]) -> None:
-    """Make and write files; if one cannot be written, none is.
-
-    Where one cannot be made, those before it are written: data, where they cannot be drawn.
-    """
-    contents: dict[str | os.PathLike[str], bytes] = {}
-    try:
-        for path, made in files.items():
-            contents[path] = made(path)
-    except Exception:
-        write_files_atomically(contents)
-        raise
-    if contents:
-        write_files_atomically(contents)
 
 
 def name_written(places: Iterable[str]) -> None:

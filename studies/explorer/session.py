@@ -212,13 +212,23 @@ class Session:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
             held = "is raised to" if analysis.mission.holds_station else "is below"
             notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {spell(wind)} m/s")
+        time_h, flight = perf.day.time_h, analysis.limited_flight
+        flight_charge: list[float | None] = [None] * len(time_h)
+        if flight is not None:
+            course = perf.course(0, flight.launch_h, flight.endurance_h)
+            at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
+            # What remains of the second day ends a node before the launch, where the battery was
+            # full.
+            at_h[max(int(np.searchsorted(time_h, flight.launch_h)) - 1, 0)] = np.inf
+            charge = np.interp(at_h, course.clock_h, course.state_of_charge, right=np.nan)
+            flight_charge = [finite(value) for value in charge.round(5).tolist()]
         curves = {name: _digits(each[0]) for name, each in analysis.curves.items()}
         del curves["energy_wh"]
         view: dict[str, Any] = {
             "curve": {
-                "time_h": _digits(perf.day.time_h),
+                "time_h": _digits(time_h),
                 **curves,
-                "flight_charge": _flight_charge(analysis),
+                "flight_charge": flight_charge,
             },
             "numbers": record,
             "masses_kg": {name: float(mass) for name, mass in perf.design.masses._asdict().items()},
@@ -325,19 +335,6 @@ def _told_to_the_page(solar: SolarModel) -> Iterator[None]:
         raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
     except ValueError as error:  # a path that the wind does not let be flown
         raise RefusedError([Refusal("model", solar.model, str(error))]) from None
-
-
-def _flight_charge(analysis: Analysis) -> list[float | None]:
-    """Return the charge of the longest flight at the nodes of the day, None outside it."""
-    time_h, flight = analysis.performance.day.time_h, analysis.limited_flight
-    if flight is None:
-        return [None] * len(time_h)
-    course = analysis.performance.course(0, flight.launch_h, flight.endurance_h)
-    at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
-    # What remains of the second day ends a node before the launch, where the battery was full.
-    at_h[max(int(np.searchsorted(time_h, flight.launch_h)) - 1, 0)] = np.inf
-    charge = np.interp(at_h, course.clock_h, course.state_of_charge, right=np.nan)
-    return [finite(value) for value in charge.round(5).tolist()]
 
 
 def _digits(values: Any) -> list[float]:
