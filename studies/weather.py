@@ -168,37 +168,14 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         axes.set_xlabel("day of the month")
     if none:  # every day would be crossed
         return
-    axes.plot(
-        columns[failed],
-        rows[failed],
-        linestyle="",
-        marker="x",
-        markersize=1.5 if several else 4.0,
-        color="white",
-        markeredgewidth=0.4 if several else 0.8,
-        label="does not close",
-    )
-    axes.plot(
-        columns[0],
-        rows[0],
-        linestyle="",
-        marker="s",
-        markersize=2.0 if several else 6.0,
-        markerfacecolor="none",
-        color=ORANGE,
-        label="start, battery full",
-    )
-    handles, labels = axes.get_legend_handles_labels()
-    legend = axes.legend(
-        handles if failed.any() else handles[1:],
-        labels if failed.any() else labels[1:],
-        ncols=2,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        facecolor="#404040",
-        labelcolor="white",
-    )
-    legend.set_in_layout(True)
+    cross, edge, ring = (1.5, 0.4, 2.0) if several else (4.0, 0.8, 6.0)
+    looks: dict[str, Any] = {"color": "white", "markersize": cross, "markeredgewidth": edge}
+    if failed.any():
+        axes.plot(columns[failed], rows[failed], "x", label="does not close", **looks)
+    looks = {"color": ORANGE, "markersize": ring, "markerfacecolor": "none"}
+    axes.plot(columns[0], rows[0], "s", label="start, battery full", **looks)
+    looks = {"facecolor": "#404040", "labelcolor": "white"}
+    axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), **looks)
 
 
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:

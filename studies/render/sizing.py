@@ -44,6 +44,7 @@ from studies.render.words import (
 from studies.serialise import serialise
 
 if TYPE_CHECKING:
+    from sizing.design import Design
     from sizing.program.cross_check import CrossCheck
     from sizing.program.objectives import Objective
     from sizing.program.ranges import WidestRange
@@ -236,14 +237,12 @@ _TO_GUARD = "to size with that margin: --set mission.uncertainty_margins.solar_m
 
 def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list[Any]:
     """Return the optimum beside the one with a margin, and what the margin costs."""
-    if study.optimum is None or guarded.as_assumed is None:
+    if study.optimum is None or guarded.design is None:
         return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
     if level >= ALL:
         return [Line(_TO_GUARD, "faint")]
-    table = margin_table(study.objective, study.to_dict(), serialise(guarded, "Guarded"))
-    shown = [row for row in table.rows if row[0] in (q.WINGSPAN.label, q.TOTAL_MASS.label)]
-    designs = ", ".join(f"{label} {value} ({change})" for label, _, value, change in shown)
-    return [Line(f"{table.title}: {designs}; {_TO_GUARD.split(': ')[1]}", "faint")]
+    changes = ", ".join(_changes(study.optimum.design, guarded.design))
+    return [Line(f"{_with_error(study.solar)}: {changes}; {_TO_GUARD.split(': ')[1]}", "faint")]
 
 
 def _with_error(solar: SolarModel) -> str:
@@ -331,9 +330,8 @@ def nearest_lines(study: SizingStudy) -> list[str]:
     if nearest is None:
         return []
     design = nearest.design
-    known = design.variables.chosen() | {q.AIRSPEED.name: design.airspeed_m_per_s}
-    facts_of = (quantity.fact(known[quantity.name]) for quantity in (*q.CHOSEN, q.AIRSPEED))
-    lines = [f"nearest design, not a solution: {', '.join(map(' '.join, facts_of))}"]
+    known = q.facts_of((*q.CHOSEN, q.AIRSPEED), design)
+    lines = [f"nearest design, not a solution: {', '.join(map(' '.join, known))}"]
     if study.structure is not None:
         structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
         of_mass, whole = (amount(mass_kg, "kg", ".3g") for mass_kg in (structure_kg, total_kg))
@@ -354,11 +352,7 @@ def without_climbs(study: SizingStudy) -> list[str]:
     where = f"in level flight at {q.text_of('altitude_m', study.mission.altitude_m)}"
     if level.design is None:
         return [f"{where} no design was found ({level.status.label})"]
-    parts = [
-        f"{quantity.label} {quantity.fact(quantity.of(level.design))[1]} "
-        f"({change_text(float(quantity.of(study.design)), float(quantity.of(level.design)))})"
-        for quantity in (q.WINGSPAN, q.TOTAL_MASS)
-    ]
+    parts = _changes(study.design, level.design)
     if objective.variable not in (q.WINGSPAN.name, q.TOTAL_MASS.name):
         value = with_unit(level.objective_value, ".4g", objective)
         assert level.objective_value is not None
@@ -366,6 +360,15 @@ def without_climbs(study: SizingStudy) -> list[str]:
         change = change_text(study.result.objective_value, level.objective_value)
         parts.insert(0, f"{objective.label} {value} ({change})")
     return [f"{where}: {', '.join(parts)}"]
+
+
+def _changes(before: Design, after: Design) -> list[str]:
+    """Return span and mass of a design, each with its change."""
+    return [
+        f"{each.label} {each.fact(each.of(after))[1]} "
+        f"({change_text(float(each.of(before)), float(each.of(after)))})"
+        for each in (q.WINGSPAN, q.TOTAL_MASS)
+    ]
 
 
 def reliability_text(study: SizingStudy) -> str:
