@@ -13,7 +13,7 @@ import numpy as np
 from missions.dates import month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
-from missions.winds.table import WindStatistics
+from missions.winds.statistics import WindStatistics
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design

@@ -24,7 +24,7 @@ from missions.mission.scenarios import (
     latitude_label,
 )
 from missions.uncertainty import Uncertainty
-from missions.winds.table import WindStatistics
+from missions.winds.statistics import WindStatistics
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
 from solar.schema import (

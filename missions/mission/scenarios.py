@@ -122,6 +122,11 @@ class Scenarios:
         if getattr(self.day_of_year, "dtype", np.dtype(object)).kind in "MUO":  # dates
             object.__setattr__(self, "day_of_year", dates.days_of_year(self.day_of_year))
 
+    @classmethod
+    def of_cells(cls, cells: FloatArray) -> Scenarios:
+        """Return the scenarios of cells of latitude [deg] and day of year, ``(cell, 2)``."""
+        return cls(cells[:, 0], cells[:, 1].astype(int))
+
     def __len__(self) -> int:
         return len(self.latitude_deg)
 

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import refused, shown
-from missions.weather.files import END, RawTable
+from missions.weather.raw import END, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, TYPICAL_YEAR, Site, Weather, runs_of, sun_over
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
 from solar.schema import Allowed, refusal, spell

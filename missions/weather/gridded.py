@@ -22,7 +22,7 @@ from missions.air import GRAVITY_M_PER_S2, ZERO_CELSIUS_K, pressure_altitude_m
 from missions.files.errors import refused
 from missions.mission import Mission
 from missions.weather.checks import MISSING
-from missions.weather.files import END, START, RawTable
+from missions.weather.raw import END, START, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds import netcdf
 from solar.schema import spell

@@ -23,8 +23,8 @@ import pandas as pd
 
 from missions.files.errors import InputError, Problem, printable, refused, shortened, shown
 from missions.mission import Mission
-from missions.weather.files import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
 from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
+from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
 from missions.weather.record import TYPICAL_YEAR, Site
 from solar.schema import Allowed, refusal, spell
 

@@ -1,4 +1,4 @@
-"""Percentiles of the wind over latitude, altitude and month, and the key ``wind`` of a mission.
+"""Percentiles of the wind over latitude, altitude and month.
 
 Linear in latitude, altitude and percentile, constant within a month; no extrapolation.
 """
@@ -10,18 +10,14 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
-from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, SerializationInfo, Strict, field_serializer
 
-from missions.dates import MONTH_NAMES, month_and_day
-from missions.files.errors import InputError, Problem, file_error, printable
+from missions.dates import MONTH_NAMES
+from missions.files.errors import InputError, Problem, file_error
 from missions.files.tables import number_rows, text_table
-from missions.files.texts import read_text, reading
-from solar.schema import Allowed, Flag, Record, Text, refusal, spell, spell_ends
+from solar.schema import Allowed, refusal, spell, spell_ends
 from solar.types import FloatArray, IntArray
 
 COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
@@ -184,69 +180,3 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
         )
     months = tuple(int(month) for month in axes[2])
     return WindTable(source, axes[0], axes[1], months, axes[3], values)
-
-
-_NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
-
-
-class WindStatistics(Record):
-    """Wind that is not exceeded for a share of the time, by latitude, altitude and month.
-
-    ``file``: CSV table or NetCDF file with wind components, by default the shipped table.
-    ``hold_station``: the aircraft flies faster in wind above its airspeed.
-    """
-
-    percentile: Annotated[float, Strict(), Field(gt=0.0, lt=100.0, allow_inf_nan=False)]
-    file: Text | None = None
-    hold_station: Flag = False
-
-    def table(self, longitude_deg: float | None = None) -> WindTable:
-        """Return the table of winds."""
-        if self.file is None:
-            return shipped_winds()
-        is_netcdf = self.file.lower().endswith(_NETCDF)
-        key = (longitude_deg, self.percentile) if is_netcdf else ()
-        return _read(self.file, self.contents_read(), *key)
-
-    def speeds(
-        self,
-        latitude_deg: FloatArray,
-        day_of_year: IntArray,
-        altitude_m: float,
-        longitude_deg: float | None,
-    ) -> FloatArray:
-        """Return the wind [m/s], shape ``(scenario,)`` or ``(scenario, altitude)``."""
-        months = [month_and_day(int(day))[0] for day in day_of_year]
-        shape = (len(months),) + (1,) * getattr(altitude_m, "ndim", 0)
-        table = self.table(longitude_deg)
-        latitude = latitude_deg.reshape(shape)
-        return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
-
-    def contents_read(self) -> str | None:
-        """Return a text that changes with the file's contents; None if shipped."""
-        if self.file is None:
-            return None
-        with reading(self.file):
-            about = Path(self.file).stat()
-        return f"{about.st_size} {about.st_mtime_ns}"
-
-    @field_serializer("file")
-    def _with_contents(self, file: str | None, info: SerializationInfo) -> str | None:
-        """Return the path, with the state of its contents in such a context."""
-        contents = self.contents_read() if (info.context or {}).get("contents") else None
-        return file if contents is None else f"{file} {contents}"
-
-
-@lru_cache(maxsize=4)
-def _read(
-    path: str,
-    state: str | None,
-    longitude_deg: float | None = None,
-    percentile: float | None = None,
-) -> WindTable:
-    """Read the table of a file, cached until its ``state`` changes."""
-    if percentile is None:
-        return wind_table_from_text(read_text(path), printable(path))
-    from missions.winds.netcdf import wind_table_from_netcdf  # which makes such tables
-
-    return wind_table_from_netcdf(path, longitude_deg, also=percentile)

@@ -22,6 +22,7 @@ from studies.case import DEFAULT_MISSION, Case
 from studies.cli.command import check_outputs
 from studies.cli.files import mission_beside
 from studies.cli.telling import tell_error
+from studies.cli.values import PAGE, PRINTED
 from studies.output import gridded
 from studies.output.figures.drawing import to_bytes
 from studies.output.formats import GRID_FORMATS, IMAGE_FORMATS, format_of, table_bytes
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from studies.cli.options import Drawn
     from studies.output.gridded import OnGrid
 
-PAGE, PRINTED = ".html", ".pdf"
 _COLLAPSED = "constrained_layout not applied because axes sizes collapsed"  # as matplotlib says
 
 # Makes what a file holds, by its name.

@@ -12,8 +12,8 @@ from missions.files.writing import write_files_atomically
 from sizing.performance import performance
 from studies.case import Case
 from studies.cli.files import uncertain_inputs
-from studies.cli.outputs import PAGE, PRINTED
 from studies.cli.telling import progress_of
+from studies.cli.values import PAGE, PRINTED
 from studies.output.run_folder import RESULTS, RunFolder
 from studies.quantities import EXCESS_TIME, TOTAL_MASS
 from studies.report import document

@@ -13,6 +13,7 @@ import click
 from studies.cli.telling import tell_error
 from studies.output.formats import format_of, missing_writer, wrong_ending
 
+PAGE, PRINTED = ".html", ".pdf"  # endings of a report
 _MAXIMUM_GRID = 2000  # numbers of first:last:step
 _DECIMAL = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 _LATITUDE = re.compile(rf"({_DECIMAL}) *°? *([ns])|([+-]?{_DECIMAL}) *°", re.IGNORECASE)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.flight_path import largest_wind_m_per_s
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.module_power import on_path
@@ -20,7 +20,6 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity import checks as validity
 from sizing.validity.extrapolations import cell_texts
 from solar.types import FloatArray
-from studies.maps.study import scenarios_of
 from studies.output.gridded import SIZED, TOO_WINDY
 from studies.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from studies.study import merged
@@ -35,7 +34,7 @@ def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
     A cell replaces the mission's latitude [deg] and day of year.
     """
     aircraft, mission, solar, goal = sized
-    scenarios = scenarios_of(cells)
+    scenarios = Scenarios.of_cells(cells)
     troubles = solar.path_troubles(aircraft, mission, scenarios)
     windy = np.array([trouble is not None for trouble in troubles], bool)
     if windy.any():
@@ -85,7 +84,7 @@ def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
 def sized_flight(sized: Sized, cell: FloatArray) -> Performance | None:
     """Simulate the best design of a single cell, shape ``(1, 2)``; None without a design."""
     aircraft, mission, solar, goal = sized
-    scenario = scenarios_of(cell)
+    scenario = Scenarios.of_cells(cell)
     sizings = cell_sizing.size_cells(aircraft, mission, scenario, goal, solar)
     if sizings.status[0] not in SIZED:
         return None

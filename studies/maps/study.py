@@ -189,7 +189,7 @@ def prepare(
     north_deg, days = _grid(latitudes, days, slow=slow)
     cells = np.array(np.meshgrid(north_deg, days, indexing="ij"), float).reshape(2, -1).T
     if goal is not None or solar.meets_wind(mission):
-        mission.scenario_winds_m_per_s(scenarios_of(cells))  # refuses cells without a wind
+        mission.scenario_winds_m_per_s(Scenarios.of_cells(cells))  # refuses cells without a wind
     coordinates = {
         "latitude": gridded.Labelled(
             ("latitude",), north_deg, {"units": "degrees_north", "standard_name": "latitude"}
@@ -283,11 +283,6 @@ def season_length(data: xr.Dataset) -> xr.DataArray:
 # ---- Cells of a fixed aircraft
 
 
-def scenarios_of(cells: FloatArray) -> Scenarios:
-    """Convert cells of latitude [deg] and day, shape ``(cell, 2)``, to scenarios."""
-    return Scenarios(cells[:, 0], cells[:, 1].astype(int))
-
-
 def fixed_cells(
     fixed: tuple[Aircraft, Mission, SolarModel, bool], cells: FloatArray
 ) -> dict[str, NDArray[Any]]:
@@ -297,7 +292,7 @@ def fixed_cells(
     blank. ``fixed``: aircraft, mission, model, and whether longest flights are searched for.
     """
     aircraft, mission, solar, endurance = fixed
-    scenarios = scenarios_of(cells)
+    scenarios = Scenarios.of_cells(cells)
     troubles = solar.path_troubles(aircraft, mission, scenarios)
     able = np.array([trouble is None for trouble in troubles])
     winds = {}
@@ -362,11 +357,11 @@ def extrapolations_of_cells(
     climbs = MAXIMUM_ALTITUDE.variable in columns
     highest_m = columns[MAXIMUM_ALTITUDE.variable][known] if climbs else None
     of_design = validity.design_checks(aircraft, calm, design, solar, highest_m)
-    scenarios = scenarios_of(cells[known])
+    scenarios = Scenarios.of_cells(cells[known])
     checks = [*in_wind, *of_design, *validity.correction_check(scenarios, solar, mission)]
     if "charge_rate" in columns:
         checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
     extrapolations = collect_extrapolations(checks, of=int(known.sum()), what="cells")
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
-    best = scenarios_of(cells[[int(np.argmax(excess_h))]])
+    best = Scenarios.of_cells(cells[[int(np.argmax(excess_h))]])
     return add_effects(extrapolations, aircraft, lambda: _simulated(aircraft, mission, solar, best))

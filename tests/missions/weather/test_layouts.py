@@ -292,9 +292,9 @@ def test_names_and_reasons_are_printable(tmp_path):
 
 def test_a_file_of_the_largest_size_is_read_and_one_byte_more_is_not(tmp_path, monkeypatch):
     path = write_plain(tmp_path / "a.csv", clear_record(2))
-    monkeypatch.setattr("missions.weather.files.MAXIMUM_BYTES", path.stat().st_size)
+    monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", path.stat().st_size)
     assert len(load_weather(path).ghi) == 48
-    monkeypatch.setattr("missions.weather.files.MAXIMUM_BYTES", path.stat().st_size - 1)
+    monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", path.stat().st_size - 1)
     with pytest.raises(InputError, match="is larger than"):
         load_weather(path)
     path.write_bytes(gzip.compress(path.read_bytes()))
