@@ -4,8 +4,10 @@ import importlib
 import re
 import sys
 
+import numpy as np
 import pytest
 from documented import DOCS, ROOT
+from scipy.sparse.csgraph import connected_components
 
 import missions
 import sizing
@@ -65,3 +67,16 @@ def test_way_of_an_analysis_is_walked_in_this_order():
     assert len(walked) >= 8
     places = [entered.index(name) for name in walked]
     assert places == sorted(places)
+
+
+def test_no_files_import_each_other():
+    grimp = pytest.importorskip("grimp")
+    packages = ("solar", "missions", "sizing", "studies")
+    graph = grimp.build_graph(*packages, exclude_type_checking_imports=True)
+    # The door of a package is no file of its own.
+    names = sorted(m for m in graph.modules if not graph.find_children(m))
+    imported = [graph.find_modules_directly_imported_by(name) for name in names]
+    imports = np.array([[name in of_module for name in names] for of_module in imported])
+    _, circle = connected_components(imports, connection="strong")
+    size = np.bincount(circle)[circle]
+    assert [name for name, count in zip(names, size, strict=True) if count > 1] == []
