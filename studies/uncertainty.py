@@ -144,13 +144,8 @@ def _draw_spread(axes: Axes, analysis: UncertaintyAnalysis) -> None:
     axes.hist(finite, bins=60, weights=weights, color=drawing.BLUE, alpha=0.8)
     for style, label, value in _marked(analysis):
         if np.isfinite(value):
-            axes.axvline(
-                value,
-                color=drawing.ink(),
-                linestyle=style,
-                linewidth=1.2,
-                label=f"{label} {amount(value, 'h', '.1f')}".replace("-", "−"),
-            )
+            words = f"{label} {amount(value, 'h', '.1f')}".replace("-", "−")
+            axes.axvline(value, color=drawing.ink(), linestyle=style, linewidth=1.2, label=words)
     low, high = axes.get_xlim()
     if low < 0.0 < high:
         axes.axvspan(low, 0.0, color=drawing.VERMILLION, alpha=0.12, linewidth=0, label="limited")

@@ -228,22 +228,13 @@ def plot_flight_envelope(analysis: Analysis, *, figure: drawing.Canvas = DEFAULT
     up, down = envelope.manoeuvre(airspeed)
     axes.fill_between(airspeed, down, up, color=drawing.CHARGE, alpha=0.15, linewidth=0)
     outline = np.concatenate([up, down[::-1]])
-    axes.plot(
-        np.concatenate([airspeed, airspeed[::-1]]),
-        outline,
-        color=drawing.CHARGE,
-        label="manoeuvres",
-    )
+    around = np.concatenate([airspeed, airspeed[::-1]])
+    axes.plot(around, outline, color=drawing.CHARGE, label="manoeuvres")
     speeds, gusts = np.transpose(envelope.gusts)
     for sign, name in ((1.0, "gusts at cruise and dive speed"), (-1.0, "")):
         factors = 1.0 + sign * gusts
-        axes.plot(
-            [0.0 * speeds, speeds],
-            [0.0 * speeds + 1.0, factors],
-            ":",
-            color=drawing.SUN,
-            linewidth=1.0,
-        )
+        level = [0.0 * speeds + 1.0, factors]
+        axes.plot([0.0 * speeds, speeds], level, ":", color=drawing.SUN, linewidth=1.0)
         axes.plot(speeds, factors, "o--", color=drawing.SUN, markersize=4, label=name)
     limits = (envelope.limit_load_factor, -envelope.negative_limit_load_factor)
     for limit, name in zip(limits, ("limit loads of the structure", ""), strict=True):
@@ -294,22 +285,13 @@ def plot_cells(aircraft: Aircraft, *, figure: drawing.Canvas = DEFAULT) -> Figur
         for side in (-1.0, 1.0)
     ]
     cells = [drawing.box(c.left_m, c.right_m, c.front_m, c.rear_m) for c in aircraft.placed_cells()]
-    surface: dict[str, Any] = {
-        "facecolor": drawing.GREY,
-        "edgecolor": drawing.ink(),
-        "linewidth": 0.8,
-        "alpha": 0.5,
-    }
-    hatched: dict[str, Any] = {
-        "facecolor": "none",
-        "edgecolor": drawing.DARK_GREY,
-        "hatch": "////",
-        "linewidth": 0.6,
-    }
-    cell: dict[str, Any] = {"facecolor": drawing.LOAD, "edgecolor": "white", "linewidth": 0.3}
-    for outlines, style in ((shapes, surface), (kept_out, hatched), (cells, cell)):
+    for outlines, face, edge, style in (
+        (shapes, drawing.GREY, drawing.ink(), {"linewidth": 0.8, "alpha": 0.5}),
+        (kept_out, "none", drawing.DARK_GREY, {"linewidth": 0.6, "hatch": "////"}),
+        (cells, drawing.LOAD, "white", {"linewidth": 0.3}),
+    ):
         for corners in outlines:
-            axes.add_patch(Polygon(corners, **style))
+            axes.add_patch(Polygon(corners, facecolor=face, edgecolor=edge, **style))
     axes.margins(0.01)
     axes.autoscale_view()
     axes.set(aspect="equal", xlabel="right of the middle [m]", ylabel="aft [m]")
