@@ -171,3 +171,9 @@ MAP = group(
 )
 CHOSEN = (WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA)
 DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
+# Of a sized design; the last four where its propulsion is chosen.
+SIZED = group(
+    "wingspan_m aspect_ratio battery_mass_kg module_area_m2 total_mass_kg airspeed_m_per_s "
+    "stall_speed_m_per_s wing_loading_kg_per_m2 climb_rate_m_per_s power_out_w "
+    "propeller_diameter_m propeller_pitch_m gear_ratio motor_speed_constant_rpm_per_v"
+)

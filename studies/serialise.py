@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from solar.versions import software_record
-from studies.quantities import TABLE, reach
+from studies.quantities import SIZED, reach
 
 RECORDS = {
     # ---- What is analysed
@@ -217,8 +217,9 @@ def serialise(value: Any, entry: str = "") -> Any:
 
 
 def rows_of(values: Mapping[str, Any]) -> list[tuple[str, Any, str]]:
-    """Return quantities by their keys as rows: words, value and unit."""
-    return [(TABLE[key].label, value, TABLE[key].unit) for key, value in values.items()]
+    """Return words, value and unit of a sized design's quantities; NaN where there is none."""
+    shown = ((each, values.get(each.name, math.nan)) for each in (SIZED if values else SIZED[:10]))
+    return [(each.label, value, each.unit) for each, value in shown if value is not None]
 
 
 def _finite(value: Any) -> Any:

@@ -48,24 +48,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-_OF_DESIGN = (
-    "wingspan_m",
-    "aspect_ratio",
-    "battery_mass_kg",
-    "module_area_m2",
-    "total_mass_kg",
-    "airspeed_m_per_s",
-    "stall_speed_m_per_s",
-    "wing_loading_kg_per_m2",
-    "climb_rate_m_per_s",
-    "power_out_w",
-)
-_OF_PROPULSION = (
-    "propeller_diameter_m",
-    "propeller_pitch_m",
-    "gear_ratio",
-    "motor_speed_constant_rpm_per_v",
-)
 _OF_SCENARIO = (
     "excess_time_h",
     "charge_margin_h",
@@ -318,19 +300,17 @@ class SizingStudy(DesignResult):
             return {**ends, "days": int(coverage.extent)}
         return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
 
-    def design_values(self) -> dict[str, float]:
-        """Return the numbers of the optimum that tables show."""
-        design, quantities = self._optimum(), self.quantities
-        assert quantities is not None
-        assert self.optimum is not None
-        known = design.variables._asdict() | quantities | {"power_out_w": self.optimum.power_out_w}
-        chosen = [key for key in _OF_PROPULSION if known[key] is not None]
-        return {key: float(known[key]) for key in (*_OF_DESIGN, *chosen)}
+    @property
+    def values(self) -> dict[str, Any]:
+        """Numbers of the optimum by the keys of quantities; empty without one."""
+        if self.design is None or self.quantities is None or self.optimum is None:
+            return {}
+        load = {"power_out_w": self.optimum.power_out_w}
+        return self.design.variables._asdict() | self.quantities | load
 
     def to_frame(self) -> pd.DataFrame:
         """Return the design, a row each number with its unit; NaN without an optimum."""
-        values = self.design_values() if self.feasible else dict.fromkeys(_OF_DESIGN, np.nan)
-        rows = import_module(SERIALISER).rows_of(values)
+        rows = import_module(SERIALISER).rows_of(self.values)
         return data_frame(rows, columns=["quantity", "value", "unit"])
 
     @property

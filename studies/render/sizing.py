@@ -110,9 +110,8 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     charge = q.MINIMUM_CHARGE.fact(optimum.minimum_state_of_charge)
     where = f"{clear}{q.EXCESS_TIME.label}, {optimum.worst_scenario.label}"
     flight, objective = study.mission.flight, study.objective
-    values = study.design_values()
-    rows = q.facts_of(map(q.TABLE.__getitem__, values), values, level)
-    if objective.variable not in (*values, "worst_excess_time_h"):
+    rows, shown = q.facts_of(q.SIZED, study.values, level), [each.name for each in q.SIZED]
+    if objective.variable not in (*shown, "worst_excess_time_h"):
         value = with_unit(study.result.objective_value, ".4g", objective)
         rows.insert(0, (objective.label, value))
     if flight is not None:
