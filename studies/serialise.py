@@ -205,6 +205,7 @@ RECORDS = {
         """,
     "OperatingPoint": "+ -reason",
     "StructureAssessment": "+ text=headline",
+    "Wind": "percentile hold_station source scenarios_m_per_s",
 }
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from missions.dates import MONTH_NAMES
 from sizing.day.record import WeatherRun
+from sizing.results.design_result import wind_of
 from sizing.results.weather import WeatherAnalysis
 from solar.schema import spell
 from solar.types import BoolArray
@@ -44,7 +45,7 @@ def blocks(analysis: WeatherAnalysis, level: int) -> list[Any]:
     """Return the days that close; at level 2 by month and year, and windows of days."""
     mission = analysis.mission
     rows = q.facts_of(q.of_part("weather"), analysis, level)
-    rows += wind_rows(mission) if mission.holds_station else []
+    rows += wind_rows(wind_of(mission)) if mission.holds_station else []
     shown: list[Any] = [Line(headline(analysis), "strong"), facts("", rows)]
     if level >= ALL:
         shown += _weather_tables(analysis)

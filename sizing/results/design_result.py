@@ -165,12 +165,18 @@ def battery_condition(
 
 
 class Wind(NamedTuple):
-    """Percentile of a table of winds, and its wind in every scenario [m/s]."""
+    """Percentile of a table of winds, and its wind in every scenario [m/s].
+
+    ``ends_m_per_s``: weakest and strongest at the altitudes of the flight, ``heights`` of which are
+    known.
+    """
 
     percentile: float
     hold_station: bool
     source: str
     scenarios_m_per_s: tuple[float, ...]
+    ends_m_per_s: tuple[float, float]
+    heights: int
 
 
 def wind_of(mission: Mission) -> Wind | None:
@@ -178,9 +184,16 @@ def wind_of(mission: Mission) -> Wind | None:
     statistics = mission.wind_statistics
     if statistics is None:
         return None
-    source = statistics.table(mission.longitude_deg).source
-    winds = tuple(mission.scenario_winds_m_per_s().tolist())
-    return Wind(statistics.percentile, statistics.hold_station, source, winds)
+    heights_m = mission.climb_levels_m if statistics.hold_station else [mission.altitude_m]
+    speeds = [mission.at_altitude(height_m).scenario_winds_m_per_s() for height_m in heights_m]
+    return Wind(
+        statistics.percentile,
+        statistics.hold_station,
+        statistics.table(mission.longitude_deg).source,
+        tuple(mission.scenario_winds_m_per_s().tolist()),
+        (float(np.min(speeds)), float(np.max(speeds))),
+        len(heights_m),
+    )
 
 
 def cells_record(aircraft: Aircraft) -> dict[str, Any]:

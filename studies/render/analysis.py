@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from missions.mission import Mission
 from missions.mission.scenarios import latitude_label
 from sizing.aircraft import MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment
@@ -18,7 +17,6 @@ from sizing.day.replay import CalendarRun
 from sizing.layout.cells import rows_text
 from sizing.limits import ROW_TOLERANCE
 from sizing.relaxed_flight import Relaxation
-from sizing.results.design_result import wind_of
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
@@ -36,7 +34,7 @@ from studies.render.words import (
 
 if TYPE_CHECKING:
     from sizing.results.analysis import Analysis
-    from sizing.results.design_result import PowerBudget
+    from sizing.results.design_result import PowerBudget, Wind
     from sizing.results.sizing_study import SizingStudy
 
 
@@ -109,7 +107,7 @@ def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
         *climb_facts(analysis, level),
         *q.facts_of(q.OF_AIRCRAFT, design, level),
         *q.facts_of((q.LOAD, q.SOLAR_ENERGY), values, level),
-        *wind_rows(analysis.mission),
+        *wind_rows(analysis.wind),
     ]
 
 
@@ -388,15 +386,12 @@ def uncertainty_line(analysis: Analysis) -> str:
     )
 
 
-def wind_rows(mission: Mission) -> list[tuple[str, str]]:
+def wind_rows(wind: Wind | None) -> list[tuple[str, str]]:
     """Return the wind as facts, from the weakest to the strongest scenario."""
-    wind = wind_of(mission)
     if wind is None:
         return []
-    heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
-    speeds = [mission.at_altitude(height_m).scenario_winds_m_per_s() for height_m in heights_m]
-    ends = dict.fromkeys(amount(w, form=".1f") for w in (np.min(speeds), np.max(speeds)))
-    everywhere = ", at all heights" if len(heights_m) > 1 else ""
+    ends = dict.fromkeys(amount(speed, form=".1f") for speed in wind.ends_m_per_s)
+    everywhere = ", at all heights" if wind.heights > 1 else ""
     words = f"wind, {given(wind.percentile)} % of the time at most{everywhere}"
     return [(words, f"{' to '.join(ends)} m/s")]
 

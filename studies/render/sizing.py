@@ -118,7 +118,7 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
         launched = f"launched {flight.launch}"
         rows.append(("flight", launched if objective.value == "max_endurance" else flight.text))
     climbs = climb_facts(optimum, level)
-    return [*rows, *wind_rows(study.mission), (where, excess[1]), charge, *climbs]
+    return [*rows, *wind_rows(study.wind), (where, excess[1]), charge, *climbs]
 
 
 def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
@@ -163,7 +163,7 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     if len(violations) > most:
         shown.append(f"  and {len(violations) - most} more")
     shown += _limits(study, level)
-    shown += [*nearest_lines(study), *(f"{a}: {b}" for a, b in wind_rows(study.mission))]
+    shown += [*nearest_lines(study), *(f"{a}: {b}" for a, b in wind_rows(study.wind))]
     if level >= ALL:
         shown += structure_lines(study)
     shown += extrapolation_blocks(study.extrapolations, level)

@@ -94,7 +94,7 @@ def aircraft_section(subject: Subject) -> Section:
             if entry.group not in ("masses", "balance"):
                 row = entry.quantity.label, " ".join(entry.shown()).strip()
                 groups.setdefault(entry.group, []).append(row)
-        groups.setdefault("flight", []).extend(wind_rows(subject.mission))
+        groups.setdefault("flight", []).extend(wind_rows(subject.analysis.wind))
         if subject.mission.holds_station:
             groups["flight"].append(("flown, to hold its place", "as fast as the wind at least"))
         tables = tuple(facts(group, rows) for group, rows in groups.items() if rows)
