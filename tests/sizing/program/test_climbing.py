@@ -46,13 +46,6 @@ def test_no_design_nearby_is_better(objective):
     assert best <= result.merit + 0.01 * abs(result.merit)
 
 
-def test_a_higher_ceiling_takes_less_mass():
-    level = size_aircraft(DESIGN, mission(), Objective.min_mass)
-    results = [level, *(sized(Objective.min_mass, ceiling_m) for ceiling_m in (1536.0, 3536.0))]
-    masses = [one.objective_value or 0.0 for one in results]
-    assert masses[0] > 1.005 * masses[1] > 1.01 * masses[2]
-
-
 def test_turbulence_above_the_rated_power_leaves_level_flight():
     # Level flight is not held to the rated power, which such air exceeds; so a climb has nothing
     # to take from, and the ceiling changes nothing.

@@ -180,12 +180,3 @@ def test_indices_of_ishigamis_function():
     assert [i.first for i in found] == pytest.approx([of_a / whole, of_b / whole, 0.0], abs=0.01)
     totals = [of_a + of_ac, of_b, of_ac]
     assert [one.total for one in found] == pytest.approx(np.array(totals) / whole, abs=0.01)
-
-
-def test_the_error_of_the_solar_model_is_said_to_lie_on_top_of_margins():
-    text = str(sizing.analyse(DESIGN, MISSION))
-    assert "mean power puts" in " ".join(text.split())
-    margins = {"uncertainty_margins": {"solar_model_sigmas": 1.0}}
-    text = str(sizing.analyse(DESIGN, with_values(MISSION, margins)))
-    told = "of the mean power, on top of the mission's uncertainty margins, puts the excess time"
-    assert told in " ".join(text.split())

@@ -12,7 +12,6 @@ from missions.library import load_mission
 from missions.uncertainty import LogNormal
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.library import load_aircraft
-from sizing.parameters import parameter_value
 from sizing.structures.build import build_qualities
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import Structure
@@ -68,11 +67,6 @@ def test_build_multiplies_every_model_and_has_the_calibration_of_atlantiksolar(k
             )
         expected = plain if factor is None else factor * plain
         assert structure(**keys, build=build).mass_kg(INPUTS) == pytest.approx(expected)
-
-
-def test_word_for_the_build_is_its_factor_as_a_parameter():
-    aircraft = load_aircraft("atlantiksolar-design", {BUILD: "careful"})
-    assert parameter_value(aircraft, None, BUILD) == build_qualities()["careful"].factor
 
 
 def test_scatter_of_a_class_is_an_input_where_the_file_has_no_other():

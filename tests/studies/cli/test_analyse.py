@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from command_line import FIELD, files
+from command_line import FIELD
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 ANALYSE_KEYS = {
@@ -125,17 +125,6 @@ def test_trajectory_as_csv(run, tmp_path):
     assert table["time_solar_h"].is_monotonic_increasing
     assert table["state_of_charge"].between(0.0, 1.0).all()
     assert not table.isna().any(axis=None)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("name", "signature"),
-    [("a.png", b"\x89PNG\r\n\x1a\n"), ("a.PDF", b"%PDF-"), ("a.svg", b"<?xml")],
-)
-def test_figures(run, tmp_path, name, signature):
-    run("analyse", AS2, "--plot", name).good()
-    assert (tmp_path / name).read_bytes().startswith(signature)
-    assert files(tmp_path) == {name}
 
 
 @pytest.mark.long

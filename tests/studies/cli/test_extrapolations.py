@@ -64,17 +64,6 @@ def test_sizings_tell_of_their_designs(run):
     assert again.out.count("outside the range of rib wing, 3 to 8 m") == 1
 
 
-@pytest.mark.slow
-def test_the_nearest_design_is_told_where_it_flies(run):
-    asked = ("size", "atlantiksolar-design", "--mission", "rafz-july")
-    lacking = run(*asked, "--required-excess-time", "60", "-v")
-    assert lacking.code == 1
-    assert lacking.out.count("wingspan 12 m: outside the range of rib wing, 3 to 8 m") == 1
-    heavy = run(*asked, "--set", "mission.payload.mass_kg=4000")
-    assert heavy.code == 1
-    assert HEAD not in heavy.out
-
-
 def test_files_keep_what_the_cells_tell(tmp_path):
     import xarray as xr
 

@@ -71,16 +71,6 @@ def test_cells_are_those_of_single_analyses(plane, thermal, model):
         assert result["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
 
 
-def test_endurance_is_infinite_exactly_where_flight_is_perpetual(data):
-    perpetual = data["status"].isin([Status.perpetual, Status.always_lit])
-    assert (np.isinf(data["endurance"]) == perpetual).all()
-    # By polar night the battery alone flies: its energy over the load.
-    load = float(data["load_energy"].sel(latitude=89.0, day=355)) / 24.0
-    assert float(data["endurance"].sel(latitude=89.0, day=355)) == pytest.approx(
-        2.918 * 251.0 * 0.97 / load, rel=1e-6
-    )
-
-
 def test_file_carries_units_flags_and_configuration(data):
     again = xr.open_dataset(io.BytesIO(to_netcdf_bytes(data)), engine="h5netcdf")
     assert again["excess_time"].attrs["units"] == "h"

@@ -394,15 +394,6 @@ def test_contours_hatch_failed_points(monkeypatch):
     assert "could not be computed" in [text.get_text() for text in legend.get_texts()]
 
 
-def test_python_is_the_command(run, tmp_path):
-    vary = ["--vary", "aircraft.battery.mass_kg=2:3:0.5", "--vary", "mission.clearness=0.8,1"]
-    run("sweep", "atlantiksolar-as2", *vary, "--model", "CDM", "--out", "s.nc").good()
-    result = sweep(
-        AS2, JULY, {"battery_mass_kg": [2, 2.5, 3], "mission.clearness": (0.8, 1)}, model="CDM"
-    )
-    xr.testing.assert_identical(result, xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf"))
-
-
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "atlantiksolar-design", "sky-sailor"])
 def test_a_point_without_changes_is_what_was_given(name):
     path = Circle(radius_m=100.0, airspeed_m_per_s=9.0)  # its kind is a default
