@@ -76,7 +76,16 @@ def plot_comparison(comparison: Comparison, *, figure: drawing.Canvas = DEFAULT)
         None,
         _objective_value(reference, comparison),
     )
-    for axes, label, truth in zip(panels, _axis_labels(comparison), truths, strict=False):
+    required, objective = comparison.required_excess_time_h, comparison.objective
+    promised = "promised " if objective is Objective.max_excess_time else ""
+    labels = (
+        "solar energy\nof a day [Wh]\n(bars: RMS error)",
+        "excess time [h],\nworst scenario\n(lines: RMS error)",
+        "perpetual season\naround the summer\nsolstice [d]",
+        f"design: {promised}{objective.label} [{objective.unit}],\n"
+        f"{spell(required)} h of excess time required",
+    )
+    for axes, label, truth in zip(panels, labels, truths, strict=False):
         if truth is not None and np.isfinite(truth):
             axes.axvline(truth, color=drawing.ink(), linestyle=":", linewidth=1)
         axes.set_xlabel(label)
@@ -93,18 +102,6 @@ def plot_comparison(comparison: Comparison, *, figure: drawing.Canvas = DEFAULT)
     panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
     drawing.add_legend(drawn, _legend(comparison), 5, frameon=False)
     return drawn
-
-
-def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
-    required, objective = comparison.required_excess_time_h, comparison.objective
-    promised = "promised " if objective is Objective.max_excess_time else ""
-    return (
-        "solar energy\nof a day [Wh]\n(bars: RMS error)",
-        "excess time [h],\nworst scenario\n(lines: RMS error)",
-        "perpetual season\naround the summer\nsolstice [d]",
-        f"design: {promised}{objective.label} [{objective.unit}],\n"
-        f"{spell(required)} h of excess time required",
-    )
 
 
 def _legend(comparison: Comparison) -> list[Line2D]:
