@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
+from pydantic import (
+    Field,
+    ModelWrapValidatorHandler,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    Strict,
+    model_serializer,
+    model_validator,
+)
 
 from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
@@ -298,6 +306,15 @@ class Aircraft(FileRecord):
         if isinstance(polar, WingPolar) and (text := polar.contents_read()) is not None:
             texts[polar.airfoil] = text
         return texts
+
+    @model_serializer(mode="wrap")
+    def _with_contents(
+        self, handler: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, Any]:
+        """Return the data, with the texts of the files that it names in such a context."""
+        data: dict[str, Any] = handler(self)
+        contents = (info.context or {}).get("contents")
+        return data | {"texts_read": self.texts_read} if contents else data
 
     @property
     def parametric(self) -> ParametricAirframe:

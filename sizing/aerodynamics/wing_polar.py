@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from functools import cached_property
 from math import pi
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import (
-    Field,
-    PrivateAttr,
-    SerializationInfo,
-    Strict,
-    field_serializer,
-    model_validator,
-)
+from pydantic import Field, PrivateAttr, Strict, model_validator
 
 from missions.files.errors import InputError
 from missions.files.texts import read_text
@@ -180,12 +172,6 @@ class WingPolar(CompletedRecord):
         if self._table is None or self._table[0] != self.airfoil:
             self._table = (self.airfoil, read_text(self.airfoil, POLAR_SUFFIXES))
         return self._table[1]
-
-    @field_serializer("airfoil")
-    def _with_checksum(self, airfoil: str, info: SerializationInfo) -> str:
-        """Return name or path, with the checksum of the table if the context asks for contents."""
-        text = self.contents_read() if (info.context or {}).get("contents") else None
-        return airfoil if text is None else f"{airfoil} {hashlib.sha256(text.encode()).hexdigest()}"
 
     @cached_property
     def maximum_lift_coefficient(self) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from missions.files.errors import InputError
+from sizing import load_aircraft
 from sizing.propulsion.propeller_files import read_propeller
 
 UIUC = Path(__file__).parent / "uiuc"
@@ -161,3 +162,18 @@ def test_low_and_high_advance_ratios_of_one_nominal_speed_are_one_curve(tmp_path
 def test_no_file_is_refused():
     with pytest.raises(InputError, match="files: must name at least one file"):
         read_propeller([])
+
+
+def test_a_changed_table_makes_another_aircraft_and_another_key_of_kept_results(tmp_path):
+    table = ROWS + ".5,.09,.05,1200\n.9,.03,.03,1200\n"
+    path = written(tmp_path, table)
+    propeller = {"airframe.propulsion.propeller": {"table": str(path)}}
+    before, again = (load_aircraft("twin-boom-design", propeller) for _ in range(2))
+    written(tmp_path, table.replace(".09", ".1"))
+    changed = load_aircraft("twin-boom-design", propeller)
+    context = {"contents": True}
+    assert before == again
+    assert before != changed
+    assert before.model_dump_json() == changed.model_dump_json()
+    assert before.model_dump_json(context=context) == again.model_dump_json(context=context)
+    assert before.model_dump_json(context=context) != changed.model_dump_json(context=context)
