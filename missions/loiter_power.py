@@ -171,11 +171,10 @@ def _seen(
     day, cosine, hour = day[above_horizon], cosine[above_horizon], hour[above_horizon]
     sun = sun_vector_ned(latitude_deg, sun_declination[above_horizon], hour)[:, np.newaxis, :]
     if daylight.irradiance is None:
-        dni, dhi = daylight.sky(day, latitude_deg, cosine, daylight.altitude_m)
-        factor = daylight.clearness
-        light = Irradiance(factor * dni[:, np.newaxis], factor * dhi[:, np.newaxis])
+        clear = daylight.sky(day, latitude_deg, cosine, daylight.altitude_m)
+        lit = [daylight.clearness * part for part in clear]
     else:
-        dni, dhi = (part[block][above_horizon] for part in daylight.irradiance)
-        light = Irradiance(dni[:, np.newaxis], dhi[:, np.newaxis])
+        lit = [part[block][above_horizon] for part in daylight.irradiance]
+    light = Irradiance(*(part[:, np.newaxis] for part in lit))
     to_ned = direction_cosines(attitudes.roll_rad, attitudes.pitch_rad, attitudes.yaw_rad)
     return above_horizon, (light, sun, to_ned)

@@ -43,10 +43,7 @@ class Normal(Record):
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
-        """Return the quantiles at ``share``, in the unit of ``nominal``.
-
-        Returns of the shape of ``share``, in the unit of ``nominal``.
-        """
+        """Return the quantiles at ``share``, in the unit of ``nominal``."""
         sigma = self.sigma if self.sigma is not None else (self.relative_sigma or 0.0) * nominal
         return np.asarray(nominal + sigma * _standard_normal(share))
 

@@ -138,7 +138,10 @@ def _complaint(data: Any, model: type[BaseModel], detail: ErrorDetails) -> _Comp
             best = max(models, key=lambda candidate: len(_hints(candidate).keys() & keys))
             names = ("deprecated_keys", "explained_keys")
             former = {old: new for n in names for old, new in getattr(best, n, {}).items()}
-            message = unknown_key(str(last), list(_hints(best)), former)
+            message = unknown_key(str(last), list(_hints(best)))
+            if (meant := former.get(str(last))) is not None:
+                renamed = f"this key is called '{meant}' now"
+                message = f"unknown key; {meant}" if " " in meant else renamed
             return _Complaint((*path, last), message, in_union=in_union, firm=True, at_key=True)
         if isinstance(last, int):
             return _Complaint(path, f"the list is too short: item {last + 1} is missing")
@@ -321,19 +324,23 @@ _UNIT = re.compile(
 )
 
 
-def unknown_key(key: str, allowed: Sequence[str], renamed: Mapping[str, str] | None = None) -> str:
-    """Say that a key does not exist, and suggest another; ``renamed``: new name or a sentence."""
-    if renamed and key in renamed:
-        meant = renamed[key]
-        return f"unknown key; {meant}" if " " in meant else f"this key is called '{meant}' now"
+def unknown_key(key: str, allowed: Sequence[str], what: str = "unknown key") -> str:
+    """Say that a key does not exist, and suggest another or list what is allowed."""
+    if alike := alike_key(key, allowed):
+        return f"{what}; did you mean '{alike}'?"
+    return f"{what}; allowed keys: {', '.join(allowed)}" if allowed else what
+
+
+def alike_key(key: str, allowed: Sequence[str]) -> str | None:
+    """Return the key that was perhaps meant."""
     lower = key.lower()
     # The same quantity in another unit comes first.
     same = [name for name in allowed if _quantity(name) == _quantity(lower)]
     for names, cutoff in ((same, 0.0), (allowed, 0.6)):
         by_lower = {name.lower(): name for name in names}
         if alike := difflib.get_close_matches(lower, by_lower, n=1, cutoff=cutoff):
-            return f"unknown key; did you mean '{by_lower[alike[0]]}'?"
-    return f"unknown key; allowed keys: {', '.join(allowed)}" if allowed else "unknown key"
+            return by_lower[alike[0]]
+    return None
 
 
 def _quantity(key: str) -> str:

@@ -107,7 +107,7 @@ def parse_column(text: str) -> tuple[str, str]:
     if not sign or not column:
         raise ValueError(f"must be QUANTITY=COLUMN, such as 'solar_power_w=P [kW]' (got {text!r})")
     if quantity not in QUANTITIES:
-        known = unknown_key(quantity, list(QUANTITIES)).replace("unknown key", "no such quantity")
+        known = unknown_key(quantity, list(QUANTITIES), "no such quantity")
         raise ValueError(f"{shortened(printable(quantity))}: {known}")
     return quantity, column
 
@@ -258,8 +258,7 @@ def _recipe_of_source(quantity: str, named_source: str | Source, header: Sequenc
     """Make the recipe of a quantity that the layout names."""
     key = f"columns.{shortened(printable(quantity))}"
     if quantity not in QUANTITIES:
-        message = unknown_key(quantity, list(QUANTITIES)).replace("key", "quantity", 1)
-        raise ValueError(f"{key}: {message}")
+        raise ValueError(f"{key}: {unknown_key(quantity, list(QUANTITIES), 'unknown quantity')}")
     source = Source(name=named_source) if isinstance(named_source, str) else named_source
     if source.value is not None:
         if source.name is not None:
@@ -288,8 +287,7 @@ def _read_product(key: str, quantity: str, text: str, header: Sequence[str]) -> 
     for part in map(str.strip, parts):
         name, unit = (part, None) if part in header else split_unit(part)
         if name not in header:
-            message = unknown_key(part, list(header)).replace("unknown key", "no such column")
-            raise ValueError(f"{key}: {message}")
+            raise ValueError(f"{key}: {unknown_key(part, header, 'no such column')}")
         if unit is not None:
             unit = _allowed_unit(key, unit, *dimensions)
         elif name != quantity:  # the unit that ends the column's name

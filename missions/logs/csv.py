@@ -18,7 +18,7 @@ from missions.files.errors import (
     refused,
     shortened,
 )
-from missions.files.validation import unknown_key
+from missions.files.validation import alike_key
 from missions.logs.autopilots import read_dataflash, read_ulog
 from missions.logs.clock import times_from_numbers, times_from_text
 from missions.logs.columns import ColumnMap, Recipe, Recipes, recipes_for
@@ -125,15 +125,15 @@ def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
     for name in recipes.unused:
         if name == date:
             continue
-        meant = unknown_key(name, absent).partition("; ")[2]
+        meant = alike_key(name, absent)
         shown = shortened(printable(name)) or "(unnamed)"
-        ignored.append(f"{shown} ({meant})" if "did you mean" in meant else shown)
+        ignored.append(f"{shown} (did you mean '{meant}'?)" if meant else shown)
     missing = [name for name in REQUIRED if name not in recipes.by_quantity]
     if any(name in recipes.by_quantity for name in ATTITUDE):
         missing += [name for name in ATTITUDE if name not in recipes.by_quantity]
     for name in missing:
-        alike = unknown_key(name, recipes.unused).partition("; ")[2]
-        hint = f"; {alike}".replace("did you mean", "is it") if "did you" in alike else ""
+        alike = alike_key(name, recipes.unused)
+        hint = f"; is it '{alike}'?" if alike else ""
         complain(name, f"required column is missing{hint}")
     if "time" not in recipes.by_quantity:
         complain(TIME, f"required column is missing; allowed: {TIME} or {EPOCH}")

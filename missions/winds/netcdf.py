@@ -39,8 +39,13 @@ _COMPONENTS = (
     ("eastward_wind", "u", "u_component_of_wind", "ua"),
     ("northward_wind", "v", "v_component_of_wind", "va"),
 )
-_PASCALS = {"hpa": 100.0, "millibars": 100.0, "millibar": 100.0, "mbar": 100.0, "pa": 1.0}
-_METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "km": 1000.0}
+# Pascals or metres per unit of levels, and whether they are pressures.
+_LEVELS: dict[tuple[str, ...], tuple[float, bool]] = {
+    ("hpa", "millibars", "millibar", "mbar"): (100.0, True),
+    ("pa",): (1.0, True),
+    ("m", "metre", "meter", "metres", "meters"): (1.0, False),
+    ("km",): (1000.0, False),
+}
 _SPEEDS: dict[tuple[str, ...], float] = {
     ("m/s", "ms-1", "meters/second", "metres/second", "metersecond-1"): 1.0,
     ("km/h", "kmh-1", "kmhr-1", "kph"): 1.0 / 3.6,
@@ -248,12 +253,7 @@ def not_of_the_mission(name: str, known: FloatArray, needed: float) -> InputErro
 
 def altitudes_m(level: Any) -> FloatArray:
     """Return the altitude of levels [m]; of pressures in the standard atmosphere."""
-    unit = str(level.attrs.get("units", "")).lower()
-    values = level.to_numpy().astype(float)
-    if unit in _METRES:
-        return np.asarray(values * _METRES[unit])
-    if unit not in _PASCALS:
-        known = ", ".join([*_PASCALS, *_METRES])
-        raise refused(f"has levels in {unit or 'no unit'} (known: {known})")
+    factor, are_pressures = by_unit(_LEVELS, str(level.attrs.get("units", "")), "levels")
+    values = np.asarray(factor * level.to_numpy().astype(float))
     # Pressures of zero or below are as high as the least one.
-    return pressure_altitude_m(np.maximum(values * _PASCALS[unit], 1e-9))
+    return pressure_altitude_m(np.maximum(values, 1e-9)) if are_pressures else values

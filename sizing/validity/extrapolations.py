@@ -182,11 +182,21 @@ def add_effects(
         return notes
     critical = perf.day.at([perf.worst_scenario()])
     once = performance(aircraft, perf.mission, perf.solar, day=critical, design=perf.design)
-    pairs = ((note, _WITHOUT.get((note.quantity, note.model))) for note in notes)
-    return tuple(
-        _add_effect(note, once, without(aircraft, once), flight_note) if without else note
-        for note, without in pairs
-    )
+    what, place = f"the excess time {flight_note}".rstrip(), once.day.scenarios.label(0)
+    effects = []
+    for note in notes:
+        if (without := _WITHOUT.get((note.quantity, note.model))) is not None:
+            other, words = without(aircraft, once)
+            hours = [float(flight.cycle.excess_time_h[0]) for flight in (once, other)]
+            before, after = ("unlimited" if math.isinf(h) else f"{h:.2f} h" for h in hours)
+            change = f"stays {before}" if before == after else f"is {after} instead of {before}"
+            note = replace(
+                note,
+                worth=f"{words} {what} {change} at {place}",
+                excess_time_h=hours[1] if np.isfinite(hours[1]) else None,
+            )
+        effects.append(note)
+    return tuple(effects)
 
 
 def level_flight_at(aircraft: Aircraft, perf: Performance, altitude_m: float) -> Performance | None:
@@ -257,22 +267,3 @@ _WITHOUT = {
     ("altitude_m", "battery"): _with_an_unheated_battery,
     ("air_temperature_c", "battery"): _with_an_unheated_battery,
 }
-
-
-def _add_effect(
-    note: Extrapolation, once: Performance, without: tuple[Performance, str], flight_note: str
-) -> Extrapolation:
-    """Return the note with the excess times with and without an assumption."""
-    other, words = without
-    before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
-    before, after = (
-        "unlimited" if math.isinf(hours) else f"{hours:.2f} h" for hours in (before_h, after_h)
-    )
-    change = f"stays {before}" if before == after else f"is {after} instead of {before}"
-    what = f"the excess time {flight_note}".rstrip()
-    place = once.day.scenarios.label(0)
-    return replace(
-        note,
-        worth=f"{words} {what} {change} at {place}",
-        excess_time_h=after_h if np.isfinite(after_h) else None,
-    )

@@ -321,41 +321,36 @@ def estimates(
     forward: Forward, daylight: IntArray, fit: Fit | None, applied: Applied
 ) -> tuple[Estimate, ...]:
     """Estimate clock, heading, factor on solar power, and power of level flight."""
-    return (*_estimates_of_fit(forward, fit, applied), _estimate_level_power(forward, daylight))
+    log = forward.log
+    if fit is None:
+        why = "too few samples with power count"
+        if log.solar_power_w.sum() < 0.0:
+            why = "the power is negative: give its column a factor of -1 (--columns)"
+        of_fit = [_estimate(name, why=why) for name in list(LABELS)[:3]]
+        return (*of_fit, _estimate_level_power(forward, daylight))
+    value, wide = (number / 60.0 for number in fit.of("clock_s"))
+    option: tuple[str, ...] = ("--clock-offset", f"{applied.clock_min + value:.1f}")
+    clock = _estimate("clock_offset", value, value - wide, value + wide, apply=option)
+    if wide > _UNKNOWN_MIN:
+        hours = (log.time_s[-1] - log.time_s[0]) / 3600.0
+        why = f"known to ± {wide:.0f} min only: the power of these {hours:.1f} h does not tell it"
+        clock = _estimate("clock_offset", why=why)
+    other = next((name for number, name in _UNITS if 0.1 < fit.factor[0] / number < 10.0), None)
+    why = f"as if the power was logged in {other}: --column 'solar_power_w=NAME [{other}]'"
+    option = ()
+    if other is None:
+        efficiency = parameter_value(forward.aircraft, None, _EFFICIENCY)
+        assert efficiency is not None  # every aircraft has one
+        option, why = ("--set", f"{_EFFICIENCY}={spell(fit.factor[0] * efficiency, 4)}"), ""
+    factor = _estimate("solar_factor", *fit.factor, apply=option, why=why)
+    heading = _estimate_heading(forward, fit, applied)
+    return clock, heading, factor, _estimate_level_power(forward, daylight)
 
 
 def _estimate(name: str, *interval: float, apply: tuple[str, ...] = (), why: str = "") -> Estimate:
     """Make an estimate of a value and the ends of its interval, or of none."""
     value, low, high = interval or (None, None, None)
     return Estimate(name, value, low, high, LABELS[name][1], apply, why)
-
-
-def _estimates_of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Estimate]:
-    log = forward.log
-    if fit is None:
-        why = "too few samples with power count"
-        if log.solar_power_w.sum() < 0.0:
-            why = "the power is negative: give its column a factor of -1 (--columns)"
-        yield from (_estimate(name, why=why) for name in list(LABELS)[:3])
-        return
-    value, wide = (number / 60.0 for number in fit.of("clock_s"))
-    if wide > _UNKNOWN_MIN:
-        hours = (log.time_s[-1] - log.time_s[0]) / 3600.0
-        why = f"known to ± {wide:.0f} min only: the power of these {hours:.1f} h does not tell it"
-        yield _estimate("clock_offset", why=why)
-    else:
-        option = ("--clock-offset", f"{applied.clock_min + value:.1f}")
-        yield _estimate("clock_offset", value, value - wide, value + wide, apply=option)
-    yield _estimate_heading(forward, fit, applied)
-    factor, *ends = fit.factor
-    other = next((name for number, name in _UNITS if 0.1 < factor / number < 10.0), None)
-    apply: tuple[str, ...] = ()
-    why = f"as if the power was logged in {other}: --column 'solar_power_w=NAME [{other}]'"
-    if other is None:
-        efficiency = parameter_value(forward.aircraft, None, _EFFICIENCY)
-        assert efficiency is not None  # every aircraft has one
-        apply, why = ("--set", f"{_EFFICIENCY}={spell(factor * efficiency, 4)}"), ""
-    yield _estimate("solar_factor", factor, *ends, apply=apply, why=why)
 
 
 def _estimate_heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
