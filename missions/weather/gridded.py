@@ -11,9 +11,9 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -90,7 +90,7 @@ def read_era5_csv(text: str) -> RawTable:
     ends = [float(data[name].mean()) for name in ("latitude", "longitude") if name in data]
     if len(ends) < 2:
         raise refused("does not name its place: latitude and longitude are needed")
-    columns = _known_columns(data)
+    columns = {key: column.to_numpy(float) for key, column in columns_named(data).items()}
     units = {"ghi": "J/m2", "direct": "J/m2", "temp_air": "K"}
     columns |= {
         key: _convert_units(columns[key], units[key], key) for key in units & columns.keys()
@@ -119,9 +119,9 @@ def read_power_csv(text: str) -> RawTable:
         key: np.where(
             np.isin(values, MISSING) & (values < 0.0),
             np.nan,
-            _convert_units(values, unit_of(key), key),
+            _convert_units(values.to_numpy(float), unit_of(key), key),
         )
-        for key, values in _known_columns(data).items()
+        for key, values in columns_named(data).items()
     }
     parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
     index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
@@ -137,14 +137,10 @@ def read_power_csv(text: str) -> RawTable:
     return table._replace(first_line=head.count("\n") + 3, notes=(*notes, *table.notes))
 
 
-def _known_columns(data: pd.DataFrame) -> dict[str, FloatArray]:
-    """Return columns by the quantity that their names stand for."""
-    return {
-        key: data[name].to_numpy(float)
-        for key, names in _NAMES.items()
-        for name in names
-        if name in data
-    }
+def columns_named(columns: Any, names: Mapping[str, tuple[str, ...]] = _NAMES) -> dict[str, Any]:
+    """Return columns by quantity, each by the first of its known names."""
+    present = {key: next((n for n in known if n in columns), None) for key, known in names.items()}
+    return {key: columns[name] for key, name in present.items() if name is not None}
 
 
 def _make_table(

@@ -23,7 +23,7 @@ import pandas as pd
 
 from missions.files.errors import InputError, Problem, printable, refused, shortened, shown
 from missions.mission import Mission
-from missions.weather.gridded import read_era5_csv, read_netcdf, read_power_csv
+from missions.weather.gridded import columns_named, read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
 from missions.weather.record import TYPICAL_YEAR, Site
 from solar.schema import Allowed, refusal, spell
@@ -193,13 +193,13 @@ _SAM_COLUMNS = {
 def _sam(text: str) -> RawTable:
     names, values = (next(csv.reader([line])) for line in text.split("\n", 2)[:2])
     head = {name.strip().lower(): value.strip() for name, value in zip(names, values, strict=False)}
-    place = _select_columns(head, _SAM_HEAD)
+    place = columns_named(head, _SAM_HEAD)
     site = _site(head.get("city", "").strip(" -"), place, zone="Time Zone")
     units = head.get("units", head.get("hasunits", "")).lower() in ("yes", "1")
     skipped = [0, 1, *([3] if units else [])]
     data = pd.read_csv(io.StringIO(text), skiprows=skipped, index_col=False, low_memory=False)
     columns = {str(name).strip().lower(): data[name] for name in data}
-    table = pd.DataFrame(_select_columns(columns, _SAM_COLUMNS))
+    table = pd.DataFrame(columns_named(columns, _SAM_COLUMNS))
     lacking = [name for name in ("month", "day", "hour") if name not in table]
     if lacking:
         raise refused(f"has no column {lacking[0]}")
@@ -213,14 +213,6 @@ def _sam(text: str) -> RawTable:
     whole = END if table["hour"].max() == 24 else START
     passed = MIDDLE if "minute" in table else whole
     return RawTable(site, table, passed, first_line=4 + units)
-
-
-def _select_columns(
-    columns: Mapping[str, Any], names: Mapping[str, tuple[str, ...]]
-) -> dict[str, Any]:
-    """Return columns by quantity, each by the first of its known names."""
-    present = {key: next((n for n in known if n in columns), None) for key, known in names.items()}
-    return {key: columns[name] for key, name in present.items() if name is not None}
 
 
 def _bsrn(text: str) -> RawTable:

@@ -166,6 +166,8 @@ def test_era5_time_series_end_their_hours_at_their_time(tmp_path):
     same(found, record)
     assert found.site.altitude_m == pytest.approx(491.0, abs=3.0)
     text = path.read_text()
+    path.write_text("\n".join([f"{head},avg_sdswrf", *(f"{row},1.0" for row in rows)]))
+    same(load_weather(path), record)  # the first of two names of global light
     for old, new, message in (
         (",46.8,", ",nan,", "latitude of its site must be from -90 to 90"),
         (",95560,", ",0,", "has a pressure at the ground of 0 Pa"),
