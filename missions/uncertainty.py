@@ -30,17 +30,13 @@ def _standard_normal(share: FloatArray) -> FloatArray:
 
 
 class Normal(Record):
-    """Normal distribution around the file's value."""
+    """Normal distribution around the file's value; ``sigma`` is in the unit of its key."""
+
+    _either: ClassVar[Mapping[str, str]] = {"relative_sigma": "sigma"}
 
     distribution: Literal["normal"] = "normal"
     sigma: PositiveReal | None = None
     relative_sigma: PositiveReal | None = None
-
-    @model_validator(mode="after")
-    def _check_spread(self) -> Normal:
-        if (self.sigma is None) == (self.relative_sigma is None):
-            raise ValueError("give sigma, in the unit of the key, or relative_sigma")
-        return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
         """Return the quantiles at ``share``, in the unit of ``nominal``."""

@@ -137,10 +137,12 @@ class Record(BaseModel, metaclass=_Described):
         frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True
     )
     # Relations of keys, checked where both are given: a number is above that of another key, or not
-    # below it; a key stands in place of another; a column goes with one that increases strictly.
+    # below it; a key stands in place of another, or either of both must be given; a column goes
+    # with one that increases strictly.
     _above: ClassVar[Mapping[str, str]] = {}
     _not_below: ClassVar[Mapping[str, str]] = {}
     _in_place_of: ClassVar[Mapping[str, str]] = {}
+    _either: ClassVar[Mapping[str, str]] = {}
     _column_over: ClassVar[Mapping[str, str]] = {}
 
     @model_validator(mode="after")
@@ -151,9 +153,12 @@ class Record(BaseModel, metaclass=_Described):
         for key, value, other, least in self._pairs(self._not_below):
             if not value >= least:
                 raise wrong_value(key, f"must be at least {other} {spell(least)}", got=value)
-        for key, value, other, _ in self._pairs(self._in_place_of):
+        for key, value, other, _ in self._pairs({**self._in_place_of, **self._either}):
             got = value if isinstance(value, float) else None
             raise wrong_value(key, f"give this or {other}, not both", got=got)
+        for key, other in self._either.items():
+            if getattr(self, key) is None and getattr(self, other) is None:
+                raise wrong_value(other, f"required key is missing (or {key})")
         for key, column, other, across in self._pairs(self._column_over):
             if len(across) != len(column):
                 raise ValueError(f"{other} and {key} must have the same length")

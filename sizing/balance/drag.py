@@ -62,6 +62,7 @@ class Pod(Record):
     """
 
     _above: ClassVar[Mapping[str, str]] = {"length_m": "diameter_m"}
+    _either: ClassVar[Mapping[str, str]] = {"wetted_area_m2": "diameter_m"}
 
     length_m: PositiveReal
     diameter_m: PositiveReal | None = None
@@ -72,8 +73,6 @@ class Pod(Record):
 
     @model_validator(mode="after")
     def _check_slender(self) -> Pod:
-        if (self.diameter_m is None) == (self.wetted_area_m2 is None):
-            raise wrong_value("diameter_m", "give this or wetted_area_m2, one of them")
         if self.wetted_area_m2 is not None and self.wetted_area_m2 >= pi * self.length_m**2:
             most = spell(pi * self.length_m**2, 3)
             text = f"must be below {most} m², that of a ball of this length"

@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from math import acos, pi, sin
 from typing import Annotated, ClassVar, NamedTuple
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict
 
 from sizing.smooth import Value, smooth_maximum
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, wrong_value
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
 
 QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
 _ControlChord = Annotated[float, Strict(), Field(ge=0.05, le=1.0)]
@@ -108,14 +108,6 @@ class TailPlanes(NamedTuple):
     fin_chord_m: Value
 
 
-# Keys of the tail in place of others, of which one is needed.
-_NEEDED = {
-    "arm_chords": "arm_m",
-    "horizontal_area_m2": "horizontal_volume",
-    "vertical_area_m2": "vertical_volume",
-}
-
-
 class Tail(Record):
     """Tail planes by volume coefficients or areas; the fins may have another arm.
 
@@ -123,7 +115,12 @@ class Tail(Record):
     and 6.27). With an arm in chords and volume coefficients the tail scales with the wing.
     """
 
-    _in_place_of: ClassVar[Mapping[str, str]] = {**_NEEDED, "vertical_arm_chords": "vertical_arm_m"}
+    _in_place_of: ClassVar[Mapping[str, str]] = {"vertical_arm_chords": "vertical_arm_m"}
+    _either: ClassVar[Mapping[str, str]] = {
+        "arm_chords": "arm_m",
+        "horizontal_area_m2": "horizontal_volume",
+        "vertical_area_m2": "vertical_volume",
+    }
 
     arm_m: PositiveReal | None = None
     arm_chords: PositiveReal | None = None
@@ -143,13 +140,6 @@ class Tail(Record):
     elevator_deflection_deg: _Deflection = 20.0
     rudder_chord_fraction: _ControlChord = 0.4
     rudder_deflection_deg: _Deflection = 25.0
-
-    @model_validator(mode="after")
-    def _check_sizes(self) -> Tail:
-        for second, first in _NEEDED.items():
-            if getattr(self, first) is None and getattr(self, second) is None:
-                raise wrong_value(first, f"required key is missing (or {second}, above 0)")
-        return self
 
     def planes(self, wing: Wing) -> TailPlanes:
         """Return the tail planes behind a wing."""

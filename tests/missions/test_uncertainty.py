@@ -48,8 +48,8 @@ TWICE = [WIND | {"between": BOTH}, WIND | {"between": BOTH[::-1]}]
 @pytest.mark.parametrize(
     ("section", "message"),
     [
-        ({"inputs": {"clearness": {"sigma": 0.1, "relative_sigma": 0.1}}}, "give sigma, in the u"),
-        ({"inputs": {"clearness": {}}}, "give sigma, in the unit"),
+        ({"inputs": {"clearness": {"sigma": 0.1, "relative_sigma": 0.1}}}, "give this or sigma"),
+        ({"inputs": {"clearness": {}}}, "required key is missing .or rel"),
         ({"inputs": {"clearness": {"distribution": "cauchy"}}}, "must be one of 'normal', 'logn"),
         ({"inputs": {"clearness": UNIFORM | {"low": 2, "high": 1}}}, "high: must be above low 2"),
         ({"inputs": {"clearness": {"distribution": "data", "data": [1]}}}, "at least 3 items"),

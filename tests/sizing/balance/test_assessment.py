@@ -133,7 +133,7 @@ ANOTHER_POLAR |= {"design_aspect_ratio": 15.0, "design_reynolds": 150e3}
     [
         ("tail.arm_chords", None, "tail.arm_m: required key is missing"),
         ("tail.arm_m", 1.2, "tail.arm_chords: give this or arm_m"),
-        ("tail.horizontal_volume", None, "horizontal_area_m2, above"),
+        ("tail.horizontal_volume", None, "or horizontal_area_m2"),
         ("tail.fins", 3, "fins: must be at most 2"),
         ("tail", None, "airframe.tail: required key is missing"),
         ("planform.taper_ratio", 0.0, r"taper_ratio: .*\(got 0"),
