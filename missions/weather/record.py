@@ -105,11 +105,6 @@ class Weather:
             "site": asdict(self.site),
         }
 
-    @property
-    def days(self) -> float:
-        """Length of the record [days]."""
-        return len(self) * self.interval_s / SECONDS_PER_DAY
-
 
 def day_of_year(time_s: FloatArray) -> FloatArray:
     """Return the fractional day of a year of 365 days, 1.0 on 1 January, 00:00 UTC.

@@ -58,10 +58,6 @@ class PlacedCell(NamedTuple):
     front_m: float
     rear_m: float
 
-    def mirrored(self) -> PlacedCell:
-        """Return the cell of the other half."""
-        return self._replace(left_m=-self.right_m, right_m=-self.left_m)
-
 
 class KeepOut(Record):
     """Part of each half of the wing without cells: a control surface, a joint."""
@@ -200,7 +196,8 @@ class CellLayout(Record):
     def placed(self, wing: Wing, tail: TailGeometry | None) -> list[PlacedCell]:
         """Return all cells; refuse those that do not fit on wing or tail."""
         right = [cell for number in range(len(self.bays)) for cell in self._bay(number, wing)]
-        return [*(cell.mirrored() for cell in right), *right, *self._on_tail(tail)]
+        left = [cell._replace(left_m=-cell.right_m, right_m=-cell.left_m) for cell in right]
+        return [*left, *right, *self._on_tail(tail)]
 
     def _bay(self, number: int, wing: Wing) -> Iterator[PlacedCell]:
         bay, key = self.bays[number], f"{_KEY}.bays.{number}.cells"

@@ -10,6 +10,7 @@ import numpy as np
 
 from missions.logs.plausible import Kind
 from missions.logs.table import GAP_STEPS, FlightLog, Gap
+from missions.weather.record import runs_of
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import NoChargeLimit, charge_rate_per_h
 from solar.sun import sun_position
@@ -87,8 +88,7 @@ def _without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
     power, time_s = log.solar_power_w, log.time_s
     peak = float(np.quantile(power, 0.98))
     none, mask = power < _NONE * peak, np.zeros(len(log), bool)
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], none.astype(int), [0])))).reshape(-1, 2)
-    for start, stop in edges.tolist():
+    for start, stop in runs_of(none).tolist():
         if time_s[stop - 1] - time_s[start] < _SMOOTH_S:
             continue
         before = int(np.searchsorted(time_s, time_s[start] - _SMOOTH_S))

@@ -74,13 +74,13 @@ def residual_figure(result: Verification, *, figure: drawing.Canvas = DEFAULT) -
     power, error, elevation, *rest = page.panels
     page.draw_power(power)
     for label, modelled, style in (
-        ("as logged", samples.modelled_w[result.best_model], _LOGGED),
+        ("as logged", samples.modelled_w[samples.best_model], _LOGGED),
         ("with the estimates", result.estimated_w, _ESTIMATED),
     ):
         if modelled is not None:
             left = page.smooth(modelled - samples.measured_w)
             page.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
-    error.set_ylabel(f"{result.best_model} − measured [W]")
+    error.set_ylabel(f"{samples.best_model} − measured [W]")
     _draw_bins(elevation, bins["morning"], "morning", "o")
     _draw_bins(elevation, bins["afternoon"], "afternoon", "^")
     elevation.set(ylabel="error [%]", xlabel="elevation of the sun [deg]")

@@ -20,7 +20,6 @@ from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.result import Result
-from solar.names import ModelName
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
@@ -93,20 +92,15 @@ class Verification(Result):
     notes: tuple[str, ...]
     mppts: MpptPowers | None = None
 
-    @property
-    def best_model(self) -> ModelName:
-        """Model of the residuals: the most detailed of the computed ones."""
-        return self.samples.best_model
-
     def overview(self) -> Table:
         """Return a table of the most detailed model's errors by window and day."""
-        columns = (Column("period"), *_ERRORS[1:])
+        model, columns = self.samples.best_model, (Column("period"), *_ERRORS[1:])
         rows = [
-            (section.label, *_error_cells(section.models[self.best_model]))
+            (section.label, *_error_cells(section.models[model]))
             for section in (*self.windows, *self.days)
-            if self.best_model in section.models
+            if model in section.models
         ]
-        title = f"errors of {self.best_model}, modelled minus measured, % of the mean measured"
+        title = f"errors of {model}, modelled minus measured, % of the mean measured"
         return Table(title, columns, tuple(rows))
 
     def estimates_table(self, level: int = ALL) -> Table:
@@ -114,7 +108,7 @@ class Verification(Result):
         notes = []
         if None not in self.rms_w:
             text = "RMS error of {} {:.1f} W as logged, {:.1f} W with clock, heading and factor"
-            notes = [text.format(self.best_model, *self.rms_w)]
+            notes = [text.format(self.samples.best_model, *self.rms_w)]
         notes += [f"{LABELS[e.name][0]}: {e.why}" for e in self.estimates if e.why]
         if self.correlation is not None and level >= ALL:
             text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
@@ -141,7 +135,7 @@ class Verification(Result):
             title = f"{name}: {amount(measured, 'W', '.2f')} measured, {count}"
             tables.append(Table(title, columns, tuple(rows)))
         tables.append(self.estimates_table())
-        tables += residual_tables(self.residuals, self.best_model)
+        tables += residual_tables(self.residuals, self.samples.best_model)
         tables += [] if self.mppts is None else [self.mppts.table()]
         if self.left_out:
             columns = (Column("why"), Column("UTC"), Column("evidence"))
