@@ -1,5 +1,7 @@
 """Optima that a finer time step confirms, payloads of grams, and verdicts that are plain."""
 
+from dataclasses import replace
+
 import builders
 import numpy as np
 import pytest
@@ -89,6 +91,17 @@ def test_payload_of_grams_is_the_largest_to_a_part_of_itself():
     more = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.017)
     lost_kg = best.objective_value - more.objective_value
     assert 0.01 * best.objective_value < lost_kg < 1e-3 * more.design.total_mass_kg
+
+
+@pytest.mark.xfail(
+    reason="the payload is 3 % below the optimum; the best of 400 random neighbours has 0.2 % "
+    "more, less than the 0.5 % that a cross-check tolerates",
+    strict=True,
+)
+def test_payload_that_is_short_by_grams_is_not_cross_checked():
+    more = size_aircraft(HEAVY, HIGH, Objective.max_payload_mass, CDM, required_excess_time_h=2.017)
+    claimed = replace(more, required_excess_time_h=2.0)
+    assert not cross_check(HEAVY, HIGH, claimed, CDM).cross_checked
 
 
 @pytest.mark.parametrize(

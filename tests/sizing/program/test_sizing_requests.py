@@ -64,6 +64,44 @@ def test_payload_that_cannot_be_carried_at_all_is_infeasible():
     assert found.violations[0].requirement == "excess_time"
 
 
+@pytest.mark.xfail(
+    reason="within a thousandth of the edge the search ends at a local least violation, though a "
+    "feasible design exists",
+    strict=True,
+)
+def test_verdicts_do_not_depend_on_the_objective():
+    # Next to the edge the least missed requirements have a local minimum in which much is missing.
+    plane = aircraft(
+        "airframe.wingspan_m=33",
+        "airframe.structure.calibration=1.15",
+        "design_space.wingspan_m={minimum: 32.995, maximum: 33.028}",
+        "design_space.aspect_ratio={minimum: 8, maximum: 40}",
+        "design_space.battery_mass_kg={minimum: 0.1, maximum: 1500}",
+        "design_space.module_area_m2={minimum: 0.1, maximum: 800}",
+        "design_space.maximum_total_mass_kg=800.335",
+        "design_space.limits={climb_rate_m_per_s: {minimum: 2.10837}}",
+        "battery.specific_energy_wh_per_kg=596.423",
+        "battery.charge_limit={kind: rule, c_rate_per_h: 0.0854247, taper_start: 0.851149, "
+        "relative_rate_at_full: 0.341201}",
+        "modules.efficiency_stc=0.354958",
+    )
+    place = mission(
+        latitude_deg=78.8725,
+        dates={"on": "08-06"},
+        altitude_m=500.0,
+        air={"temperature_offset_k": -20.2027},
+        payload={"power_w": 1624.65},
+        turbulence={"thermal": 0.3},
+        uncertainty_margins={"battery_capacity": 0.8},
+    )
+    solar = SolarModel("CDM")
+    found = {
+        objective: size_aircraft(plane, place, objective, solar, required_excess_time_h=0.0)
+        for objective in (Objective.max_excess_time, Objective.min_mass, Objective.min_wingspan)
+    }
+    assert {one.status for one in found.values()} == {SizingStatus.optimal}
+
+
 def test_infeasible_verdict_is_held_against_a_grid_of_designs():
     # From the small aircraft of the file the requirements are least missed at its own size, by
     # 31 % of the battery; wings of more than 74 m do what is asked.
@@ -95,6 +133,45 @@ def test_infeasible_verdict_is_held_against_a_grid_of_designs():
     )
     found = size_aircraft(plane, place, Objective.min_wingspan, required_excess_time_h=1.0)
     assert found.objective_value == pytest.approx(74.65, rel=0.005)
+
+
+@pytest.mark.xfail(
+    reason="there are two local optima; the search ends at the one with 7 % less payload",
+    strict=True,
+)
+def test_margin_on_the_recharge_costs_no_payload_that_counts():
+    # A payload of 12 W beside 40 W of level flight: a thousandth more charge is half a percent.
+    plane = builders.aircraft(
+        "sky-sailor",
+        "power={avionics_w: 0, supply_efficiency: 0.7}",
+        "airframe.avionics_mass_kg=1.2",
+        "airframe.propulsion.climb_power_ratio=null",
+        "airframe.propulsion.climb_rate_m_per_s=1.259",
+        "modules.efficiency_stc=0.36932",
+        "battery.specific_energy_wh_per_kg=365.249",
+        "battery.charge_limit={kind: rule, c_rate_per_h: 0.30676, taper_start: 0.525, "
+        "relative_rate_at_full: 0.15943}",
+        "design_space={wingspan_m: {minimum: 2, maximum: 12}, battery_mass_kg: {minimum: 0.01, "
+        "maximum: 25}, module_area_m2: {minimum: 0.1, maximum: 18}, "
+        "limits: {battery_fraction: {maximum: 0.342345}}}",
+    )
+    place = mission(
+        latitude_deg={"from_deg": 22.526, "to_deg": 42.286, "count": 2},
+        dates={"from": "06-09", "to": "06-12"},
+        altitude_m=0.0,
+        air={},
+        wind_m_per_s=9.0,
+        uncertainty_margins={"solar_model_sigmas": 2.0},
+    )
+    found = size_aircraft(
+        plane,
+        place,
+        Objective.max_payload_power,
+        SolarModel("CDM", "report"),
+        required_excess_time_h=0.0,
+    )
+    # The best of a search by simulation alone has 12.06 W.
+    assert found.objective_value == pytest.approx(12.06, rel=0.003)
 
 
 # ---- lift, stall and limits
