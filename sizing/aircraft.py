@@ -351,12 +351,13 @@ class Aircraft(FileRecord):
             f"{name}: {note}" for name, data in read.items() for note in getattr(data, "notes", ())
         ]
 
-    def from_catalogues(self) -> list[CatalogueValue]:
+    def from_catalogues(self) -> tuple[CatalogueValue, ...]:
         """Return the values from catalogues, with their sources."""
-        entries = catalogue_values(self.modules, "modules.") + catalogue_values(
-            self.battery, "battery."
+        return (
+            *catalogue_values(self.modules, "modules."),
+            *catalogue_values(self.battery, "battery."),
+            *self.propulsion.catalogue_values(),
         )
-        return entries + self.propulsion.catalogue_values()
 
     @model_validator(mode="before")
     @classmethod

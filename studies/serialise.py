@@ -265,9 +265,7 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
             record |= _record(joined, of) if of else plain(joined)
         else:
             reached = reach(value, path)
-            if optional and (
-                reached is None or (isinstance(reached, tuple | list) and not reached)
-            ):
+            if optional and (reached is None or (isinstance(reached, tuple) and not reached)):
                 continue
             *outer, last = key.split(".")
             inside = record

@@ -43,10 +43,11 @@ CASES = {
             f"{AS2} CELLS",
         ],
         # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size"; of held
-        # winds, whose keys stand on their page; of tables that other programs wrote.
+        # winds, whose keys stand on their page; of tables that other programs wrote; of parts that
+        # cannot do the load.
         {
             *("balance", "drag_coefficients", "part_masses", "held_up_to_m"),
-            "reading_notes",
+            *("reading_notes", "beyond_parts"),
         },
     ),
     "size": (

@@ -101,7 +101,7 @@ def test_an_entry_beside_values_of_ones_own_is_refused(tmp_path, section, change
         load_aircraft(path)
     assert all(problem.line is not None for problem in caught.value.problems)
     aircraft = load_aircraft(DESIGN)
-    assert (aircraft.from_catalogues(), aircraft.texts_read) == ([], {})
+    assert (aircraft.from_catalogues(), aircraft.texts_read) == ((), {})
     # An override is meant to replace the value, and so is what the entry does not give.
     bare = written(tmp_path, **{section: {k: v for k, v in changes.items() if k != key}})
     where = "airframe.propulsion" if section == "propulsion" else section
