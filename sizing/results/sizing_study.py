@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -228,7 +229,7 @@ class SizingStudy(DesignResult):
         """Excess time of the optimum in its worst scenario [h]; NaN without one."""
         return math.nan if self.optimum is None else self.optimum.excess_time_h
 
-    @property
+    @cached_property
     def nearest(self) -> Analysis | None:
         """Design that comes closest, of an infeasible sizing."""
         flight = self.result.nearest
