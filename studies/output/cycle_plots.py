@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
+from missions.weather.record import runs_of
 from sizing.day.flight import Course
 from sizing.validity.ranges import model_error_note
 from studies.output.figures import drawing
@@ -238,14 +239,14 @@ def plot_flight(
     flight : CalendarRun
         The flight.
     """
-    dark = np.flatnonzero(np.diff(np.concatenate(([0], flight.solar_power_w <= 0.0, [0]))))
+    dark = runs_of(flight.solar_power_w <= 0.0)
     first_day = day_of_year(flight.launch.date)
     drawn, panels = _draw(
         analysis,
         [flight],
         figure,
         ends_h=(float(flight.clock_h[0]), float(flight.clock_h[-1])),
-        nights_h=flight.clock_h[dark.reshape(-1, 2) - (0, 1)].tolist(),
+        nights_h=flight.clock_h[dark - (0, 1)].tolist(),
         day_label=lambda day: date_label((first_day + day - 1) % 365 + 1),
     )
     for number, hour in enumerate(flight.full_charge_clock_h):
