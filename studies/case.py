@@ -124,28 +124,31 @@ class Case:
                 files["weather"] = InputFile(source, InputFile.of(path).sha256)
         return RunInputs(aircraft.document.data, mission.document.data, self.solar, files)
 
-    def require_climber(self) -> None:
-        """Refuse an aircraft that cannot climb on a mission that has climbs."""
-        try:
-            check_climb_limits(self.aircraft, self.mission)
-        except ClimbLimitError as error:
-            self.refuse(dotted(error.key), error.message)
+    def flyable(self, *, sized: bool = False, in_winds_of_cells: bool = False) -> Case:
+        """Return the case; refuse an aircraft that cannot fly the mission's path and climbs.
 
-    def require_climb_power(self) -> None:
-        """Refuse a parametric aircraft that is sized for climbs without any power for them."""
+        ``sized``: whether masses and rated power are yet to be found. ``in_winds_of_cells``:
+        percentiles of the wind are those of cells, not of the mission.
+        """
+        self.require_path(in_winds_of_cells=in_winds_of_cells)
+        if not sized:
+            try:
+                check_climb_limits(self.aircraft, self.mission)
+            except ClimbLimitError as error:
+                self.refuse(dotted(error.key), error.message)
+            return self
         ratio = self.aircraft.propulsion.climb_power_ratio
         if self.mission.climb is not None and ratio is not None and ratio <= 1.0:
-            message = (
-                f"a mission with climb needs more power than level flight takes; allowed: above 1 "
-                f"(got {spell(ratio)}), or climb_rate_m_per_s"
-            )
-            self.refuse("airframe.propulsion.climb_power_ratio", message)
+            message = "a mission with climb needs more power than level flight takes"
+            got = f"allowed: above 1 (got {spell(ratio)}), or climb_rate_m_per_s"
+            self.refuse("airframe.propulsion.climb_power_ratio", f"{message}; {got}")
+        return self
 
     def require_path(self, option: str | None = None, *, in_winds_of_cells: bool = False) -> None:
         """Refuse an aircraft without module surfaces and a mission without a path it can fly.
 
         ``option``: what needs both, for the message; if left out, VM, FM and the loiter correction
-        do. ``in_winds_of_cells``: percentiles of the wind are those of cells, not of the mission.
+        do. ``in_winds_of_cells``: see :meth:`flyable`.
         """
         solar = self.solar
         if option is None:

@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
@@ -32,11 +32,15 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
 from sizing.library import refuse_named_twice
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import design_keys
-from solar.names import CorrectionName, ModelName
+from solar.schema import spell
 from studies.case import Case, Loaded
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder
+
+if TYPE_CHECKING:
+    from studies.cli.options import Case as Options
 
 _AIRCRAFT_PREFIX = "aircraft."
 _A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
@@ -120,18 +124,14 @@ def opened(
     return Loaded(checked, document, sha256)
 
 
-def load(
-    aircraft: str,
-    mission: str | None,
-    overrides: Sequence[str],
-    model: ModelName = "CAM",
-    correction: CorrectionName = "none",
-) -> Case:
+def load(options: Options) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
     A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
-    options that are not given.
+    options that are not given. A known total mass is that on the mission as it is flown.
     """
+    aircraft, mission = options.aircraft, options.mission
+    model, correction = options.model, options.correction
     is_default = _is_default("mission")
     is_folder = os.path.isdir(aircraft)  # noqa: PTH112 - takes any text for a path
     folder = RunFolder.at(aircraft) if is_folder else None
@@ -154,7 +154,7 @@ def load(
     named: dict[Kind, str] = {"aircraft": aircraft, "mission": mission}
     for kind, name in named.items():
         try:
-            files.append(opened(kind, name, overrides, of_run=folder is not None))
+            files.append(opened(kind, name, options.overrides, of_run=folder is not None))
         except InputError as error:
             errors.append(error)
     swapped = [error for error in errors if isinstance(error, WrongKindError)]
@@ -171,7 +171,21 @@ def load(
         case.refuse("mission.wind.hold_station", message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
-    return case
+    if options.mission_values:
+        case = case.with_mission(**options.mission_values)
+    return case if options.mass_kg is None else _of_known_mass(case, options.mass_kg)
+
+
+def _of_known_mass(case: Case, mass_kg: float) -> Case:
+    """Return the case with a known total mass; note what was changed for it."""
+    try:
+        known = case.with_total_mass(mass_kg)
+    except ImpossibleDesignError as error:
+        raise click.BadParameter(str(error), param_hint="--mass") from None
+    key = known.aircraft.airframe.unaccounted_mass_key
+    now, before = (spell(getattr(of.aircraft.airframe, key), 4) for of in (known, case))
+    tell_error(f"solar-uav: --mass {spell(mass_kg)}: airframe.{key} is {now} instead of {before}")
+    return known
 
 
 def mission_beside(aircraft: str) -> str | None:

@@ -23,7 +23,6 @@ from studies.output import formats
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 
 if TYPE_CHECKING:
-    from studies.case import Case as Loaded
     from studies.output.gridded import Gridded
     from studies.study import Study
 
@@ -56,30 +55,15 @@ class Case(CommandOptions):
         metavar="KEY=VALUE",
     )
 
-    @property
-    def solar(self) -> dict[str, Any]:
-        """Solar power model and correction by name, where they can be chosen."""
-        return {}
+    # Where they can be chosen.
+    model: ModelName = "CAM"
+    correction: CorrectionName = "none"
+    mass_kg: float | None = None
 
     @property
     def mission_values(self) -> dict[str, Any]:
         """Values that stand in place of the mission's own."""
         return {}
-
-    def load(self) -> Loaded:
-        """Return the case of the options; what is wrong with its files is told together."""
-        from studies.cli import files  # not for help
-
-        case = files.load(self.aircraft, self.mission, self.overrides, **self.solar)
-        values = self.mission_values
-        return case.with_mission(**values) if values else case
-
-    def load_flyable(self) -> Loaded:
-        """Return a case whose aircraft can fly the mission's path and climbs."""
-        case = self.load()
-        case.require_path()
-        case.require_climber()
-        return case
 
 
 class Model(Case):
@@ -97,11 +81,6 @@ class Model(Case):
         type=click.Choice(CORRECTION_NAMES),
         default="none",
     )
-
-    @property
-    def solar(self) -> dict[str, Any]:
-        """Solar power model and correction by name."""
-        return {"model": self.model, "correction": self.correction}
 
 
 class Json(Case):
@@ -125,24 +104,6 @@ class Mass(Case):
         type=RealRange(0.0, 1e5, unit="kilograms", above=True),
         metavar="KG",
     )
-
-    def load(self) -> Loaded:
-        """Return the case with the known mass, of the mission as it is flown; note the rest."""
-        from sizing.mass_budget import ImpossibleDesignError  # not for help
-        from solar.schema import spell
-
-        case = super().load()
-        if self.mass_kg is None:
-            return case
-        try:
-            known = case.with_total_mass(self.mass_kg)
-        except ImpossibleDesignError as error:
-            raise click.BadParameter(str(error), param_hint="--mass") from None
-        key = known.aircraft.airframe.unaccounted_mass_key
-        now, before = (spell(getattr(of.aircraft.airframe, key), 4) for of in (known, case))
-        mass = spell(self.mass_kg)
-        tell_error(f"solar-uav: --mass {mass}: airframe.{key} is {now} instead of {before}")
-        return known
 
 
 class Place(Case):

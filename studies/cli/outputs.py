@@ -6,7 +6,7 @@ import os
 import shlex
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 from pkgutil import resolve_name
@@ -57,7 +57,7 @@ def deliver(
     folder: Callable[[], Folder] | None = None,
     report: Callable[[], dict[str, Any]] | None = None,
     record: Callable[[], Any] | None = None,
-    summary: Callable[[], Summary] | None = None,
+    remarks: Sequence[str] = (),
     next_step: str | None = None,
 ) -> None:
     """Write what the options name of a result, and print it, also where one cannot be written.
@@ -66,8 +66,8 @@ def deliver(
 
     ``table``: title and what makes it. ``files``: what others hold by their names, None where one
     was not asked for. ``plot``: what draws, and of what. ``folder``: makes what a folder of results
-    holds. ``report``: makes arguments of :func:`studies.cli.reports.write_report`. ``record``,
-    ``summary``: what JSON and the terminal have, by default those of the result. ``next_step``:
+    holds. ``report``: makes arguments of :func:`studies.cli.reports.write_report`. ``record``: what
+    JSON has, by default that of the result. ``remarks``: lines below the summary. ``next_step``:
     what to do next, for those at a terminal.
     """
     places = vars(options)
@@ -102,7 +102,7 @@ def deliver(
             print_json(case.named(record()))
         else:
             level = SUMMARY + places.get("verbose", False)
-            show(_headed(result.at_level(level) if summary is None else summary(), case))
+            show(_headed(result.at_level(level), case) + Summary(tuple(remarks)))
     if not places["as_json"]:
         name_written(written)
         suggest(next_step)

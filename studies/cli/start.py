@@ -7,7 +7,6 @@ import os
 import signal
 import sys
 from importlib import import_module
-from typing import Any, cast
 
 _ALLOCATIONS = 50_000  # between two looks for garbage; Python's own 700 suit long-lived servers
 
@@ -21,7 +20,7 @@ def start() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
     # command holds any.
-    _modules().setdefault("dask", None)
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # Python refuses to import it
     # What is imported lives as long as the process: to look through it for garbage takes a tenth of
     # a short command, which begins to look once it has imported everything.
     gc.disable()
@@ -34,10 +33,5 @@ def start() -> None:
 
 def let_dask_in() -> None:
     """Let dask be imported after all, for workers of a cluster."""
-    if _modules().get("dask", ...) is None:
-        del _modules()["dask"]
-
-
-def _modules() -> dict[str, Any]:
-    """Return the imported modules; Python refuses to import one that is None."""
-    return cast("dict[str, Any]", sys.modules)
+    if sys.modules.get("dask", sys) is None:
+        del sys.modules["dask"]

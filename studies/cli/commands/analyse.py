@@ -46,11 +46,12 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
     def run(self) -> None:
         """Fly the mission, and tell what became of it."""
         from sizing.results import analysis
+        from studies.cli.files import load
         from studies.cli.outputs import call, deliver, refuse_to_overwrite
 
         for name, path in (("--table", self.table_file), ("--table-years", self.table_years)):
             refuse_to_overwrite(name, path, self.weather_file)
-        case = self.load_flyable()
+        case = load(self).flyable()
         if self.weather_file is not None:
             self._run_in_weather(case, self.weather_file)
             return
@@ -135,18 +136,15 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
     def run(self) -> None:
         """Compute the cells of a map, write it, and tell it."""
         self.fork_workers("studies.maps.study")
+        from studies.cli.files import load
         from studies.cli.outputs import call, deliver, grid_of
         from studies.maps.results import MapResult
         from studies.maps.study import prepare
 
-        case = self.load()
-        case.require_path(in_winds_of_cells=True)
-        if self.objective is None:
-            case.require_climber()
-        else:
-            message = "--resize needs a parametric aircraft, this one is measured"
-            case.require_parametric(message)
-            case.require_climb_power()
+        sized = self.objective is not None
+        case = load(self).flyable(sized=sized, in_winds_of_cells=True)
+        if sized:
+            case.require_parametric("--resize needs a parametric aircraft, this one is measured")
         study = prepare(
             case.aircraft,
             case.mission,
@@ -156,7 +154,7 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
             endurance=self.endurance,
             objective=self.objective,
         )
-        draw = "plot_map" if self.objective is None else "plot_resized_map"
+        draw = "plot_resized_map" if sized else "plot_map"
         with self.completed(study) as data:
             deliver(
                 case,
@@ -192,10 +190,11 @@ class Ceiling(options.Model, options.Level, options.Drawn):
         """Find the highest altitude of perpetual flight, and tell it."""
         from solar.schema import refusal, spell
         from studies.ceiling import perpetual_ceiling
+        from studies.cli.files import load
         from studies.cli.outputs import deliver
         from studies.cli.telling import progress_of
 
-        case = self.load_flyable()
+        case = load(self).flyable()
         case.refuse_polar_night()
         lowest_m, most_m = case.mission.altitude_m, case.mission.highest_floor_m
         if most_m <= lowest_m:
@@ -241,17 +240,17 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
     def run(self) -> None:
         """Compute the time on station of each month, and tell it."""
         self.fork_workers("studies.station")
+        from studies.cli.files import load
         from studies.cli.outputs import deliver
         from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
         from studies.station import prepare
 
-        case = self.load()
+        case = load(self).flyable()
         if case.mission.climb is not None:
             why = "the percentiles of the winds at several heights have none in common"
             message = f"station flies at constant altitude, as {why}; remove climb"
             case.refuse("mission.climb", message)
-        case.require_path()
         case.require_parametric("station needs a parametric aircraft, this one is measured")
         study, result_of = prepare(
             case.aircraft, case.mission, self.latitudes, self.altitudes, case.solar
@@ -292,10 +291,10 @@ class Uncertainty(options.Model, options.Level, options.Drawn):
     def run(self) -> None:
         """Draw uncertain inputs, and tell what becomes of the flight."""
         from sizing.results.uncertainty import analyse_uncertainty
-        from studies.cli.files import uncertain_inputs
+        from studies.cli.files import load, uncertain_inputs
         from studies.cli.outputs import deliver
 
-        case = self.load_flyable()
+        case = load(self).flyable()
         with uncertain_inputs(case):
             result = analyse_uncertainty(
                 **case.arguments,
@@ -331,11 +330,12 @@ class Report(options.Model, options.Json, options.Mass):
     def run(self) -> None:
         """Write a report on an aircraft and a mission."""
         from missions.weather.files import load_weather
+        from studies.cli.files import load
         from studies.cli.outputs import check_report, name_written
         from studies.output.terminal import print_json
 
         check_report(self.out_file, with_pdf=self.with_pdf)
-        case = self.load_flyable()
+        case = load(self).flyable()
         from studies.cli.reports import sizing_of_folder, write_report  # takes a second
 
         weather = self.weather_file

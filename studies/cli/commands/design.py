@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy
     from studies.case import Case
     from studies.cli.outputs import Folder
-    from studies.render.tables import Summary
     from studies.study import Study
     from studies.sweeps.axes import Axis, SampleName
 
@@ -138,7 +137,7 @@ class Size(
         from missions.mission import Mission
         from sizing.program.reliability import check_reliability
         from sizing.program.survival import check_survival
-        from studies.cli.files import uncertain_inputs
+        from studies.cli.files import load, uncertain_inputs
         from studies.cli.outputs import check_report, deliver, figure_of
         from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -147,17 +146,16 @@ class Size(
                 check_survival(self.goal, self.survive)
             except ValueError as error:
                 raise click.UsageError(str(error)) from error
-        case = self.load()
+        case = load(self)
         if self.hold_station is not None:
             wind = case.mission_file.document.data.get("wind")
             file = {"file": wind["file"]} if isinstance(wind, dict) and "file" in wind else {}
             held = {"percentile": self.hold_station, "hold_station": True, **file}
             case = case.with_mission(wind=held)
         case.require_parametric("a measured aircraft cannot be sized; allowed: parametric")
-        case.require_climb_power()
+        case.flyable(sized=True)
         if not self.goal.of_range and self.weather_file is None:
             case.refuse_polar_night()
-        case.require_path()
         modules, battery = case.aircraft.modules, case.aircraft.battery
         cells = {"modules.layout": modules.layout, "battery.pack": battery.pack}
         for key, value in cells.items():
@@ -194,7 +192,7 @@ class Size(
             study,
             folder=folder if study.feasible else None,
             report=report if study.feasible else None,
-            summary=lambda: self._summary(study),
+            remarks=self._remarks(study),
             next_step=self._next_step(study),
         )
         if not study.feasible:
@@ -228,22 +226,19 @@ class Size(
                 progress=progress,
             )
 
-    def _summary(self, study: SizingStudy) -> Summary:
-        """Return the summary of a sizing, with what the other models say of the optimum."""
+    def _remarks(self, study: SizingStudy) -> list[str]:
+        """Return what all solar power models say of the optimum, where that is printed."""
         from sizing.day.module_power import path_troubles
         from studies.models.solar_models import perpetual_by_model, perpetual_line
-        from studies.render.tables import SUMMARY, Line, Summary
 
-        summary: Summary = study.at_level(SUMMARY + self.verbose)
-        if not study.feasible or self.weather_file is not None:
-            return summary
+        if self.as_json or not study.feasible or self.weather_file is not None:
+            return []
         aircraft, mission = study.sized_aircraft(), study.sized_mission()
         blown = path_troubles(aircraft, mission)[0] is not None
         if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
-            return summary
+            return []
         line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()), mission)
-        models = Line(f"the sized design with all solar power models: {line}")
-        return Summary((*summary.blocks, models))
+        return [f"the sized design with all solar power models: {line}"]
 
     def _next_step(self, study: SizingStudy) -> str:
         """Return what to do after a sizing."""
@@ -333,13 +328,12 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
         """Compute the points of a trade study, write them, and tell them."""
         self.fork_workers("studies.sweeps.study")
         from missions.files.errors import InputError
+        from studies.cli.files import load
         from studies.cli.outputs import call, deliver, grid_of
         from studies.cli.telling import tell_error
         from studies.sweeps.study import prepare
 
-        case = self.load()
-        case.require_path()
-        (case.require_climber if self.objective is None else case.require_climb_power)()
+        case = load(self).flyable(sized=self.objective is not None)
         try:
             study = prepare(
                 case.aircraft,
@@ -417,10 +411,11 @@ class Explore(options.Model):
 
     def run(self) -> None:
         """Serve the page of a design."""
+        from studies.cli.files import load
         from studies.cli.telling import tell_error
         from studies.explorer.session import Session
 
-        case = self.load_flyable()
+        case = load(self).flyable()
         mission = case.mission_file.document
         words = [self.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
         words += [word for override in self.overrides for word in ("--set", override)]
@@ -459,6 +454,7 @@ class Export(options.Model):
         """Write a design for other tools: of several files those that can be written."""
         from missions.files.writing import write_bytes_atomically
         from sizing.results.analysis import analyse
+        from studies.cli.files import load
         from studies.cli.telling import tell_error
         from studies.exchange import files
         from studies.output.formats import wrong_ending
@@ -478,7 +474,7 @@ class Export(options.Model):
                 troubles[path] = click.BadParameter(missing, param_hint="--out")
         if len(troubles) == len(set(self.out_files)):
             raise next(iter(troubles.values()))
-        analysis = analyse(**self.load_flyable().arguments, replay=False)
+        analysis = analyse(**load(self).flyable().arguments, replay=False)
         for path in self.out_files:
             if path not in troubles:
                 try:

@@ -60,14 +60,14 @@ class Compare(options.Level, options.Requirement, options.Drawn):
 
     def run(self) -> None:
         """Run all solar power models, and tell what each says."""
+        from studies.cli.files import load
         from studies.cli.outputs import deliver, figure_of
         from studies.cli.telling import progress_of
         from studies.models.comparison import compare
         from studies.models.solar_models import attitude_is_known
         from studies.output.formats import csv_bytes
 
-        case = self.load()
-        case.require_climber()
+        case = load(self).flyable()
         case.refuse_polar_night()
         paths = [f"--models {model}" for model in self.models or () if model in ATTITUDE_MODELS]
         paths += ["--corrections loiter"] if "loiter" in (self.corrections or ()) else []
@@ -163,6 +163,7 @@ class Verify(options.Level, options.Drawn):
         from missions.files.shipped import shipped_names
         from missions.logs.columns import ColumnMap, read_column_map
         from missions.logs.csv import read_flight_log
+        from studies.cli.files import load
         from studies.cli.outputs import check_report, deliver, figure_of, refuse_to_overwrite
         from studies.flight_logs.verification import verify
 
@@ -173,7 +174,7 @@ class Verify(options.Level, options.Drawn):
         named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
         if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
             raise click.UsageError(f"the aircraft comes first: verify {log_file} {aircraft}")
-        case = self.load()
+        case = load(self)
         columns = self.columns_file
         layout = ColumnMap() if columns is None else read_column_map(columns)
         said = (self.timezone, self.start, self.ignore, self.exclude)
