@@ -136,9 +136,9 @@ def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
         return {}
     sized = parts.sized(*design.variables.of_propulsion)
     speed_m_per_s, air = design.airspeed_m_per_s, it.conditions.air
-    turns, shaft_w, _ = sized.propeller_state(design.thrust_power_w, speed_m_per_s, air)
+    shaft = sized.shaft(design.thrust_power_w, speed_m_per_s, air)
     empty_v, _ = bus_voltage_v(it.aircraft)
-    used = sized.shares_of_limits(turns, shaft_w, speed_m_per_s, air, empty_v)
+    used = sized.shares_of_limits(shaft, speed_m_per_s, air, empty_v)
     return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
 

@@ -34,7 +34,7 @@ from sizing.design import (
     polar_at,
     variables_of,
 )
-from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.propulsion.chain import Propulsion
 from sizing.roots import LightestMass
 from sizing.smooth import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
@@ -123,12 +123,8 @@ def level_flight(
         density_kg_per_m3=air.density_kg_per_m3,
         dynamic_viscosity=air.dynamic_viscosity,
     )
-    propulsion = chain or airframe.propulsion
-    if isinstance(propulsion, OperatingPointPropulsion):
-        parts = propulsion.sized(*variables.of_propulsion)
-        links = parts.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
-    else:
-        links = propulsion.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
+    propulsion = (chain or airframe.propulsion).sized(*variables.of_propulsion)
+    links = propulsion.in_flight(shaft_w, airspeed, air.air, aircraft.battery.ends_v)
     return links, shaft_w / links.efficiency, airspeed
 
 

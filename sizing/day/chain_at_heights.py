@@ -20,6 +20,7 @@ from missions.air import Air
 from sizing.aircraft import Aircraft
 from sizing.design import NO_FLIGHT_W, Design
 from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.operating_point import Shaft
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -125,11 +126,11 @@ class ClimbChain:
 
         Rows are levels, one after the other, of all designs.
         """
-        turns, shaft_w = self._propellers()
+        shaft = self._shafts()
         parts, air = self.parts, Air(*(values[np.newaxis] for values in self.air))
         with np.errstate(invalid="ignore", over="ignore"):
-            power = np.asarray(parts.power_of_shafts_w(turns, shaft_w, self.bus_v)) / self.factor
-            shares = parts.shares_of_limits(turns, shaft_w, self.airspeed_m_per_s, air, self.bus_v)
+            power = np.asarray(parts.bus_power_w(shaft, self.bus_v)) / self.factor
+            shares = parts.shares_of_limits(shaft, self.airspeed_m_per_s, air, self.bus_v)
             used = np.max(np.broadcast_arrays(*shares.values(), power)[:-1], axis=0)
             # Where the propeller's data end, or the wiring cannot pass the power, the tables go on,
             # beyond a limit.
@@ -146,17 +147,17 @@ class ClimbChain:
         log_power = np.where(flies[:, np.newaxis], log_power, np.log(NO_FLIGHT_W))
         return log_power, np.where(flies, most_w[..., 0], 0.0)
 
-    def _propellers(self) -> tuple[FloatArray, FloatArray]:
-        """Return speed of rotation [1/s] and power of a shaft [W], ``(load, level, design)``."""
+    def _shafts(self) -> Shaft:
+        """Return the shaft of a propeller, ``(load, level, design)``."""
         count = len(self.thrust_w)
         loads, levels = _LOADS[:, np.newaxis, np.newaxis], np.arange(count)
         if self.parts.is_exact and count > _LEVELS:
             levels = np.unique(np.round(np.linspace(0, count - 1, _LEVELS)).astype(int))
         air = Air(*(values[levels] for values in self.air))
         speed, thrust_w = self.airspeed_m_per_s[levels], self.thrust_w[levels]
-        turns, shaft_w, _ = self.parts.propeller_state(thrust_w * loads, speed, air)
+        shaft = self.parts.shaft(thrust_w * loads, speed, air)
         if len(levels) == count:
-            return np.asarray(turns), np.asarray(shaft_w)
+            return shaft
         # Rotation over airspeed and power over thrust power follow the Reynolds number slowly.
         # A polynomial through their logarithms at some levels gives them at all.
         nodes, targets = (
@@ -166,9 +167,11 @@ class ClimbChain:
         weights = np.linalg.solve(nodes.T, targets.T)
         rotation, power = (
             np.exp(np.einsum("lsd,sk->lkd", np.log(ratio), weights))
-            for ratio in (turns / speed, shaft_w / thrust_w)
+            for ratio in (shaft.rotation_per_s / speed, shaft.power_w / thrust_w)
         )
-        return rotation * self.airspeed_m_per_s, power * self.thrust_w
+        return shaft._replace(
+            rotation_per_s=rotation * self.airspeed_m_per_s, power_w=power * self.thrust_w
+        )
 
 
 def _rows_first(values: FloatArray) -> FloatArray:

@@ -87,7 +87,7 @@ def _part_load(
     """Return the power over the load, relative to that of level flight."""
 
     def power_w(load: FloatArray) -> Any:
-        return propulsion.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+        return propulsion.bus_power_w(propulsion.shaft(flight.thrust_w * load, *flight[1:]), bus_v)
 
     return PartLoad.of(power_w, np.where(np.isfinite(level_w), level_w, np.inf), loads)
 

@@ -27,14 +27,13 @@ from sizing.catalogues.choice import (
 )
 from sizing.parameters import all_replaced, replaced
 from sizing.propulsion import part_masses
-from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
+from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.propulsion.operating_point import (
     OperatingPoint,
     Propulsor,
-    operating_point,
-    shafts_at,
-    voltages_of_inlet,
-    wiring_efficiency,
+    Shaft,
+    point_behind,
+    shaft_at,
 )
 from sizing.propulsion.propeller_files import PropellerChoice
 from sizing.smooth import Value
@@ -70,8 +69,6 @@ _MassModel = Annotated[
 _EfficiencyModel = Annotated[
     Text, AfterValidator(lambda name: user_function("propulsion_efficiency", name) and name)
 ]
-# Iterations of the voltage behind the wiring; each leaves at most a hundredth of the error.
-_WIRING_ROUNDS = 5
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 _RATINGS = {"climb_rate_m_per_s": "climb_power_ratio"}
 
@@ -135,17 +132,18 @@ class Propulsion(CatalogueRecord):
         """Return the values from the catalogue of motors, with their sources."""
         return catalogue_values(self, "airframe.propulsion.")
 
-    def in_level_flight(
-        self, power_w: Value, airspeed_m_per_s: Value, density_kg_per_m3: Value
+    def in_flight(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float] | None,
     ) -> Propulsion:
-        """Return the chain with the efficiency of the user-defined model, if any, as one link.
-
-        ``power_w`` is drag times airspeed [W].
-        """
+        """Return the chain with the efficiency of the user-defined model, if any, as one link."""
         if self.efficiency_model is None:
             return self
         model = user_function("propulsion_efficiency", self.efficiency_model)
-        efficiency = model(power_w, airspeed_m_per_s, density_kg_per_m3)
+        efficiency = model(thrust_power_w, airspeed_m_per_s, air.density_kg_per_m3)
         return self.model_copy(update=_one_link(efficiency) | {"efficiency_model": None})
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
@@ -286,8 +284,7 @@ class OperatingPointPropulsion(Record):
 
     def without_limits(self) -> UnlimitedPropulsion:
         """Return these parts without their limits."""
-        fields = {name: getattr(self, name) for name in OperatingPointPropulsion.model_fields}
-        return UnlimitedPropulsion.model_construct(**fields)
+        return UnlimitedPropulsion.model_construct(**dict(self))
 
     def first_chain(self) -> Propulsion:
         """Return the chain with which the search of the operating point begins."""
@@ -326,8 +323,8 @@ class OperatingPointPropulsion(Record):
         # Invalid designs get a placeholder thrust; their efficiencies are masked elsewhere.
         flies = np.isfinite(power_w) & np.isfinite(speed) & (power_w > 0.0) & (speed > 0.0)
         power_w, speed = np.where(flies, power_w, 1.0), np.where(flies, speed, 1.0)
-        thrust_n = power_w / speed / self.propulsors
-        both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_v)
+        shaft, thrust_n = self.shaft(power_w, speed, Air(*state)), power_w / speed / self.propulsors
+        both = point_behind(self.propulsor, shaft, speed, Air(*state), bus_v, thrust_n)
         weight = np.where(both.reason != "", np.inf, both.bus_power_w)
         worse = np.argmax(weight, axis=0)[np.newaxis]
         point = OperatingPoint(*(np.take_along_axis(row, worse, axis=0)[0] for row in both))
@@ -339,84 +336,33 @@ class OperatingPointPropulsion(Record):
             bus_current_a=point.bus_current_a / factor,
         )
 
-    def bus_power_w(
-        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
-    ) -> Value:
-        """Return the electric power of all propulsors without limits of the parts [W].
-
-        Voltages [V] broadcast with the other arguments, but do not enter the search for the
-        rotation. NaN outside the propeller's data.
-        """
+    def shaft(self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air) -> Shaft:
+        """Return the shaft of one propulsor at a thrust power of the whole aircraft [W]."""
         thrust_n = thrust_power_w / airspeed_m_per_s / self.propulsors
-        state = shafts_at(self.propulsor, thrust_n, airspeed_m_per_s, air)[5:7]
-        inlet_v, _ = voltages_of_inlet(self.propulsor, MotorState(*state), bus_v)
-        power_w = self.controller.input_power_w(MotorState(*state), inlet_v)
-        power_w = power_w / wiring_efficiency(inlet_v, bus_v)
+        return shaft_at(self.propulsor.propeller, thrust_n, airspeed_m_per_s, air)
+
+    def bus_power_w(self, shaft: Shaft, bus_v: Value) -> Value:
+        """Return the electric power of all propulsors without limits of the parts [W]."""
+        power_w = self.propulsor.behind_shaft(shaft, bus_v).bus_w
         return self.propulsors * power_w / self.efficiency_factor
 
-    def propeller_state(
-        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
-    ) -> tuple[Value, Value, Value]:
-        """Return speed of rotation [1/s], power of one shaft [W], and shaft over thrust power [-].
-
-        NaN outside the propeller's data.
-        """
-        thrust_w = thrust_power_w / self.propulsors
-        thrust_n = thrust_w / airspeed_m_per_s
-        rotation_per_s, power_w, *_ = shafts_at(self.propulsor, thrust_n, airspeed_m_per_s, air)
-        return rotation_per_s, power_w, power_w / thrust_w
-
-    def motor_state(self, rotation_per_s: Value, shaft_w: Value) -> MotorState:
-        """Return current and voltage of the motor behind the gear, at a power of the shaft [W]."""
-        gear = self.gear
-        torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
-        return self.motor_constants.state(60.0 * rotation_per_s * gear.ratio, torque)
-
-    def inlet(self, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
-        """Return voltage [V] and power [W] at the controller, without limits of the parts."""
-        voltage = bus_v
-        for _ in range(_WIRING_ROUNDS if self.wiring_resistance_ohm else 0):
-            power_w = self.controller.input_power_w(state, voltage)
-            voltage = bus_v - self.wiring_resistance_ohm * power_w / voltage
-        return voltage, self.controller.input_power_w(state, voltage)
-
-    def power_of_shafts_w(self, rotation_per_s: Value, shaft_w: Value, bus_v: Value) -> Value:
-        """Return the electric power of all propulsors without limits of the parts [W].
-
-        By formulas of numbers and symbols, at a rotation [1/s] and power of one shaft [W].
-        """
-        inlet_v, power_w = self.inlet(self.motor_state(rotation_per_s, shaft_w), bus_v)
-        return self.propulsors * power_w * bus_v / inlet_v / self.efficiency_factor
-
     def shares_of_limits(
-        self, rotation_per_s: Value, shaft_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
+        self, shaft: Shaft, airspeed_m_per_s: Value, air: Air, bus_v: Value
     ) -> dict[str, Value]:
         """Return the use of each limit of the parts over that limit [-]."""
-        state, motor = self.motor_state(rotation_per_s, shaft_w), self.motor_constants
-        least_v = state.voltage_v + state.current_a * self.controller.resistance_ohm
-        wires_v = self.wiring_resistance_ohm * self.controller.input_power_w(state, least_v)
-        diameter_m = self.propeller.diameter_m
-        if diameter_m is None:  # the files of the table have it
-            diameter_m = self.propeller.propeller.diameter_m
-        tip = ((np.pi * rotation_per_s * diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
-        used = {
-            "bus_voltage": (least_v + wires_v / least_v) / bus_v,
-            "tip_mach": tip / (air.speed_of_sound_m_per_s * self.maximum_tip_mach),
-        }
-        if motor.maximum_current_a is not None:
-            used["motor_current"] = state.current_a / motor.maximum_current_a
-        if motor.maximum_power_w is not None:
-            used["motor_power"] = state.current_a * state.voltage_v / motor.maximum_power_w
-        return used
+        behind = self.propulsor.behind_shaft(shaft, bus_v)
+        used = self.propulsor.used_and_limits(shaft, behind, airspeed_m_per_s, air, bus_v)
+        return {name: value / most for name, (value, most) in used.items()}
 
     def in_flight(
         self,
         thrust_power_w: Value,
         airspeed_m_per_s: Value,
         air: Air,
-        bus_voltage_v: tuple[float, float],
+        bus_voltage_v: tuple[float, float] | None,
     ) -> Propulsion:
         """Return the chain of efficiencies at :meth:`point`; NaN where it is infeasible."""
+        assert bus_voltage_v is not None  # refused at validation
         point = self.point(thrust_power_w, airspeed_m_per_s, air, bus_voltage_v)
         links = {name: getattr(point, f"{link}_efficiency") for name, link in LINKS.items()}
         return self.with_links(links, point.propeller_torque_nm, thrust_power_w / point.efficiency)

@@ -14,7 +14,8 @@ from numpy.polynomial import chebyshev
 from pydantic import Field
 
 from missions.air import Air
-from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.operating_point import Shaft
 from sizing.smooth import Value
 from solar.types import FloatArray
 
@@ -54,52 +55,18 @@ class NearbyPropulsion(OperatingPointPropulsion):
             dynamic_viscosity_pa_s=density * speed_m_per_s * diameter_m / reynolds
         )
         thrust_w = loading * density * speed_m_per_s**3 * diameter_m**2
-        turns, _, cost = parts.propeller_state(thrust_w * parts.propulsors, speed_m_per_s, node_air)
+        shaft = parts.shaft(thrust_w * parts.propulsors, speed_m_per_s, node_air)
+        turns, cost = shaft.rotation_per_s * diameter_m / speed_m_per_s, shaft.power_w / thrust_w
         known = np.isfinite(cost)
         basis = chebyshev.chebvander2d(x[known], y[known], _DEGREES)
-        rows = np.log(np.stack([turns * diameter_m / speed_m_per_s, cost], axis=1)[known])
+        rows = np.log(np.stack([turns, cost], axis=1)[known])
         coefficients = np.linalg.lstsq(basis, rows, rcond=1e-10)[0]
         shape = tuple(n + 1 for n in _DEGREES)
         polynomials = (centre, *(column.reshape(shape) for column in coefficients.T))
-        fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
-        return cls.model_construct(**fields, polynomials=polynomials)
+        return cls.model_construct(**dict(parts), polynomials=polynomials)
 
-    def in_flight(
-        self,
-        thrust_power_w: Value,
-        airspeed_m_per_s: Value,
-        air: Air,
-        bus_voltage_v: tuple[float, float],
-    ) -> Propulsion:
-        """Return the chain of efficiencies at an operating point, without limits."""
-        turns, shaft_w, cost = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        state = self.motor_state(turns, shaft_w)
-        ends = [(volts, *self.inlet(state, volts)) for volts in bus_voltage_v]
-        bus_w = np.maximum(*(power_w * volts / inlet_v for volts, inlet_v, power_w in ends))
-        motor_w = state.current_a * state.voltage_v
-        # Wiring loss at the full battery; what the empty one adds counts as the controller's.
-        wiring = ends[1][1] / bus_voltage_v[1]
-        links = {
-            "wiring": wiring,
-            "controller": motor_w / (bus_w * wiring),
-            "motor": shaft_w / self.gear.efficiency / motor_w,
-            "gearbox": self.gear.efficiency,
-            "propeller": self.efficiency_factor / cost,
-        }
-        level_w = self.propulsors * bus_w / self.efficiency_factor
-        return self.with_links(links, shaft_w / (2.0 * np.pi * turns), level_w)
-
-    def bus_power_w(
-        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
-    ) -> Value:
-        """Return the electric power of all propulsors without limits of the parts [W]."""
-        turns, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        return self.power_of_shafts_w(turns, shaft_w, bus_v)
-
-    def propeller_state(
-        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
-    ) -> tuple[Value, Value, Value]:
-        """Return rotation [1/s], power of one shaft [W], and shaft over thrust power [-]."""
+    def shaft(self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air) -> Shaft:
+        """Return the shaft of one propulsor at a thrust power of the whole aircraft [W]."""
         thrust_w = thrust_power_w / self.propulsors
         diameter_m = self.propeller.propeller.diameter_m
         centre, *polynomials = self.polynomials
@@ -112,7 +79,8 @@ class NearbyPropulsion(OperatingPointPropulsion):
             np.exp(chebyshev.chebval2d(place[0], place[1], coefficients))
             for coefficients in polynomials
         )
-        return turns * airspeed_m_per_s / diameter_m, thrust_w * cost, cost
+        reason = np.full(np.shape(cost), "", dtype=object)
+        return Shaft(turns * airspeed_m_per_s / diameter_m, thrust_w * cost, reason)
 
 
 def _numbers(thrust_w: Value, speed_m_per_s: Value, air: Air, diameter_m: float) -> Any:

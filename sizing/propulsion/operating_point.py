@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.air import Air
-from sizing.parameters import all_replaced
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.propeller import Propeller, tip_mach
 from sizing.roots import bracketed_root
@@ -20,9 +18,40 @@ from solar.types import BoolArray, FloatArray
 
 _FASTEST_TIP_MACH = 0.95  # end of the search for a rotation
 _SLOWEST_SHARE = 1e-3  # start of the search over its end
-_WIRING_ROUNDS = 60  # of the voltage behind the wiring, to convergence
+# Rounds of the voltage behind the wiring; each leaves at most a thousandth of the error.
+_WIRING_ROUNDS = 5
 _AT_ONCE = 256  # points whose blade elements fit into the cache
-_SIZES = ("diameter_m", "pitch_m")
+# Reasons of points beyond a limit, with the digits of their numbers; the first counts.
+_REASONS = {
+    "tip_mach": ("tip Mach number {} is above {}: a larger propeller turns slower", 3),
+    "bus_voltage": ("bus voltage {1} V is below {0} V, which {2} rpm of the motor need", 4),
+    "motor_current": ("motor current {} A is above {} A, the motor's limit", 3),
+    "motor_power": ("motor power {} W is above {} W, the motor's limit", 3),
+}
+
+
+class Shaft(NamedTuple):
+    """Propeller's shaft: speed of rotation [1/s] and power [W]; NaN for a reason in words."""
+
+    rotation_per_s: FloatArray
+    power_w: FloatArray
+    reason: NDArray[np.object_]
+
+
+class BehindShaft(NamedTuple):
+    """Motor, controller and wiring behind a shaft, without limits of the parts.
+
+    ``least_bus_v``: least bus voltage that suffices, at which the duty is 1 [V]. ``inlet_v``,
+    ``inlet_w``: at the controller.
+    """
+
+    motor_rpm: Value
+    motor_torque_nm: Value
+    motor: MotorState
+    least_bus_v: Value
+    inlet_v: Value
+    inlet_w: Value
+    bus_w: Value
 
 
 @dataclass(frozen=True)
@@ -66,21 +95,40 @@ class Propulsor:
         fraction = Allowed(0.0, 1.0, above=True, below=True)
         fraction.check("maximum_tip_mach", self.maximum_tip_mach)
 
-    def _at(self, shape: tuple[int, ...], indices: slice) -> Propulsor:
-        """Return the propulsors at indices of the flattened points of a shape."""
+    def behind_shaft(self, shaft: Shaft, bus_v: Value) -> BehindShaft:
+        """Return motor, controller and wiring at a bus voltage [V].
 
-        def part_of(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
-            sizes: dict[str, Any] = {name: getattr(record, name, None) for name in names}
-            arrays = {
-                name: np.broadcast_to(value, shape).ravel()[indices]
-                for name, value in sizes.items()
-                if np.ndim(value)
-            }
-            return replaced_in(record, arrays) if arrays else record
+        ``V = V_bus - R P(V) / V`` at the controller, solved for V at a known P; half of the bus
+        voltage is left at the largest power that the wiring passes.
+        """
+        gear, controller, resistance = self.gear, self.controller, self.wiring_resistance_ohm
+        rpm = 60.0 * shaft.rotation_per_s * gear.ratio
+        torque = shaft.power_w / (2.0 * np.pi * shaft.rotation_per_s)
+        torque = torque / (gear.ratio * gear.efficiency)
+        motor = self.motor.state(rpm, torque)
+        least_v = motor.voltage_v + motor.current_a * controller.resistance_ohm
+        wires_v = resistance * controller.input_power_w(motor, least_v) / least_v
+        inlet_v, inlet_w = bus_v, controller.input_power_w(motor, bus_v)
+        for _ in range(_WIRING_ROUNDS if resistance else 0):
+            square = np.maximum(bus_v**2 - 4.0 * resistance * inlet_w, 0.0)
+            inlet_v = (bus_v + np.sqrt(square)) / 2.0
+            inlet_w = controller.input_power_w(motor, inlet_v)
+        bus_w = inlet_w * bus_v / inlet_v
+        return BehindShaft(rpm, torque, motor, least_v + wires_v, inlet_v, inlet_w, bus_w)
 
-        propeller = part_of(self.propeller, _SIZES, lambda part, sizes: replace(part, **sizes))
-        gear, motor = (part_of(part, type(part).model_fields) for part in (self.gear, self.motor))
-        return replace(self, propeller=propeller, gear=gear, motor=motor)
+    def used_and_limits(
+        self, shaft: Shaft, behind: BehindShaft, airspeed_m_per_s: Value, air: Air, bus_v: Value
+    ) -> dict[str, tuple[Value, Value]]:
+        """Return what the parts use of every limit that they have, and the limit."""
+        (current_a, voltage_v), motor = behind.motor, self.motor
+        mach = tip_mach(airspeed_m_per_s, shaft.rotation_per_s, self.propeller.diameter_m, air)
+        every = {
+            "bus_voltage": (behind.least_bus_v, bus_v),
+            "tip_mach": (mach, self.maximum_tip_mach),
+            "motor_current": (current_a, motor.maximum_current_a),
+            "motor_power": (current_a * voltage_v, motor.maximum_power_w),
+        }
+        return {name: pair for name, pair in every.items() if pair[1] is not None}
 
 
 class OperatingPoint(NamedTuple):
@@ -196,142 +244,80 @@ def operating_point(
     ):
         Allowed(0.0, above=True, below=True).check(name, values)
     Allowed(0.0, below=True).check("airspeed_m_per_s", arrays[1])
-    return OperatingPoint(*_in_chunks(_points_in_row, propulsor, arrays))
+    thrust, v, bus_v, *state = arrays
+    at = Air(*state)
+    shaft = shaft_at(propulsor.propeller, thrust, v, at)
+    return point_behind(propulsor, shaft, v, at, bus_v, thrust)
 
 
-def _in_chunks(
-    function: Callable[..., tuple[Any, ...]], propulsor: Propulsor, arrays: Sequence[FloatArray]
-) -> Iterator[Any]:
-    """Yield the columns of a function in chunks of points whose blade elements fit into the cache.
+def shaft_at(propeller: Propeller, thrust_n: Value, airspeed_m_per_s: Value, air: Air) -> Shaft:
+    """Return the shaft at thrusts [N], of the broadcast shape of the arguments.
 
-    The function takes propulsor, thrust, airspeed, air and other arrays, in one dimension; the
-    state of the air ends the arrays.
-    """
-    shape, flat, parts = arrays[0].shape, [np.ravel(array) for array in arrays], []
-    for first in range(0, max(flat[0].size, 1), _AT_ONCE):
-        indices = slice(first, first + _AT_ONCE)
-        rows = [row[indices] for row in flat]
-        thrust, v, *others = rows[:-4]
-        parts.append(function(propulsor._at(shape, indices), thrust, v, Air(*rows[-4:]), *others))
-    for columns in zip(*parts, strict=True):
-        yield np.concatenate(columns).reshape(shape)
-
-
-def shafts_at(
-    propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
-) -> tuple[Any, ...]:
-    """Return shafts at thrusts, of the broadcast shape of the arguments.
-
-    Independent of the bus voltage: speed of rotation [1/s], power [W] and torque [N m] of the
-    propeller's shaft, speed [rpm], torque [N m], current [A] and voltage [V] of the motor; NaN
-    outside the propeller's data, for a reason in words.
+    In chunks of points whose blade elements fit into the cache.
     """
     arrays = np.broadcast_arrays(
         *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, *air))
     )
-    return tuple(_in_chunks(_shafts, propulsor, arrays))
+    shape, flat, parts = arrays[0].shape, [np.ravel(array) for array in arrays], []
+    for first in range(0, max(flat[0].size, 1), _AT_ONCE):
+        indices = slice(first, first + _AT_ONCE)
+        thrust, v, *state = (row[indices] for row in flat)
+        there, here = Air(*state), propeller.at(indices, shape)
+        n, reason = _rotation(here, thrust, v, there)
+        power = here.coefficients(v, n, there).power
+        parts.append((n, power * there.density_kg_per_m3 * n**3 * here.diameter_m**5, reason))
+    return Shaft(*(np.concatenate(column).reshape(shape) for column in zip(*parts, strict=True)))
 
 
-def _shafts(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> tuple[Any, ...]:
-    """Return shafts as :func:`shafts_at`, in one dimension."""
-    propeller, gear = propulsor.propeller, propulsor.gear
-    n, reason = _rotation(propeller, thrust, v, air)
-    power = propeller.coefficients(v, n, air).power
-    shaft_w = power * air.density_kg_per_m3 * n**3 * propeller.diameter_m**5
-    torque = shaft_w / (2.0 * np.pi * n)
-    motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
-    motor = propulsor.motor.state(motor_rpm, motor_torque)
-    return n, shaft_w, torque, motor_rpm, motor_torque, *motor, reason
-
-
-def _points_in_row(
-    propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air, bus: FloatArray
+def point_behind(
+    propulsor: Propulsor,
+    shaft: Shaft,
+    airspeed_m_per_s: FloatArray,
+    air: Air,
+    bus_v: FloatArray,
+    thrust_n: FloatArray,
 ) -> OperatingPoint:
-    """Return operating points, in one dimension."""
-    gear, controller, d = propulsor.gear, propulsor.controller, propulsor.propeller.diameter_m
-    shafts = _shafts(propulsor, thrust, v, air)
-    n, shaft_w, torque, motor_rpm, motor_torque, *state, reason = shafts
-    motor = MotorState(*state)
-    motor_w = motor.current_a * motor.voltage_v
-    inlet_v, needed_v = voltages_of_inlet(propulsor, motor, bus)
-    inlet_w = controller.input_power_w(motor, inlet_v)
-    wiring = wiring_efficiency(inlet_v, bus)
-    bus_w = inlet_w / wiring
-    mach = tip_mach(v, n, d, air)
-    for wrong, text, digits, *values in (
-        (
-            mach > propulsor.maximum_tip_mach,
-            "tip Mach number {} is above {}: a larger propeller turns slower",
-            3,
-            mach,
-            np.full_like(bus, propulsor.maximum_tip_mach),
-        ),
-        (
-            bus < needed_v,
-            "bus voltage {} V is below {} V, which {} rpm of the motor need",
-            4,
-            bus,
-            np.ceil(100.0 * needed_v) / 100.0,
-            motor_rpm,
-        ),
-        _exceeded_limit(propulsor.motor.maximum_current_a, motor.current_a, "motor current {} A"),
-        _exceeded_limit(propulsor.motor.maximum_power_w, motor_w, "motor power {} W"),
-    ):
-        for place in np.flatnonzero(wrong & (reason == "") & propulsor.limited):
-            reason[place] = text.format(*(spell(column[place], digits) for column in values))
-    good = np.where(reason == "", 1.0, np.nan)
-    thrust_w = thrust * v
-    return OperatingPoint(
+    """Return the operating points of shafts at thrusts; all arguments broadcast."""
+    n, shaft_w, reason = shaft
+    gear, v, behind = propulsor.gear, airspeed_m_per_s, propulsor.behind_shaft(shaft, bus_v)
+    motor, inlet_v, inlet_w = behind.motor, behind.inlet_v, behind.inlet_w
+    used = propulsor.used_and_limits(shaft, behind, v, air, bus_v)
+    shape = np.broadcast_shapes(np.shape(inlet_w), np.shape(bus_v))
+    reason = np.array(np.broadcast_to(reason, shape))
+    for name, (text, digits) in _REASONS.items() if propulsor.limited else ():
+        if name not in used:
+            continue
+        value, most = used[name]
+        if name == "bus_voltage":  # as it is spelled, it suffices
+            value = np.where(value > most, np.ceil(100.0 * value) / 100.0, value)
+        columns = np.broadcast_arrays(value, most, behind.motor_rpm, reason)[:3]
+        for place in map(tuple, np.argwhere((columns[0] > columns[1]) & (reason == ""))):
+            numbers = (spell(float(column[place]), digits) for column in columns)
+            reason[place] = text.format(*numbers)
+    good, motor_w = np.where(reason == "", 1.0, np.nan), motor.current_a * motor.voltage_v
+    thrust_w, d = thrust_n * v, propulsor.propeller.diameter_m
+    point = OperatingPoint(
         rotation_rpm=60.0 * n,
-        motor_rpm=motor_rpm,
-        tip_mach=mach,
+        motor_rpm=behind.motor_rpm,
+        tip_mach=used["tip_mach"][0],
         advance_ratio=v / (n * d),
-        propeller_torque_nm=torque,
-        motor_torque_nm=motor_torque,
+        propeller_torque_nm=shaft_w / (2.0 * np.pi * n),
+        motor_torque_nm=behind.motor_torque_nm,
         motor_current_a=motor.current_a,
         motor_voltage_v=motor.voltage_v,
-        duty=good * controller.duty(motor, inlet_v),
-        bus_current_a=good * bus_w / bus,
-        bus_power_w=good * bus_w,
+        duty=good * propulsor.controller.duty(motor, inlet_v),
+        bus_current_a=good * behind.bus_w / bus_v,
+        bus_power_w=good * behind.bus_w,
         thrust_power_w=thrust_w,
         propeller_efficiency=good * thrust_w / shaft_w,
         gear_efficiency=good * gear.efficiency,
         motor_efficiency=good * shaft_w / gear.efficiency / motor_w,
         controller_efficiency=good * motor_w / inlet_w,
-        wiring_efficiency=good * wiring,
-        efficiency=good * thrust_w / bus_w,
+        wiring_efficiency=good * inlet_v / bus_v,
+        efficiency=good * thrust_w / behind.bus_w,
         reason=np.asarray(reason, dtype=np.str_),
     )
-
-
-def _exceeded_limit(
-    limit: Value | None, values: FloatArray, use: str
-) -> tuple[BoolArray, str, int, FloatArray, FloatArray]:
-    """Return where a limit of the motor is exceeded, the message's format, digits and values."""
-    most = np.broadcast_to(np.asarray(np.inf if limit is None else limit), values.shape)
-    return values > most, f"{use} is above {{}}{use[-2:]}, the motor's limit", 3, values, most
-
-
-def voltages_of_inlet(
-    propulsor: Propulsor, motor: MotorState, bus: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the voltage at the controller, and the least bus voltage that suffices [V].
-
-    ``V = V_bus - R P(V) / V``; the duty is 1 at the least voltage.
-    """
-    resistance = propulsor.wiring_resistance_ohm
-    least = motor.voltage_v + motor.current_a * propulsor.controller.resistance_ohm
-    needed = least + resistance * propulsor.controller.input_power_w(motor, least) / least
-    voltage = bus
-    for _ in range(_WIRING_ROUNDS if resistance else 0):
-        power = propulsor.controller.input_power_w(motor, voltage)
-        voltage = np.maximum(bus - resistance * power / voltage, least)
-    return np.asarray(voltage), np.asarray(needed)
-
-
-def wiring_efficiency(inlet_v: FloatArray, bus_v: FloatArray) -> FloatArray:
-    """Return the efficiency of the wiring [-]; at most 1 where the bus voltage is insufficient."""
-    return np.asarray(np.minimum(inlet_v / bus_v, 1.0))
+    return OperatingPoint(*np.broadcast_arrays(*point))
 
 
 def _rotation(

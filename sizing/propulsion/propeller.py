@@ -147,7 +147,7 @@ class PropellerTable:
             return advance, (0.0, np.inf)
         return advance, (self.curves[0].speed_rpm / 60.0, self.curves[-1].speed_rpm / 60.0)
 
-    def at(self, indices: Indices) -> PropellerTable:
+    def at(self, indices: Indices, shape: tuple[int, ...] | None = None) -> PropellerTable:
         """Return this propeller, the same at all points."""
         return self
 
@@ -269,11 +269,13 @@ class BladeElementPropeller:
         ratio = self.pitch_m / self.diameter_m
         return (0.0, _LARGEST_ADVANCE_OVER_PITCH * ratio + _ADVANCE_BEYOND_PITCH), (0.0, np.inf)
 
-    def at(self, indices: Indices) -> BladeElementPropeller:
-        """Return the propellers at indices; a single one unchanged."""
-        if np.ndim(self.diameter_m) == np.ndim(self.pitch_m) == 0:
-            return self
+    def at(self, indices: Indices, shape: tuple[int, ...] | None = None) -> BladeElementPropeller:
+        """Return the propellers at indices of a shape's points in line; a single one unchanged."""
         sizes = np.broadcast_arrays(self.diameter_m, self.pitch_m)
+        if not sizes[0].ndim:
+            return self
+        if shape is not None:
+            sizes = tuple(np.broadcast_to(size, shape).ravel() for size in sizes)
         return replace(self, diameter_m=sizes[0][indices], pitch_m=sizes[1][indices])
 
     @property

@@ -231,5 +231,5 @@ def test_parts_near_a_flight_are_the_exact_ones():
     )
     # Draws scatter by less; the polynomials' error is that of their degrees.
     assert approximated == pytest.approx(exact, rel=2e-4, nan_ok=True)
-    powers = (propulsion.bus_power_w(thrust_w, speed, air, 23.0) for propulsion in (parts, near))
+    powers = (own.bus_power_w(own.shaft(thrust_w, speed, air), 23.0) for own in (parts, near))
     assert next(powers) == pytest.approx(next(powers), rel=2e-4)
