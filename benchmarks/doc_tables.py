@@ -5,6 +5,7 @@ A table stands between the markers ``<!-- NAME -->`` and ``<!-- /NAME -->`` of a
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Callable, Sequence
@@ -27,11 +28,12 @@ from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
-from sizing.battery.condition import Ageing, cycles_to_end_of_life
+from sizing.battery.condition import Ageing
 from sizing.library import load_aircraft
 from sizing.results.sizing import size, size_in_weather
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.weather import analyse_weather
+from sizing.roots import bisect
 from studies.models.comparison import compare
 from studies.models.report_reproduction import reference, reproduce
 from studies.render.tables import Column, Table
@@ -64,12 +66,19 @@ def _battery_life() -> str:
         Column("depth of discharge"),
         *(Column(f"at_{t:.0f}", f"stored at {t:.0f} C") for t in temperatures_c),
     )
+
+    def cycles(new: Ageing) -> float:
+        """Return the number of cycles, to 0.1 %, after which 80 % of the capacity is left."""
+
+        def is_over(cycles: float) -> bool:
+            aged = {"cycles": cycles, "months": cycles * 12.0 / 365.0}
+            return bool(new.model_copy(update=aged).capacity_fraction() <= 0.8)
+
+        return bisect(1.0, math.inf, is_over, lambda cycles: 1e-3 * cycles)
+
     rows = []
     for depth in (0.2, 0.4, 0.6, 0.8, 1.0):
-        lives = (
-            cycles_to_end_of_life(Ageing(depth_of_discharge=depth, temperature_c=t))
-            for t in temperatures_c
-        )
+        lives = (cycles(Ageing(depth_of_discharge=depth, temperature_c=t)) for t in temperatures_c)
         rows.append((f"{100.0 * depth:.0f} %", *(f"{life:.0f}" for life in lives)))
     return _markdown(Table("", columns, tuple(rows)))
 

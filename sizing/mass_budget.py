@@ -35,11 +35,11 @@ from sizing.design import (
     variables_of,
 )
 from sizing.propulsion.chain import Propulsion
-from sizing.roots import LightestMass
+from sizing.roots import lightest_mass
 from sizing.smooth import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.schema import spell
-from solar.types import BoolArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
@@ -187,7 +187,7 @@ def closed_design(
     """Return the design whose mass budget adds up, for variables that may be arrays.
 
     The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite. See :class:`sizing.roots.LightestMass`.
+    infinite. See :func:`sizing.roots.lightest_mass`.
 
     Parameters
     ----------
@@ -213,15 +213,17 @@ def closed_design(
     conditions = FlightConditions.of(mission, aircraft)
 
     def closed(chain: Propulsion | None) -> Design:
-        search = LightestMass(np.asarray(flat.battery_mass_kg), relative_tolerance)
+        def budget_kg(rows: IntArray, assumed_kg: FloatArray) -> Value:
+            open_designs = flat.mapped(itemgetter(rows))
+            links = chain and chain.mapped(lambda value: np.ravel(value)[rows])
+            design = parametric_design(aircraft, conditions, open_designs, assumed_kg, links)
+            return design.masses.total_kg
+
+        total_kg = lightest_mass(budget_kg, flat.battery_mass_kg, relative_tolerance)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while search.open.size:
-                rest = flat.mapped(itemgetter(search.open))
-                links = chain and chain.mapped(lambda value: np.ravel(value)[search.open])
-                closing = parametric_design(aircraft, conditions, rest, search.assumed_kg, links)
-                search.take(np.asarray(closing.masses.total_kg, float))
-            total = search.mass_kg.reshape(np.shape(arrays.wingspan_m))
-            return parametric_design(aircraft, conditions, arrays, total)
+            return parametric_design(
+                aircraft, conditions, arrays, total_kg.reshape(np.shape(arrays.wingspan_m))
+            )
 
     if not aircraft.propulsion.is_exact:
         return closed(None)

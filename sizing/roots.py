@@ -1,4 +1,4 @@
-"""Roots of many functions at once, each in its own bracket, and bisection of a condition.
+"""Roots of many functions at once, bisection of a condition, and masses that equal their budgets.
 
 ``scipy.optimize.elementwise`` finds the same roots, but its import takes longer than a sizing.
 """
@@ -9,11 +9,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solar.types import FloatArray, IntArray
 
 _MAXIMUM_ROUNDS = 100  # bisection to rounding takes 53
-_SECANT_ROUNDS = 8  # before the false position, which needs a bracket
 _CLOSE = 4.0 * np.finfo(float).eps  # rounding of a root
 
 
@@ -93,131 +93,45 @@ def bracketed_root(
     return root
 
 
-class FallingRoots:
-    """Search for the roots of many functions, positive at ``lower`` and negative at ``upper``.
-
-    As long as some are ``open``, :meth:`take` their values at ``trial``. The functions must not
-    fall faster than their argument rises: the value at either end then leads to a nearer one.
-    Secants at first, to the nearer end where they leave the bracket, then the Illinois variant of
-    the false position. A function leaves the search when its value or its bracket is within
-    ``limit``, or after 100 rounds; what the others do has no influence on it. A function whose
-    value at the lower end is not above the limit has its ``root`` there.
-
-    ``lower_value``, ``upper_value``: at the ends. ``open``: indices of the functions that are
-    searched.
-    """
-
-    def __init__(
-        self,
-        lower: FloatArray,
-        upper: FloatArray,
-        lower_value: FloatArray,
-        upper_value: FloatArray,
-        limit: FloatArray,
-    ) -> None:
-        rising = lower_value > limit
-        self.root, self.open = np.where(rising, upper, lower), np.flatnonzero(rising)
-        self._limit, self._rounds = limit, 0
-        # The nearest points between which the values so far put the root.
-        least, most = lower + lower_value, np.maximum(upper + np.minimum(upper_value, 0.0), lower)
-        bracket, side = (lower, upper, lower_value, upper_value), np.zeros(len(upper))
-        rows = (least, most, *bracket, side, upper, upper_value, most)
-        self._brackets = np.stack(rows)[:, self.open]
-
-    @property
-    def trial(self) -> FloatArray:
-        """Return the next point of every open function."""
-        return np.asarray(self._brackets[-1])
-
-    def take(self, value: FloatArray) -> None:
-        """Narrow the brackets by the values of the open functions at ``trial``.
-
-        The value at an end kept twice is halved in the false position (Illinois).
-        """
-        least, most, lower, upper, lower_value, upper_value, *before, trial = self._brackets
-        side_before, latest, latest_value = before
-        self.root[self.open] = trial
-        rises = value > 0.0
-        side = np.where(rises, 1.0, -1.0)
-        again = side == side_before
-        lower_value = np.where(again & ~rises, lower_value / 2.0, lower_value)
-        upper_value = np.where(again & rises, upper_value / 2.0, upper_value)
-        lower_value, upper_value = (
-            np.where(rises, value, lower_value),
-            np.where(rises, upper_value, value),
-        )
-        lower, upper = np.where(rises, trial, lower), np.where(rises, upper, trial)
-        least = np.where(rises, np.maximum(least, trial + value), least)
-        most = np.where(rises, most, np.minimum(most, trial + value))
-        if self._rounds < _SECANT_ROUNDS:
-            following = _zero(latest, trial, latest_value, value)
-        else:
-            following = _zero(lower, upper, lower_value, upper_value)
-        following = np.clip(following, least, np.maximum(least, most))
-        bracket = (lower, upper, lower_value, upper_value)
-        self._rounds += 1
-        near = self._limit[self.open]
-        goes_on = (np.abs(value) > near) & (upper - lower > near)
-        goes_on &= self._rounds < _MAXIMUM_ROUNDS
-        rows = (least, most, *bracket, side, trial, value, following)
-        self.open, self._brackets = self.open[goes_on], np.stack(rows)[:, goes_on]
-
-
-def _zero(a: FloatArray, b: FloatArray, value_a: FloatArray, value_b: FloatArray) -> FloatArray:
-    """Return the zero of the straight line through two points; far below where they are level."""
-    level = value_a == value_b
-    slope = np.where(level, -1.0, value_b - value_a)
-    return np.where(level, -np.inf, a - value_a * (b - a) / slope)
-
-
 # Largest slope of the budget for secant steps: beyond, near the largest design that closes, a long
 # step might pass the lightest solution.
 _STEEPEST = 0.8
+_MOST_STEPS = 2000
 
 
-class LightestMass:
-    """Search for the lightest masses that equal the mass budgets for them.
+def lightest_mass(
+    budget_kg: Callable[[IntArray, FloatArray], ArrayLike],
+    start_kg: ArrayLike,
+    relative_tolerance: float = 1e-13,
+) -> FloatArray:
+    """Return the lightest masses that equal the mass budgets for them; infinite without one [kg].
 
-    While designs are ``open``, :meth:`take` the budgets of their ``assumed_kg``. Plain steps to the
-    budget climb from below to the lightest solution. For a budget convex in the assumed mass, as
-    nearly all are, a step along the secant of the last two is longer and does not pass the solution
-    either. Other or steep budgets take plain steps.
+    Plain steps to the budget climb from below to the lightest solution. For a budget convex in the
+    assumed mass, as nearly all are, a step along the secant of the last two is longer and does not
+    pass the solution either. Other or steep budgets take plain steps.
 
-    ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
-    largest relative change of the mass in the last iteration [-]. ``mass_kg`` is infinite without a
-    solution. ``open``: indices of the designs that have not converged.
+    ``budget_kg``: of indices of designs that have not converged, and their assumed masses.
+    ``start_kg``: masses below all solutions, such as that of a part. ``relative_tolerance``:
+    largest relative change of the mass in the last iteration [-].
     """
-
-    def __init__(self, start_kg: FloatArray, relative_tolerance: float = 1e-13) -> None:
-        self.mass_kg = np.array(start_kg, float)
-        self.open: IntArray = np.arange(self.mass_kg.size)
-        self._tolerance, self._rounds_left = relative_tolerance, 2000
-        self._before = np.full((3, self.mass_kg.size), np.nan)  # mass, budget, slope
-
-    @property
-    def assumed_kg(self) -> FloatArray:
-        """Return the masses of open designs to compute the budgets of [kg]."""
-        return self.mass_kg[self.open]
-
-    def take(self, budget_kg: FloatArray) -> None:
-        """Step by the budgets of the open designs [kg]."""
-        assumed, (before, budget_before, slope_before) = (
-            self.assumed_kg,
-            self._before[:, self.open],
-        )
-        budget = np.where(np.isfinite(budget_kg) & (budget_kg < 1e9), budget_kg, np.inf)
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            still = np.abs(budget - assumed) <= self._tolerance * assumed
-            slope = (budget - budget_before) / (assumed - before)
-            convex = slope >= slope_before
+    mass_kg = np.array(start_kg, float)
+    rows = np.arange(mass_kg.size)
+    before = np.full((3, mass_kg.size), np.nan)  # mass, budget, slope
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for _ in range(_MOST_STEPS):
+            if not rows.size:
+                return mass_kg
+            assumed, (last, last_budget, last_slope) = mass_kg[rows], before[:, rows]
+            budget = np.asarray(budget_kg(rows, assumed), float)
+            budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
+            slope = (budget - last_budget) / (assumed - last)
             # Plain steps without two valid secants.
-            feasible = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
-            longer = np.where(feasible, 1.0 / (1.0 - slope), 1.0)
-            settled = still | np.isinf(budget)
-            step = np.where(settled, budget, assumed + longer * (budget - assumed))
-        self._before[:, self.open] = assumed, budget, slope
-        self.mass_kg[self.open] = step
-        self.open = self.open[~settled]
-        self._rounds_left -= 1
-        if not self._rounds_left:
-            self.mass_kg[self.open], self.open = np.inf, self.open[:0]
+            convex = (slope >= last_slope) & (slope > 0.0) & (slope <= _STEEPEST)
+            longer = np.where(convex & (budget > assumed), 1.0 / (1.0 - slope), 1.0)
+            settled = np.abs(budget - assumed) <= relative_tolerance * assumed
+            settled |= np.isinf(budget)
+            before[:, rows] = assumed, budget, slope
+            mass_kg[rows] = np.where(settled, budget, assumed + longer * (budget - assumed))
+            rows = rows[~settled]
+    mass_kg[rows] = np.inf
+    return mass_kg

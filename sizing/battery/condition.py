@@ -14,7 +14,6 @@ Capacity over temperature: Samsung SDI, specification of the cell INR18650-15L, 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
@@ -22,7 +21,6 @@ import numpy as np
 from pydantic import Field, Strict, model_validator
 
 from missions.air import ZERO_CELSIUS_K
-from sizing.roots import bisect
 from sizing.smooth import Value
 from solar.schema import (
     Fraction,
@@ -41,7 +39,6 @@ _Held = Annotated[float, Strict(), Field(ge=-40.0, le=60.0, allow_inf_nan=False)
 _Voltage = Annotated[float, Strict(), Field(ge=3.2, le=4.2, allow_inf_nan=False)]
 
 REFERENCE_C = 25.0  # of data sheets
-END_OF_LIFE = 0.8  # share of the new capacity, by convention
 _DAYS_PER_MONTH = 365.0 / 12.0
 _CELL_AH = 2.05  # nominal capacity of the cell of the ageing law
 # Lower bound of capacity and efficiency, for draws of uncertain inputs; far below the law's range.
@@ -266,20 +263,3 @@ class InternalResistance(Record):
     def charge_efficiency(self, ageing_factor: Value) -> Value:
         """Return stored over taken energy: ``1 / (1 + R I / V)`` [-]."""
         return 1.0 / (1.0 + self.loss_per_rate_h(ageing_factor) * self.charge_rate_per_h)
-
-
-def cycles_to_end_of_life(
-    ageing: Ageing, *, end: float = END_OF_LIFE, cycles_per_month: float = 365.0 / 12.0
-) -> float:
-    """Return the number of cycles, to 0.1 %, after which a share ``end`` of the capacity is left.
-
-    Cycles and age of ``ageing`` are not used; the battery ages by ``cycles_per_month`` [1/month].
-    """
-
-    def left(cycles: float) -> float:
-        aged = ageing.model_copy(
-            update={"cycles": cycles, "months": cycles / cycles_per_month, "seasons_flown": 0.0}
-        )
-        return float(1.0 - aged.calendar_fade() - aged.cycle_fade())
-
-    return bisect(1.0, math.inf, lambda cycles: left(cycles) <= end, lambda cycles: 1e-3 * cycles)

@@ -11,7 +11,7 @@ from sizing.day.balance import Cells, blocks
 from sizing.day.battery import Store
 from sizing.day.march import ChargingDay, DayRun
 from sizing.day.metrics import Cycle, joined, measured
-from sizing.roots import FallingRoots
+from sizing.roots import bracketed_root
 from solar.types import FloatArray, IntArray
 
 # Elements of a batch simulated at once: a day of each array stays near the processor.
@@ -126,12 +126,10 @@ def first_repetition(day: ChargingDay, store: Store) -> tuple[DayRun, IntArray]:
 def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
     """Return the energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
 
-    def gain(rows: IntArray, energy_wh: FloatArray) -> FloatArray:
-        return day.select(rows).end_wh(store.select(rows), energy_wh) - energy_wh
+    def gain(energy_wh: FloatArray) -> FloatArray:
+        return day.end_wh(store, energy_wh) - energy_wh
 
-    empty_wh, every = np.zeros_like(highest_wh), np.arange(len(highest_wh))
-    gains = gain(every, empty_wh), gain(every, highest_wh)
-    search = FallingRoots(empty_wh, highest_wh, *gains, _SETTLED * store.battery_energy_wh)
-    while search.open.size:
-        search.take(gain(search.open, search.trial))
-    return search.root
+    empty_wh = np.zeros_like(highest_wh)
+    root = bracketed_root(gain, empty_wh, highest_wh, _SETTLED)
+    # By rounding a day may gain, or lose, at both ends.
+    return np.where(np.isnan(root), np.where(gain(empty_wh) > 0.0, highest_wh, empty_wh), root)

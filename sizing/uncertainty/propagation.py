@@ -30,7 +30,7 @@ from sizing.performance import Performance, fly
 from sizing.program.schedule import flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
-from sizing.roots import LightestMass
+from sizing.roots import lightest_mass
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import collect_extrapolations, keep_worst
@@ -511,14 +511,14 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
     variables = variables_of(aircraft)
     conditions = FlightConditions.of(mission, aircraft)
 
+    def budget_kg(rows: IntArray, assumed_kg: FloatArray) -> FloatArray:
+        # Drawn inputs are arrays of all draws and cannot be subset.
+        every_kg = np.ones(count)
+        every_kg[rows] = assumed_kg
+        design = parametric_design(aircraft, conditions, variables, every_kg)
+        return np.broadcast_to(np.asarray(design.masses.total_kg, float), (count,))[rows]
+
     start_kg = np.broadcast_to(np.asarray(variables.battery_mass_kg, float), (count,))
-    search = LightestMass(start_kg, _TOLERANCE)
+    total_kg = lightest_mass(budget_kg, start_kg, _TOLERANCE)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        while search.open.size:
-            # Drawn inputs are arrays of all draws and cannot be subset.
-            every = np.ones(count)
-            every[search.open] = search.assumed_kg
-            closing = parametric_design(aircraft, conditions, variables, every)
-            total_kg = np.asarray(closing.masses.total_kg, float)
-            search.take(np.broadcast_to(total_kg, (count,))[search.open])
-        return parametric_design(aircraft, conditions, variables, search.mass_kg)
+        return parametric_design(aircraft, conditions, variables, total_kg)

@@ -1,7 +1,5 @@
 """Mass closure, calibration against AtlantikSolar, and one physics in three arithmetics."""
 
-from itertools import count
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -24,7 +22,6 @@ from sizing.mass_budget import (
     with_total_mass,
 )
 from sizing.performance import performance_of_designs
-from sizing.roots import LightestMass
 
 AT_1_10 = mission(
     altitude_m=brentq(lambda height: float(standard_air(height).density_kg_per_m3) - 1.10, 0, 1e4)
@@ -203,31 +200,6 @@ def test_thermals_are_a_triangle_over_the_lit_day(rise, time):
     assert mirrored == pytest.approx(shape, abs=1e-6)
     # In the polar night sunrise and sunset are both 12 h: no thermals, not even on noon.
     assert not np.any(thermal_shape(np.asarray([time, 12.0]), 12.0, 12.0))
-
-
-def test_the_lightest_of_two_masses_is_found_in_few_rounds():
-    """Budgets of 8 + 0.02 m^2 and the like meet their mass twice, nearly once, or never."""
-
-    def found(fixed_kg):
-        """Masses, and rounds in which they were found."""
-        search = LightestMass(np.ones(len(fixed_kg)))
-        for rounds in count():
-            if not search.open.size:
-                return search.mass_kg, rounds
-            search.take(fixed_kg[search.open] + 0.02 * search.assumed_kg**2)
-        raise AssertionError
-
-    masses, _ = found(np.array([8.0, 12.49, 12.6]))
-    for mass, fixed in zip(masses[:2], (8.0, 12.49), strict=True):
-        lower = (1.0 - np.sqrt(1.0 - 0.08 * fixed)) / 0.04
-        assert mass == pytest.approx(lower, rel=1e-9)
-    assert np.isinf(masses[2])
-    plain, mass_kg = 0, 1.0
-    while abs(3.0 + 0.02 * mass_kg**2 - mass_kg) > 1e-13 * mass_kg:
-        mass_kg, plain = 3.0 + 0.02 * mass_kg**2, plain + 1
-    closed, rounds = found(np.array([3.0]))
-    assert closed == pytest.approx(mass_kg, rel=1e-12)
-    assert rounds <= plain // 2
 
 
 def test_air_and_age_reach_the_capacity_and_the_heater_the_load():
