@@ -71,11 +71,6 @@ def test_capacity_falls_and_resistance_rises_with_age(cycles, months, more, dept
     ):
         assert older.capacity_fraction() < young.capacity_fraction()
         assert older.resistance_factor() > young.resistance_factor()
-    warm = young.model_copy(update={"temperature_c": 35.0, "cycles": cycles + 1.0, "months": 1.0})
-    assert (
-        warm.capacity_fraction()
-        < warm.model_copy(update={"temperature_c": 25.0}).capacity_fraction()
-    )
 
 
 def test_efficiencies_are_the_voltage_that_is_left():
