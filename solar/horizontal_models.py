@@ -7,8 +7,8 @@ Modeling for Solar-Electric UAVs" (the report), table 2 and the equations named 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,7 @@ from solar.clearsky import (
 from solar.heat_balance import Surroundings, balanced_temperature_c
 from solar.modules import STC_TEMPERATURE_C, SolarCell
 from solar.names import CorrectionName, ModelName
-from solar.sun import NOON_H, cos_zenith, declination, hour_angle, sun_arc
+from solar.sun import NOON_H, declination, hour_angle, sun_arc
 from solar.systematic_errors import correction
 from solar.types import FloatArray
 
@@ -158,30 +158,59 @@ def horizontal_specific_power(
     ValueError
         If the model or the correction does not exist, or needs a flight path.
     """
-    convert, corrected = _power_model(model, correct)
+    if isinstance(model, str):
+        convert, corrected = _named_model(model, correct)
+    elif correct == "none":
+        convert, corrected = model, 1.0
+    else:
+        raise ValueError(f"the correction {correct!r} is none of the user's own model")
     factor = corrected * np.asarray(clearness, float)
-    time = np.asarray(time_solar_h, float)
-    if sky is not clear_sky:
-        cos_z = cos_zenith(latitude_deg, declination(day_of_year), hour_angle(time))
-        light = sky(day_of_year, latitude_deg, cos_z, altitude_m)
-        return np.where(
-            cos_z > 0.0, factor * convert(light, cos_z, cell, module_temperature_c), 0.0
+    time, temperature_c = (np.asarray(v, float) for v in (time_solar_h, module_temperature_c))
+    arc = sun_arc(latitude_deg, declination(day_of_year))
+    if sky is clear_sky:
+        of_day = coefficients(day_of_year, latitude_deg)
+        days = [*arc, *of_day, pressure_ratio(altitude_m), factor, temperature_c]
+        if time.ndim == 1 and all(v.shape[-1:] in ((), (1,)) for v in days):
+            return _over_days(convert, cell, days, time)
+    cos_z = np.asarray(arc.mean + arc.amplitude * np.cos(hour_angle(time)))
+    light = sky(day_of_year, latitude_deg, cos_z, altitude_m)
+    return np.where(cos_z > 0.0, factor * convert(light, cos_z, cell, temperature_c), 0.0)
+
+
+# Points computed at once: what a formula needs stays near the processor.
+_POINTS_AT_ONCE = 16384
+
+
+def _over_days(
+    convert: PowerModel, cell: SolarCell, constants: Sequence[FloatArray], time_h: FloatArray
+) -> FloatArray:
+    """Compute the power of days at the same times, in blocks of days, at night nothing.
+
+    ``constants`` of each day, with a last axis of length 1: mean and amplitude of the sun's path,
+    coefficients of the sky, pressure ratio, factor and temperature. Of a day whose times mirror
+    each other about noon, to rounding, the morning is computed alone.
+    """
+    shape = np.broadcast_shapes((1,), *(v.shape for v in constants))
+    days = [np.broadcast_to(v, shape).reshape(-1, 1) for v in constants]
+    result = np.zeros((len(days[0]), len(time_h)))
+    mirrored = np.abs(time_h + time_h[::-1] - 2.0 * NOON_H).max(initial=0.0) <= 1e-12
+    half = (len(time_h) + 1) // 2 if mirrored and np.all(np.diff(time_h) > 0.0) else len(time_h)
+    hours = np.cos(hour_angle(time_h[:half]))
+    step = max(1, _POINTS_AT_ONCE // max(half, 1))
+    for start in range(0, len(result), step):
+        mean, amplitude, *sky, pressure, factor, temperature_c = (
+            v[start : start + step] for v in days
         )
-    # In blocks, and with the constants of a day computed once.
-    skies = _Skies(
-        *sun_arc(latitude_deg, declination(day_of_year)),
-        *coefficients(day_of_year, latitude_deg),
-        pressure_ratio(altitude_m),
-        factor,
-        np.asarray(module_temperature_c, float),
-    )
-
-    def power(part: _Skies, cosine: FloatArray) -> FloatArray:
-        of_day = Coefficients(part.a, part.b, part.c, part.extraterrestrial)
-        irradiance = irradiance_under(of_day, cosine, part.pressure)
-        return part.factor * convert(irradiance, cosine, cell, part.temperature_c)
-
-    return _over_the_day(power, skies, time)
+        cosine = mean + amplitude * hours
+        nodes = np.flatnonzero((cosine > 0.0).any(axis=0))
+        if len(nodes):
+            day = slice(int(nodes[0]), int(nodes[-1]) + 1)
+            light = irradiance_under(Coefficients(*sky), cosine[:, day], pressure)
+            power = factor * convert(light, cosine[:, day], cell, temperature_c)
+            result[start : start + step, day] = power
+    if half < len(time_h):
+        result[:, half:] = result[:, : len(time_h) - half][:, ::-1]
+    return result.reshape((*shape[:-1], len(time_h)))
 
 
 def in_surroundings(
@@ -206,109 +235,11 @@ def in_surroundings(
     return power
 
 
-def _power_model(
-    model: ModelName | PowerModel, correct: CorrectionName
-) -> tuple[PowerModel, float]:
-    """Return the model, and the factor of its correction."""
-    if not isinstance(model, str):
-        if correct != "none":
-            raise ValueError(f"the correction {correct!r} is none of the user's own model")
-        return model, 1.0
+def _named_model(model: ModelName, correct: CorrectionName) -> tuple[PowerModel, float]:
+    """Return CDM or CAM, and the factor of its correction."""
     if model not in HORIZONTAL_MODELS:
         allowed = ", ".join(HORIZONTAL_MODELS)
         raise ValueError(f"unknown horizontal solar power model {model!r}; choose from {allowed}")
     if correct == "loiter":
         raise ValueError("the correction 'loiter' needs a flight path; choose none or report")
     return HORIZONTAL_MODELS[model], correction(model, correct).factor
-
-
-class _Skies(NamedTuple):
-    """Constants of sun, air and modules on each day; arrays that broadcast with the time."""
-
-    mean: FloatArray
-    amplitude: FloatArray
-    a: FloatArray
-    b: FloatArray
-    c: FloatArray
-    extraterrestrial: FloatArray
-    pressure: FloatArray
-    factor: FloatArray
-    temperature_c: FloatArray
-
-
-# Points computed at once: what a formula needs stays near the processor.
-_POINTS_AT_ONCE = 16384
-
-
-def _over_the_day(
-    power: Callable[[_Skies, FloatArray], FloatArray], skies: _Skies, time_h: FloatArray
-) -> FloatArray:
-    """Compute the power of every sky at every time, in blocks, of a symmetric day only a half.
-
-    Points do not depend on each other, so that the result is independent of the blocks.
-    """
-    shape = np.broadcast_shapes(time_h.shape, *(v.shape for v in skies))
-    axis = _axis_of_a_symmetric_day(time_h, skies)
-    if axis is None:
-        result = np.zeros(shape)
-        _fill(result, power, skies, np.cos(hour_angle(time_h)), None)
-        return result
-    count = shape[axis]
-    half = (count + 1) // 2
-    hours = np.cos(hour_angle(time_h.take(range(half), axis)))
-    result = np.zeros(shape)
-    morning = np.moveaxis(result, axis, 0)[:half]
-    _fill(np.moveaxis(morning, 0, axis), power, skies, hours, axis)
-    np.moveaxis(result, axis, 0)[half:] = morning[: count - half][::-1]
-    return result
-
-
-def _axis_of_a_symmetric_day(time_h: FloatArray, skies: _Skies) -> int | None:
-    """Return the axis of time, counted from the last, of a symmetric day, else None."""
-    axes = [axis for axis in range(-time_h.ndim, 0) if time_h.shape[axis] > 1]
-    if len(axes) != 1 or any(v.ndim >= -axes[0] and v.shape[axes[0]] > 1 for v in skies):
-        return None
-    line = time_h.ravel()
-    # Nodes of an even axis are symmetric to rounding.
-    mirrored = np.abs(line + line[::-1] - 2.0 * NOON_H).max() <= 1e-12
-    return axes[0] if mirrored and np.all(np.diff(line) > 0.0) else None
-
-
-def _fill(
-    result: FloatArray,
-    power: Callable[[_Skies, FloatArray], FloatArray],
-    skies: _Skies,
-    cos_hour: FloatArray,
-    time_axis: int | None,
-) -> None:
-    """Compute a result block by block along its first axis of more than one element."""
-    if not result.size:
-        return
-    first = next((axis for axis in range(-result.ndim, 0) if result.shape[axis] > 1), -1)
-    count = result.shape[first] if result.ndim else 1
-    step = max(1, _POINTS_AT_ONCE * count // result.size)
-    for start in range(0, count, step):
-        cut = slice(start, start + step)
-        block_skies = _Skies._make(_cut(v, first, cut) for v in skies)
-        hours, block = _cut(cos_hour, first, cut), _cut(result, first, cut)
-        cosine = np.asarray(block_skies.mean + block_skies.amplitude * hours)
-        daylight = cosine > 0.0
-        if time_axis is not None and cosine.ndim:
-            others = tuple(a for a in range(-cosine.ndim, 0) if a != time_axis)
-            nodes = np.flatnonzero(daylight.any(axis=others))
-            if not len(nodes):
-                continue
-            day = slice(int(nodes[0]), int(nodes[-1]) + 1)
-            cosine, block = _cut(cosine, time_axis, day), _cut(block, time_axis, day)
-        elif not np.any(daylight):
-            continue
-        block[...] = power(block_skies, cosine)
-
-
-def _cut(values: FloatArray, axis: int, part: slice) -> FloatArray:
-    """Return part of an array along an axis counted from the last, if it has that axis."""
-    if values.ndim < -axis or values.shape[axis] == 1:
-        return values
-    index = [slice(None)] * values.ndim
-    index[axis] = part
-    return values[tuple(index)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib import resources
 from typing import Annotated, ClassVar
@@ -20,7 +19,7 @@ from solar.schema import (
     Record,
     UnitInterval,
 )
-from solar.types import FloatArray, IntArray
+from solar.types import FloatArray
 
 STC_TEMPERATURE_C = 25.0
 STC_IRRADIANCE_W_PER_M2 = 1000.0
@@ -78,55 +77,19 @@ class Curve(_Table):
     y: tuple[Real, ...] = Field(min_length=2)
 
     @cached_property
-    def _pieces(self) -> _Pieces:
-        return _Pieces.of(np.asarray(self.x), np.asarray(self.y))
+    def _pieces(self) -> tuple[FloatArray, FloatArray]:
+        """Ends of the pieces, the last one open, and their coefficients."""
+        x = np.asarray(self.x)
+        return np.append(x[1:-1], np.inf), _cubics(x, np.asarray(self.y))
 
     def __call__(self, x: ArrayLike) -> FloatArray:
         """Return the value of the curve at ``x``, shape of ``x``."""
-        return self._pieces.at(np.minimum(np.maximum(x, self.x[0]), self.x[-1]))
-
-
-# Beyond so many bins a piece is searched for instead of looked up.
-_MOST_BINS = 4096
-
-
-@dataclass(frozen=True)
-class _Pieces:
-    """Cubic pieces, evaluated several times faster than by SciPy's general class.
-
-    The axis is divided into equal bins, of which none holds more than one end of a piece: the bin
-    of a value and one comparison tell its piece.
-    """
-
-    begin: FloatArray
-    end: FloatArray
-    cubic: FloatArray
-    bins_per_x: float
-    piece_of_bin: IntArray | None
-
-    @classmethod
-    def of(cls, x: FloatArray, y: FloatArray) -> _Pieces:
-        begin, end = x[:-1], np.append(x[1:-1], np.inf)
-        span = x[-1] - x[0]
-        bins = 2.0 * np.ceil(span / np.diff(x).min())
-        scale = float(bins / span)
-        piece_of_bin = None
-        if bins <= _MOST_BINS:
-            bin_of_end = ((end[:-1] - begin[0]) * scale).astype(np.intp)
-            piece_of_bin = np.searchsorted(bin_of_end, np.arange(int(bins) + 1), side="left")
-        return cls(begin, end, _cubics(x, y), scale, piece_of_bin)
-
-    def at(self, x: FloatArray) -> FloatArray:
-        """Return the value at points within the axis."""
-        if self.piece_of_bin is None:
-            piece = np.searchsorted(self.end, x, side="right")
-        else:
-            place = ((x - self.begin[0]) * self.bins_per_x).astype(np.intp)
-            piece = self.piece_of_bin.take(place, mode="clip")
-            piece += x >= self.end.take(piece)
-        along = x - self.begin.take(piece)
-        value = self.cubic[0].take(piece)
-        for coefficient in self.cubic[1:]:
+        inside = np.minimum(np.maximum(x, self.x[0]), self.x[-1])
+        ends, cubic = self._pieces
+        piece = np.searchsorted(ends, inside, side="right")
+        along = inside - np.asarray(self.x).take(piece)
+        value = cubic[0].take(piece)
+        for coefficient in cubic[1:]:
             value *= along
             value += coefficient.take(piece)
         return np.asarray(value)

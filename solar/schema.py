@@ -197,28 +197,16 @@ class Record(BaseModel, metaclass=_Described):
         """Return the contents of a file that a field names, as read; None by default."""
         return None
 
-    def __copy__(self) -> Self:
-        """Copy the declared fields alone: :meth:`model_copy` changes this copy."""
-        copied = super().__copy__()
-        object.__setattr__(copied, "__dict__", _declared(copied))
-        return copied
-
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a changed copy as pydantic does, marked as not validated."""
+        """Return a changed copy as pydantic does, of declared fields, marked as not validated."""
         copied = super().model_copy(update=update, deep=deep)
-        if update or self.is_unchecked():
-            vars(copied)[_UNCHECKED] = True
+        mark = {_UNCHECKED: True} if update or self.is_unchecked() else {}
+        object.__setattr__(copied, "__dict__", _declared(copied) | mark)
         return copied
 
     def is_unchecked(self) -> bool:
         """Return true for a changed copy, which has not been validated."""
         return _UNCHECKED in vars(self)
-
-    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        """Copy the declared fields alone, deeply."""
-        copied = super().__deepcopy__(memo)
-        object.__setattr__(copied, "__dict__", _declared(copied))
-        return copied
 
 
 class CompletedRecord(Record):

@@ -134,11 +134,12 @@ def test_mirrored_half_is_the_afternoon_computed_by_itself(model, count):
 
 
 @MODELS
-def test_layout_and_blocks_do_not_change_a_digit(model):
+def test_layout_changes_no_more_than_rounding_and_blocks_not_a_digit(model):
     latitude, day = (v.ravel() for v in np.meshgrid(LATITUDES, DAYS, indexing="ij"))
     time_last = power_at(latitude[:, np.newaxis], day[:, np.newaxis], NODES, model=model)
     time_first = power_at(latitude, day, NODES[:, np.newaxis], model=model)
-    np.testing.assert_array_equal(time_first.T, time_last)
+    # The afternoon is computed by itself there, as above.
+    np.testing.assert_allclose(time_first.T, time_last, rtol=1e-11, atol=1e-5)
     for i in range(len(latitude)):
         alone = power_at(latitude[i], day[i], NODES, model=model)
         np.testing.assert_array_equal(alone, time_last[i])
