@@ -4,7 +4,7 @@ The subset of YAML 1.2 that is read has no tags, no merge keys, no octal numbers
 for keys; an unquoted date, time, ``yes`` or ``on`` is text. Limits keep hostile files harmless.
 
 ruamel.yaml keeps places too. It takes 20 ms for a shipped file instead of 2, and 35 ms to import;
-it knows no place of an alias, and limits, keys and scalars would be checked here all the same.
+limits, keys and scalars would be checked here all the same.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 40
 _MAX_EVENTS = 50_000
 _MAX_ALIASES = 50
-_MAX_COPIED = 10_000
+_MAX_VALUES = 60_000
 
 _TOO_DEEP = f"nested too deeply (at most {_MAX_DEPTH} levels)"
 _NOT_YAML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -118,10 +118,10 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
 
 def parse_yaml(text: str, source: str) -> Document:
     """Parse YAML text that holds one mapping; return its data and their places."""
-    root, aliases = _compose(text, source)
+    root = _compose(text, source)
     if root is None:
         raise file_error(source, "the file is empty; it must hold a mapping (key: value)")
-    read = _Reader(root, aliases, source)
+    read = _Reader(root, source)
     if not isinstance(read.data, dict):
         kind = "a list" if isinstance(read.data, list) else f"the single value {shown(read.data)}"
         message = f"the top level must be a mapping (key: value), not {kind}"
@@ -132,8 +132,8 @@ def parse_yaml(text: str, source: str) -> Document:
 def parse_value(text: str) -> Any:
     """Parse a value on one line: a scalar, or a list or mapping in brackets."""
     try:
-        root, aliases = _compose(text.strip(), "")
-        value = None if root is None else _Reader(root, aliases, "").data
+        root = _compose(text.strip(), "")
+        value = None if root is None else _Reader(root, "").data
     except InputError as error:
         message = "; ".join(problem.message for problem in error.problems)
         raise file_error("", f"the value {message}") from error
@@ -167,8 +167,8 @@ def _absolute(value: Any, folder: Path) -> Any:
     return f"{path}/" if value.endswith("/") else path
 
 
-def _compose(text: str, source: str) -> tuple[Any, list[Mark]]:
-    """Return the root node of the only document, None if empty, and places of aliases."""
+def _compose(text: str, source: str) -> Any:
+    """Return the root node of the only document, None if empty."""
     if len(text.encode("utf-8", "replace")) > _MAX_BYTES:
         raise file_error(source, f"is larger than {_MAX_BYTES // 1_000_000} MB")
     text = text.removeprefix("\ufeff")
@@ -177,21 +177,20 @@ def _compose(text: str, source: str) -> tuple[Any, list[Mark]]:
         raise InputError([Problem(source, *_place_of(text, odd.start()), "", message)])
     try:
         # Checked first: the composer of libyaml recurses in C and would crash on deep nesting.
-        aliases = _checked_aliases(text, source, _Loader)
+        _check_limits(text, source, _Loader)
         root: Any = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as error:
         raise _syntax_error(error, text, source) from error
     empty = isinstance(root, yaml.ScalarNode) and not (root.value or root.style)
-    return None if empty else root, aliases
+    return None if empty else root
 
 
-def _checked_aliases(text: str, source: str, loader: Any) -> list[Mark]:
-    """Refuse explicit tags and exceeded limits; return the places of aliases."""
-    depth = documents = 0
-    aliases: list[Mark] = []
+def _check_limits(text: str, source: str, loader: Any) -> None:
+    """Refuse explicit tags and exceeded limits."""
+    depth = documents = aliases = 0
     for count, event in enumerate(yaml.parse(text, Loader=loader)):
         documents += isinstance(event, yaml.DocumentStartEvent)
-        aliases += [_place_in_file(event)] if isinstance(event, yaml.AliasEvent) else []
+        aliases += isinstance(event, yaml.AliasEvent)
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if tag := getattr(event, "tag", None):
@@ -203,12 +202,11 @@ def _checked_aliases(text: str, source: str, loader: Any) -> list[Mark]:
             message = _TOO_DEEP
         elif count >= _MAX_EVENTS:
             message = "too many values in one file"
-        elif len(aliases) > _MAX_ALIASES:
+        elif aliases > _MAX_ALIASES:
             message = f"too many aliases (at most {_MAX_ALIASES})"
         else:
             continue
         raise InputError([Problem(source, *_place_in_file(event), "", message)])
-    return aliases
 
 
 def _syntax_error(error: yaml.YAMLError, text: str, source: str) -> InputError:
@@ -221,7 +219,7 @@ def _syntax_error(error: yaml.YAMLError, text: str, source: str) -> InputError:
     opened, closed = (sum(map(before.count, pair)) for pair in ("[{", "]}"))
     if opened - closed > _MAX_DEPTH:
         with contextlib.suppress(yaml.YAMLError):
-            _checked_aliases(before, source, _PythonLoader)
+            _check_limits(before, source, _PythonLoader)
     mark = mark or start
     what = [getattr(error, name, None) for name in ("context", "problem")]
     words = " ".join(" ".join(part for part in what if part).split()) or "unreadable"
@@ -246,69 +244,52 @@ def _place_in_file(item: Any) -> Mark:
 class _Reader:
     """Converter of nodes to plain data, a copy for each alias, with places and problems."""
 
-    def __init__(self, root: Any, aliases: list[Mark], source: str) -> None:
+    def __init__(self, root: Any, source: str) -> None:
         self.keys: dict[KeyPath, Mark] = {}
         self.values: dict[KeyPath, Mark] = {}
         self._problems: list[Problem] = []
         self._source = source
-        self._aliases = iter(aliases)
-        self._seen: set[int] = set()
-        self._copied = 0
+        self._count = 0
         self.data = self._plain(root, (), ())
         if self._problems:
             raise InputError(self._problems)
 
-    def _note(self, mark: Mark, path: KeyPath, message: str) -> None:
-        self._problems.append(Problem(self._source, *mark, dotted(path), message))
+    def _note(self, node: Any, path: KeyPath, message: str) -> None:
+        self._problems.append(Problem(self._source, *_place_in_file(node), dotted(path), message))
 
-    def _place(self, node: Any, alias: Mark | None) -> tuple[Mark, Mark | None]:
-        """Return the place of a node, and the place of the alias it belongs to."""
-        if alias is None and id(node) in self._seen:
-            alias = next(self._aliases)
-            return alias, alias
-        self._seen.add(id(node))
-        self._copied += alias is not None
-        return _place_in_file(node), alias
-
-    def _plain(
-        self, node: Any, path: KeyPath, around: tuple[Any, ...], alias: Mark | None = None
-    ) -> Any:
+    def _plain(self, node: Any, path: KeyPath, around: tuple[Any, ...]) -> Any:
         """Return the data of a node; ``around``: the nodes that contain it."""
-        mark, alias = self._place(node, alias)
-        self.values[path] = mark
+        self._count += 1
+        self.values[path] = _place_in_file(node)
         if isinstance(node, yaml.ScalarNode):
             return _VALUES.get(node.tag, str)(node.value)
         for holds, message in (
             (node in around, "an alias refers to a value that contains it"),
             (len(around) >= _MAX_DEPTH, _TOO_DEEP),
-            (self._copied > _MAX_COPIED, "too many values after the expansion of aliases"),
+            (self._count > _MAX_VALUES, "too many values after the expansion of aliases"),
         ):
             if holds:
-                self._note(alias or mark, path, message)
+                self._note(node, path, message)
                 raise InputError(self._problems)
         around = (*around, node)
         if isinstance(node, yaml.SequenceNode):
-            items = enumerate(node.value)
-            return [self._plain(item, (*path, i), around, alias) for i, item in items]
+            return [self._plain(item, (*path, i), around) for i, item in enumerate(node.value)]
         data: dict[str, Any] = {}
         for key_node, value_node in node.value:
-            key_mark, key_alias = self._place(key_node, alias)
-            key = self._key(key_node, key_mark, path, key_alias != alias)
+            key = self._key(key_node, path)
             below = path if key is None else (*path, key)
-            value = self._plain(value_node, below, around, alias)
+            value = self._plain(value_node, below, around)
             if key in data:
                 line = self.keys[below][0]
-                self._note(key_mark, below, f"duplicate key (first at line {line})")
+                self._note(key_node, below, f"duplicate key (first at line {line})")
             elif key is not None:
-                self.keys[below] = key_mark
+                self.keys[below] = _place_in_file(key_node)
                 data[key] = value
         return data
 
-    def _key(self, node: Any, mark: Mark, path: KeyPath, alias: bool) -> str | None:
+    def _key(self, node: Any, path: KeyPath) -> str | None:
         """Return the text of a key; None, with a problem noted, if not plain text."""
-        if alias:
-            message = "a key must be text (got an alias)"
-        elif isinstance(node, yaml.CollectionNode):
+        if isinstance(node, yaml.CollectionNode):
             kind = "a list" if isinstance(node, yaml.SequenceNode) else "a mapping"
             message = f"a key must be text (got {kind})"
         elif node.tag in _VALUES:
@@ -318,5 +299,5 @@ class _Reader:
             message = "merge keys (<<) are not allowed; write the keys out"
         else:
             return str(node.value)
-        self._note(mark, path, message)
+        self._note(node, path, message)
         return None

@@ -10,7 +10,9 @@ def test_aliases_give_independent_copies():
     assert document.data == {"a": {"b": [1]}, "c": {"b": [1]}}
     changed = with_overrides(document, ["c.b.0=2"])
     assert changed.data == {"a": {"b": [1]}, "c": {"b": [2]}}
-    assert document.value_marks["c",] == (2, 4)
+    assert document.key_marks["c",] == (2, 1)
+    # A value stands where it is written.
+    assert document.value_marks["c",] == (1, 7)
     assert document.value_marks["c", "b"] == (1, 11)
 
 
