@@ -12,7 +12,7 @@ def test_aliases_give_independent_copies():
     assert changed.data == {"a": {"b": [1]}, "c": {"b": [2]}}
     assert document.key_marks["c",] == (2, 1)
     # A value stands where it is written.
-    assert document.value_marks["c",] == (1, 7)
+    assert document.value_marks["c",] == (1, 4)
     assert document.value_marks["c", "b"] == (1, 11)
 
 
