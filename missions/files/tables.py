@@ -16,11 +16,12 @@ from solar.types import FloatArray
 class TextTable(NamedTuple):
     """Table with the lines of its parts, counted from 1; names and keys are in lower case.
 
-    ``header``: values of comment lines ``# key: value``. ``line``: that of the names, None without.
-    ``separator``: of the fields, a comma, or None for blanks.
+    ``header``, ``lines``: values and lines of comments ``# key: value``. ``line``: that of the
+    names, None without. ``separator``: of the fields, a comma, or None for blanks.
     """
 
     header: dict[str, str]
+    lines: dict[str, int]
     line: int | None
     names: list[str]
     separator: str | None
@@ -30,13 +31,17 @@ class TextTable(NamedTuple):
 def text_table(text: str) -> TextTable:
     """Split a text into comments, names and rows."""
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
-    comments = (line.lstrip("# \t").partition(":") for _, line in lines if line.startswith("#"))
-    header = {key.strip().lower(): value.strip() for key, colon, value in comments if colon}
+    header, places = {}, {}
+    for number, line in lines:
+        key, colon, value = line.lstrip("# \t").partition(":")
+        if line.startswith("#") and colon:
+            name = key.strip().lower()
+            header[name], places[name] = value.strip(), number
     content = [(number, line) for number, line in lines if line and not line.startswith("#")]
-    number, first = content[0] if content else (None, "")
+    at, first = content[0] if content else (None, "")
     separator = "," if "," in first else None
     names = [name.strip().lower() for name in first.split(separator)]
-    return TextTable(header, number, names, separator, content[1:])
+    return TextTable(header, places, at, names, separator, content[1:])
 
 
 def number_rows(

@@ -324,19 +324,18 @@ def _fill_gaps(
         most = f"at most {round(100 * MAXIMUM_FILLED)} %, which are filled"
         raise refused(f"lacks light in {count} of {len(empty)} rows; allowed: {most}")
     per_day = round(SECONDS_PER_DAY / interval_s)
-    copied = 0
-    for begin, stop in runs_of(empty).tolist():
-        short = (stop - begin) * interval_s <= SHORT_GAP_H * SECONDS_PER_HOUR
-        copied += 0 if short else stop - begin
-        for name, values in light.items():
-            clear = sun.clear[name]
-            daylight = clear > 10.0
-            share = np.where(daylight, values / np.where(daylight, clear, 1.0), np.nan)
-            known = np.flatnonzero(np.isfinite(share))
-            bridge = np.ones(stop - begin)
-            if len(known):
-                bridge = np.interp(np.arange(begin, stop), known, share[known])
-            fill = bridge if short else _copy_nearest_days(share, bridge, begin, per_day)
+    gaps = runs_of(empty).tolist()
+    short = SHORT_GAP_H * SECONDS_PER_HOUR / interval_s  # rows
+    copied = sum(stop - begin for begin, stop in gaps if stop - begin > short)
+    for name, values in light.items():
+        clear = sun.clear[name]
+        share = np.where(clear > 10.0, values / np.maximum(clear, 10.0), np.nan)
+        known, rows = np.flatnonzero(np.isfinite(share)), np.arange(len(share))
+        bridge = np.interp(rows, known, share[known]) if len(known) else np.ones(len(share))
+        for begin, stop in gaps:
+            fill = bridge[begin:stop]
+            if stop - begin > short:
+                fill = _copy_nearest_days(share, fill, begin, per_day)
             values[begin:stop] = fill * clear[begin:stop]
     notes = [f"{count - copied} rows filled between their neighbours"] if count > copied else []
     if copied:

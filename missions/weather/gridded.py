@@ -201,24 +201,17 @@ def _means_between_rows(values: FloatArray, index: pd.DatetimeIndex) -> FloatArr
 
 def _nearest_point(data: xr.Dataset, mission: Mission | None) -> xr.Dataset:
     """Return the data of the grid point nearest to the mission."""
-    north = netcdf.latitudes_deg(netcdf.axis_of(data, "latitude"))
-    east = np.atleast_1d(netcdf.axis_of(data, "longitude").to_numpy()).astype(float)
-    to_north = None if mission is None else mission.latitudes()[0]
-    to_east = None if mission is None else mission.longitude_deg
-    for name, values, degrees in (("latitude", north, to_north), ("longitude", east, to_east)):
+    wanted = (None, None) if mission is None else (mission.latitudes()[0], mission.longitude_deg)
+    place = {}
+    for name, degrees in zip(("latitude", "longitude"), wanted, strict=True):
+        values = netcdf.degrees_of(netcdf.axis_of(data, name))
         if not len(values) or not np.all(np.isfinite(values)):
             raise refused(f"has a {name} without values, or one that is no number")
         if degrees is None and len(values) > 1:
             key = f"{name}_deg"
             raise refused(f"has {len(values)} values of {key}: give {key} on the mission")
-    i = 0 if to_north is None else int(np.argmin(np.abs(north - to_north)))
-    spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
-    if to_north is not None and abs(north[i] - to_north) > spacing:
-        raise netcdf.not_of_the_mission("latitudes", north, to_north)
-    j = 0
-    if to_east is not None and len(east) > 1:
-        j = netcdf.nearest_longitude(east, to_east)
-    place = {"latitude": i, "longitude": j}
+        alone = len(values) == 1
+        place[name] = 0 if alone or degrees is None else netcdf.nearest(name, values, degrees)
     return data.isel({name: index for name, index in place.items() if name in data.dims})
 
 

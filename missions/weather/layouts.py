@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import re
 import warnings
 from collections.abc import Callable, Mapping
@@ -22,6 +21,7 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import InputError, Problem, printable, refused, shortened, shown
+from missions.files.tables import number_of, text_table
 from missions.mission import Mission
 from missions.weather.gridded import columns_named, read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
@@ -228,14 +228,11 @@ def _site(
 ) -> Site:
     """Return the site of a file's head; ``altitude``, ``zone``: names of these numbers in it."""
     values = []
-    for key, allowed in zip(("latitude", "longitude", altitude, zone), _SITE.values(), strict=True):
+    for key in ("latitude", "longitude", altitude, zone):
         try:
-            value = float(head[key]) if key else 0.0
+            values.append(float(head[key]) if key else 0.0)
         except (KeyError, TypeError, ValueError):
             raise refused(f"its head has no number for {key}") from None
-        if trouble := allowed.trouble("", value):
-            raise refused(trouble, line=1, key=key)
-        values.append(value)
     return Site(name, *values)
 
 
@@ -254,8 +251,6 @@ _CSV_COLUMNS = {
     "wind_m_per_s": "wind_speed",
     "wind_speed": "wind_speed",
 }
-_CSV_COMMENTS = re.compile(r"(?:(?:#[^\n]*)?\n)*")
-_ROW = re.compile(r"\S[^\n]*")
 _CSV_HELP = (
     "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
     "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "
@@ -265,37 +260,38 @@ _CSV_HELP = (
 
 def _plain(text: str) -> RawTable:
     """Read a plain CSV table with its site in comment lines."""
-    start = _CSV_COMMENTS.match(text).end()  # type: ignore[union-attr]  # matches any text
-    comments, end = text[:start].split("\n")[:-1], text.find("\n", start)
-    header, begin = text[start : end if end >= 0 else None], len(comments)
-    meta, problems = _site_lines(comments)
-    if not header or header.startswith("#"):
-        raise refused(f"has no table: {_CSV_HELP}")
-    names = [name.strip() for name in next(csv.reader([header]))]
-    unknown = [name for name in names if name not in _CSV_COLUMNS]
+    head = text_table(text[:HEAD_LENGTH])
+    names = [name.strip('"') for name in head.names]
     chosen = [_CSV_COLUMNS[name] for name in names if name in _CSV_COLUMNS]
-    if "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
+    if head.line is None or "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
         raise refused(f"is no weather file that is known: {_CSV_HELP}")
-    if unknown:
+    problems = []
+    if unknown := [name for name in names if name not in _CSV_COLUMNS]:
         message = f"unknown columns: {', '.join(unknown[:5])}; known: {', '.join(_CSV_COLUMNS)}"
-        problems.append(Problem("", begin + 1, None, "", message))
+        problems.append(Problem("", head.line, None, "", message))
     if len(set(chosen)) < len(chosen):
-        problems.append(Problem("", begin + 1, None, "", "names a column twice"))
-    problems += [
-        Problem("", None, None, "", f"lacks the line '# {key}: ...': {_CSV_HELP}")
-        for key in ("latitude_deg", "longitude_deg", "altitude_m")
-        if key not in meta
-    ]
-    row = _ROW.search(text, start + len(header))
-    count = len(next(csv.reader([row[0]]))) if row else 0
-    if row and count > len(names):  # pandas would take the first of them for the names of rows
-        message = f"has {count} values, but the table names {len(names)} columns"
-        line = begin + 1 + text.count("\n", start, row.start())
-        problems.append(Problem("", line, None, "", message))
+        problems.append(Problem("", head.line, None, "", "names a column twice"))
+    site: dict[str, Any] = {"name": head.header.get("name", head.header.get("site", ""))}
+    for key, allowed in _SITE.items():
+        value = head.header.get(key, "0" if key == "utc_offset_h" else None)
+        site[key] = number_of(value or "")
+        if value is None:
+            message = f"lacks the line '# {key}: ...': {_CSV_HELP}"
+            problems.append(Problem("", None, None, "", message))
+        elif not allowed.holds(site[key]):
+            message = refusal(f"must be a number {allowed}", shown(value))
+            problems.append(Problem("", head.lines[key], None, key, message))
+    for line, row in head.rows[:1]:
+        # Of a longer row pandas would take the first values for the names of rows.
+        if (count := row.count(",") + 1) > len(names):
+            message = f"has {count} values, but the table names {len(names)} columns"
+            problems.append(Problem("", line, None, "", message))
     if problems:
         raise InputError(problems)
     # As bytes: text in memory takes four of them for a character.
-    content = io.BytesIO(text[start:].encode("utf-8", "surrogatepass"))
+    content = io.BytesIO(text.encode("utf-8", "surrogatepass"))
+    for _ in range(head.line - 1):
+        content.readline()
     table = pd.read_csv(content, skipinitialspace=True)
     table.columns = pd.Index(chosen)
     written = table.pop("time")
@@ -304,33 +300,10 @@ def _plain(text: str) -> RawTable:
     if len(wrong):
         got = shown(str(written.iloc[wrong[0]]))
         message = refusal("must be ISO 8601 like 2023-06-21T12:00Z", got)
-        raise refused(message, line=begin + 2 + int(wrong[0]), key="time_utc", rows=len(wrong))
+        line = head.line + 1 + int(wrong[0])
+        raise refused(message, line=line, key="time_utc", rows=len(wrong))
     table = table.set_index(pd.DatetimeIndex(times))
-    site = Site(**{"name": "", "utc_offset_h": 0.0, **meta})
-    return RawTable(site, table, START, first_line=begin + 2)
-
-
-def _site_lines(lines: list[str]) -> tuple[dict[str, Any], list[Problem]]:
-    """Return the values of comment lines ``# key: value``, and problems with them."""
-    meta: dict[str, Any] = {}
-    problems = []
-    for number, line in enumerate(lines, start=1):
-        if not line.startswith("#"):
-            break
-        key, colon, value = line.lstrip("# ").partition(":")
-        key, value = key.strip(), value.strip()
-        if key in ("name", "site") and colon:
-            meta["name"] = value
-        if key not in _SITE or not colon:
-            continue
-        try:
-            meta[key] = float(value)
-        except ValueError:
-            meta[key] = math.nan
-        if not _SITE[key].holds(meta[key]):
-            message = refusal(f"must be a number {_SITE[key]}", shown(value))
-            problems.append(Problem("", number, None, key, message))
-    return meta, problems
+    return RawTable(Site(**site), table, START, first_line=head.line + 1)
 
 
 # SAM's first line: its names of all numbers of a head, in any order.

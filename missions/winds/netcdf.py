@@ -71,12 +71,12 @@ def wind_table_from_netcdf(
         ]
         if u.shape != v.shape:
             raise refused("has components of the wind on different axes")
-        longitudes = u["longitude"].to_numpy().astype(float)
+        longitudes = degrees_of(u["longitude"])
         at = f"all {len(longitudes)} longitudes" if len(longitudes) > 1 else "one longitude"
         if longitude_deg is not None:
-            nearest = nearest_longitude(longitudes, longitude_deg)
-            u, v = (wind[..., nearest : nearest + 1] for wind in (u, v))
-            east = spell(east_deg(longitudes[nearest]))
+            at_east = nearest("longitude", longitudes, longitude_deg)
+            u, v = (wind[..., at_east : at_east + 1] for wind in (u, v))
+            east = spell(east_deg(longitudes[at_east]))
             at = f"longitude {east}, nearest to {spell(longitude_deg)}"
         if u["time"].dtype.kind != "M":
             raise refused("has times that are no dates")
@@ -84,7 +84,7 @@ def wind_table_from_netcdf(
         altitude_m = altitudes_m(u["level"])
         kept = (altitude_m >= MINIMUM_ALTITUDE_M) & (altitude_m <= MAXIMUM_ALTITUDE_M)
         levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
-        latitudes = latitudes_deg(u["latitude"])
+        latitudes = degrees_of(u["latitude"])
         if not len(levels):
             raise refused(f"has no level up to {spell(MAXIMUM_ALTITUDE_M)} m")
         percentiles = np.unique([*PERCENTILES, *([] if also is None else [also])])
@@ -223,10 +223,10 @@ def _component(data: xr.Dataset, *names: str) -> xr.DataArray:
     return component.transpose(*AXES)
 
 
-def latitudes_deg(axis: xr.DataArray) -> FloatArray:
-    """Return the latitudes of a grid [deg]."""
+def degrees_of(axis: xr.DataArray) -> FloatArray:
+    """Return the latitudes or longitudes of a grid [deg]."""
     values = np.atleast_1d(axis.to_numpy()).astype(float)
-    if np.any(np.abs(values) > 90.0):
+    if axis.name == "latitude" and np.any(np.abs(values) > 90.0):
         raise refused("has latitudes beyond 90 degrees: its axes may be swapped")
     return values
 
@@ -236,14 +236,14 @@ def east_deg(longitude_deg: float) -> float:
     return (longitude_deg + 180.0) % 360.0 - 180.0
 
 
-def nearest_longitude(longitudes: FloatArray, longitude_deg: float) -> int:
-    """Return the index of the nearest longitude, at most a grid spacing away."""
-    away = np.abs((longitudes - longitude_deg + 180.0) % 360.0 - 180.0)
-    nearest = int(np.argmin(away))
-    spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
-    if away[nearest] > max(spacing, 1e-6):
-        raise not_of_the_mission("longitudes", longitudes, longitude_deg)
-    return nearest
+def nearest(axis: str, values: FloatArray, degrees: float) -> int:
+    """Return the index of the nearest latitude or longitude, at most a grid spacing away."""
+    away = np.abs((values - degrees + 180.0) % 360.0 - 180.0)
+    index = int(np.argmin(away))
+    spacing = float(np.min(np.diff(np.sort(values)))) if len(values) > 1 else 0.0
+    if away[index] > max(spacing, 1e-6):
+        raise not_of_the_mission(f"{axis}s", values, degrees)
+    return index
 
 
 def not_of_the_mission(name: str, known: FloatArray, needed: float) -> InputError:
