@@ -18,59 +18,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, printable, refused
 from missions.files.texts import open_plain, read_plain_file
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
 from missions.logs.table import REQUIRED, FlightLog, log_from_table, sampled
 from missions.logs.units import ATTITUDE, EPOCH, MPPT
-from solar.types import BoolArray, FloatArray
+from solar.types import FloatArray
 
 _FIX_3D = 3
 _STREAM = re.compile(r"([A-Za-z0-9_]+)(?:\[\d+\])?\.")
-
-
-class Stream(NamedTuple):
-    """Messages over time since boot [s]; ``kind``: their name in the format, topic or message."""
-
-    name: str
-    time_s: FloatArray
-    fields: Mapping[str, NDArray[Any]]
-    kind: str = "message"
-
-    def field(self, *names: str) -> FloatArray:
-        """Return the first of the named fields that exists."""
-        for name in names:
-            if name in self.fields:
-                return np.asarray(self.fields[name], float)
-        message = f"{printable(self.name)} has no field {' or '.join(names)}"
-        raise refused(f"{self.kind} {message}")
-
-    def has_fix(self, status: str) -> BoolArray:
-        """Flag messages with a 3D position; all of them where no field says so."""
-        if status not in self.fields:
-            return np.ones(len(self.time_s), bool)
-        return np.asarray(self.fields[status] >= _FIX_3D)
-
-    def boot_s(self, known: BoolArray, universal_s: FloatArray) -> float:
-        """Return the universal time of the boot [s since 1970] by the satellites."""
-        if not known.any():
-            name = printable(self.name)
-            raise refused(f"{self.kind} {name} never knows the universal time")
-        return float(np.median((universal_s - self.time_s)[known]))
-
-    def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, pd.Series]:
-        """Return quantities at the times of the messages."""
-        return {name: pd.Series(np.asarray(v, float), self.time_s) for name, v in values.items()}
-
-    def rising(self) -> Stream:
-        """Return the stream without messages whose times do not rise, as in damaged logs."""
-        keep = np.isfinite(self.time_s)
-        highest = np.maximum.accumulate(np.where(keep, self.time_s, -np.inf))
-        keep &= np.concatenate(([True], self.time_s[1:] > highest[:-1]))
-        fields = {name: values[keep] for name, values in self.fields.items()}
-        return self._replace(time_s=self.time_s[keep], fields=fields)
 
 
 def kinds_named(layout: ColumnMap) -> set[str]:
@@ -80,11 +37,16 @@ def kinds_named(layout: ColumnMap) -> set[str]:
 
 
 class Streams:
-    """Streams of a log by name, and quantities that a layout makes of ``STREAM.FIELD``."""
+    """Messages by their name over time since boot [s], and what a layout makes of ``NAME.FIELD``.
 
-    def __init__(self, streams: Mapping[str, Stream], layout: ColumnMap, source: str) -> None:
-        self.streams, self.layout, self.source = streams, layout, source
-        header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
+    ``kind``: what the format calls messages of a name.
+    """
+
+    def __init__(
+        self, streams: Mapping[str, pd.DataFrame], layout: ColumnMap, source: str, kind: str
+    ) -> None:
+        self.streams, self.layout, self.source, self.kind = streams, layout, source, kind
+        header = [f"{name}.{field}" for name, stream in streams.items() for field in stream]
         recipes = recipes_for(header, layout, guess=False)
         if recipes.problems:
             raise InputError(Problem("", None, None, "", text) for text in recipes.problems)
@@ -96,21 +58,50 @@ class Streams:
         """Make a quantity at the times of its first stream, with the power of each MPPT."""
         if recipe.value is not None:
             return {recipe.quantity: pd.Series([recipe.value], [np.nan])}
-        first = self.streams[recipe.columns[0].rpartition(".")[0]].time_s
+        first = self.streams[recipe.columns[0].rpartition(".")[0]].index.to_numpy()
 
         def column(name: str) -> FloatArray:
             stream, _, field = name.rpartition(".")
-            values = self.streams[stream].series({name: self.streams[stream].fields[field]})
-            return sampled(values[name], first)
+            return sampled(self.streams[stream][field], first)
 
         return {name: pd.Series(values, first) for name, values in recipe.values(column).items()}
 
-    def needed(self, names: Sequence[str], lack: str) -> Stream:
-        """Return the first of the named streams that exists."""
+    def needed(self, names: Sequence[str], use: str = "") -> str:
+        """Return the first of the names that has messages."""
         for name in names:
             if name in self.streams:
-                return self.streams[name]
-        raise refused(lack)
+                return name
+        raise refused(f"has no {self.kind} {' or '.join(names)}{use}")
+
+    def field(self, name: str, *fields: str) -> pd.Series:
+        """Return the first of the named fields that exists."""
+        for field in fields:
+            if field in self.streams[name]:
+                return self.streams[name][field].astype(float)
+        raise refused(f"{self.kind} {printable(name)} has no field {' or '.join(fields)}")
+
+    def fixed(self, name: str, status: str) -> pd.Series:
+        """Flag messages with a 3D position; all of them where no field says so."""
+        stream = self.streams[name]
+        return stream.get(status, pd.Series(_FIX_3D, stream.index)) >= _FIX_3D
+
+    def boot_s(self, name: str, universal_s: pd.Series) -> float:
+        """Return the universal time of the boot [s since 1970] by the satellites, where known."""
+        if universal_s.isna().all():
+            raise refused(f"{self.kind} {printable(name)} never knows the universal time")
+        return float((universal_s - universal_s.index).median())
+
+    def battery(
+        self, name: str, volts: str, amps: str, charge: str, unit: float
+    ) -> dict[str, pd.Series]:
+        """Return load [W] and state of charge by a battery monitor, as far as it knows them."""
+        stream, made = self.streams.get(name, ()), {}
+        if volts in stream and amps in stream:
+            made["load_w"] = self.field(name, volts) * self.field(name, amps)
+        if charge in stream:
+            share = unit * self.field(name, charge)
+            made["state_of_charge"] = share.where(share.between(0.0, 1.0))
+        return made
 
     def no_power(self, example: str) -> InputError:
         """Return the error of a log that does not say which message has the solar power."""
@@ -163,43 +154,35 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))
-    every, series = Streams(topics, layout, source), dict[str, pd.Series]()
+    every, series = Streams(topics, layout, source, "topic"), dict[str, pd.Series]()
     if "solar_power_w" not in every.mapped:
         if _POWER_TOPIC not in topics:
             raise every.no_power(_PX4_EXAMPLE)
         # Mean voltage of the MPPTs in use, power of all of them and of each.
         power = topics[_POWER_TOPIC]
-        count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
+        count = max(sum(str(name).startswith("mppt_volt[") for name in power), 1)
         volt, amp = (
-            np.array([power.field(f"{name}[{i}]") for i in range(count)])
+            pd.concat([every.field(_POWER_TOPIC, f"{name}[{i}]") for i in range(count)], axis=1)
             for name in ("mppt_volt", "mppt_amp")
         )
-        used = np.any(volt != 0.0, axis=1)
-        mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
-        mppts = {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)}
-        if used.sum() > 1:
-            mppts |= {f"{MPPT}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
-        series |= power.series(mppts)
-    lack = f"has no topic {' or '.join(_POSITION_TOPICS)}: needed for position and universal time"
-    position = every.needed(_POSITION_TOPICS, lack)
-    fixed = position.has_fix("fix_type")
+        volt.columns = amp.columns = pd.RangeIndex(count)
+        used, each = volt.loc[:, (volt != 0.0).any()], volt * amp
+        series["mppt_voltage_v"] = used.mean(axis=1, skipna=False)
+        series["solar_power_w"] = each.sum(axis=1, skipna=False)
+        if used.shape[1] > 1:
+            series |= {f"{MPPT}mppt {i}": each[i] for i in used}
+    position = every.needed(_POSITION_TOPICS, ": needed for position and universal time")
+    fixed = every.fixed(position, "fix_type")
     for column, (new, old, unit) in _POSITION_FIELDS.items():
-        values = position.field(new, old) * (1.0 if new in position.fields else unit)
-        series |= position.series({column: np.where(fixed, values, np.nan)})
+        values = every.field(position, new, old)
+        series[column] = (values if new in topics[position] else values * unit).where(fixed)
     if not all(name in every.mapped for name in ATTITUDE):
-        lack = "has no topic vehicle_attitude: needed for the attitude"
-        series |= _euler_deg(every.needed(("vehicle_attitude",), lack))
-    if battery := topics.get("battery_status"):
-        # Load and state of charge are not known where they are negative.
-        fields = {name: np.asarray(values, float) for name, values in battery.fields.items()}
-        if "voltage_v" in fields and "current_a" in fields:
-            amp = np.where(fields["current_a"] == -1.0, np.nan, fields["current_a"])
-            series |= battery.series({"load_w": fields["voltage_v"] * amp})
-        if "remaining" in fields:
-            share = np.where(fields["remaining"] < 0.0, np.nan, fields["remaining"])
-            series |= battery.series({"state_of_charge": share})
-    utc = position.field("time_utc_usec") / 1e6
-    boot_s = position.boot_s((utc > 0.0) & fixed, utc)
+        series |= _euler_deg(
+            every, every.needed(("vehicle_attitude",), ": needed for the attitude")
+        )
+    series |= every.battery("battery_status", "voltage_v", "current_a", "remaining", 1.0)
+    utc = every.field(position, "time_utc_usec") / 1e6
+    boot_s = every.boot_s(position, utc.where(fixed & (utc > 0.0)))
     return every.log(series, boot_s, damage, "battery_status")
 
 
@@ -259,7 +242,7 @@ def _characters_of(
     return known[name]
 
 
-def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream], list[str]]:
+def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, pd.DataFrame], list[str]]:
     """Return the topics of the log, the first instance without a number, and notes on losses."""
     try:
         from pyulog import ULog
@@ -279,16 +262,17 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
             raise refused("is not a ULog: its formats are nested too deeply") from None
         except Exception as error:  # pyulog raises whatever its parsing trips over
             raise refused(f"is not a ULog: {printable(str(error))[:200]}") from None
-    topics: dict[str, Stream] = {}
+    topics: dict[str, pd.DataFrame] = {}
     for data in sorted(log.data_list, key=lambda d: int(d.multi_id)):
-        fields = {str(k): np.asarray(v) for k, v in data.data.items()}
-        name = str(data.name)
-        if "timestamp" not in fields:
+        name, topic = str(data.name), pd.DataFrame(data.data)
+        if "timestamp" not in topic:
             raise refused(f"topic {printable(name)} has no field timestamp")
-        if len(fields["timestamp"]):
+        topic.index = pd.Index(topic["timestamp"].to_numpy(float) / 1e6)
+        if name == "battery_status" and "current_a" in topic:  # unknown where it is -1
+            topic["current_a"] = topic["current_a"].where(topic["current_a"] != -1.0)
+        if len(topic):
             # Instances are counted by where they first stand: some logs begin at 1.
             name = name if name not in topics else f"{name}[{int(data.multi_id)}]"
-            topic = Stream(name, np.asarray(fields["timestamp"], float) / 1e6, fields, "topic")
             topics.setdefault(name, topic)
     lost = [_DAMAGED] if log.file_corruption else []
     if dropouts := getattr(log, "dropouts", ()):
@@ -297,21 +281,20 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     return topics, lost
 
 
-def _euler_deg(attitude: Stream) -> dict[str, pd.Series]:
+def _euler_deg(every: Streams, attitude: str) -> dict[str, pd.Series]:
     """Return roll, pitch and yaw [deg] from the quaternion body (FRD) to North-East-Down.
 
     Source: Beard & McLain, Small Unmanned Aircraft (2012), eq. B.1 to B.3.
     """
-    w, x, y, z = (attitude.field(f"q[{i}]") for i in range(4))
+    w, x, y, z = (every.field(attitude, f"q[{i}]") for i in range(4))
     # Normalised: single precision and estimators leave a quaternion a little off the unit.
     norm = np.sqrt(w * w + x * x + y * y + z * z)
-    norm = np.where(norm > 0.0, norm, np.nan)
+    norm = norm.where(norm > 0.0)
     w, x, y, z = w / norm, x / norm, y / norm, z / norm
     roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    degrees = map(np.degrees, (roll, pitch, yaw))
-    return attitude.series(dict(zip(ATTITUDE, degrees, strict=True)))
+    return dict(zip(ATTITUDE, map(np.degrees, (roll, pitch, yaw)), strict=True))
 
 
 # ---- ArduPilot DataFlash
@@ -354,30 +337,30 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)
     streams, skipped = _read_streams(content, {*_KINDS, *kinds_named(layout)})
-    every = Streams(streams, layout, source)
+    every = Streams(streams, layout, source, "message")
     if "solar_power_w" not in every.mapped:
         raise every.no_power(_ARDUPILOT_EXAMPLE)
-    gps = every.needed(("GPS",), "has no messages GPS")
-    place = {name: gps.field(field) for name, field in _GPS_FIELDS.items()}
-    fixed = gps.has_fix("Status")
-    series = gps.series({name: np.where(fixed, v, np.nan) for name, v in place.items()})
+    every.needed(("GPS",))
+    fixed = every.fixed("GPS", "Status")
+    series = {name: every.field("GPS", field).where(fixed) for name, field in _GPS_FIELDS.items()}
     if not all(name in every.mapped for name in ATTITUDE):
-        attitude = every.needed(("ATT",), "has no messages ATT")
-        angles = (attitude.field(name) for name in ("Roll", "Pitch", "Yaw"))
-        series |= attitude.series(dict(zip(ATTITUDE, angles, strict=True)))
-    series |= _first_battery(streams)
+        every.needed(("ATT",))
+        angles = zip(ATTITUDE, ("Roll", "Pitch", "Yaw"), strict=True)
+        series |= {name: every.field("ATT", field) for name, field in angles}
+    battery = "BAT" if "BAT" in streams else "CURR"
+    series |= every.battery(battery, "Volt", "Curr", "RemPct", 0.01)
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
     # Universal time of the boot [s since 1970], from GPS weeks and milliseconds.
-    week, ms = gps.field("GWk", "Week"), gps.field("GMS", "TimeMS")
-    known, gps_s = fixed & (week > 0.0), _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
-    boot_s, middle = gps.boot_s(known, gps_s), float(np.median(gps_s[known]))
+    week, ms = every.field("GPS", "GWk", "Week"), every.field("GPS", "GMS", "TimeMS")
+    gps_s = (_GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms).where(fixed & (week > 0.0))
+    boot_s, middle = every.boot_s("GPS", gps_s), float(gps_s.median())
     boot_s -= max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)
     return every.log(series, boot_s, notes, "the first battery monitor")
 
 
-def _read_streams(content: bytes, names: set[str]) -> tuple[dict[str, Stream], int]:
+def _read_streams(content: bytes, names: set[str]) -> tuple[dict[str, pd.DataFrame], int]:
     """Read the messages of the named kinds, by instance, and count bytes outside messages."""
     kinds: dict[int, _Kind] = {}
     lengths = {_FMT: _FMT_LENGTH}
@@ -419,37 +402,24 @@ def _read_streams(content: bytes, names: set[str]) -> tuple[dict[str, Stream], i
     return {name: stream for part in by_instance for name, stream in part.items()}, skipped
 
 
-def _split_by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
-    """Return the streams of a kind of message by name, one for each instance."""
+def _split_by_instance(kind: _Kind, content: bytes) -> dict[str, pd.DataFrame]:
+    """Return the messages of a kind by name, one for each instance, without falling times."""
     raw, at = np.frombuffer(content, np.uint8), np.array(kind.places)
     rows = raw[at[:, np.newaxis] + np.arange(kind.dtype.itemsize)]
     table = np.ascontiguousarray(rows).view(kind.dtype)[:, 0]
-    fields = {f: table[f].astype(float) * s for f, s in kind.scales.items()}
+    fields = pd.DataFrame({f: table[f].astype(float) * s for f, s in kind.scales.items()})
     clock, step = ("TimeUS", 1e-6) if "TimeUS" in fields else ("TimeMS", 1e-3)
     if "Week" in fields and "T" in fields:  # GPS until 2014: TimeMS counts from the week's start
         clock = "T"
     if clock not in fields:
         return {}
-    instance = next((fields[n] for n in _INSTANCES if n in fields), np.zeros(len(at)))
+    fields.index = pd.Index(fields[clock] * step)
+    instance = next((fields[n] for n in _INSTANCES if n in fields), pd.Series(0.0, fields.index))
     streams = {}
     for number in np.unique(instance)[:16]:
-        rows_of = instance == number
+        part = fields[(instance == number).to_numpy() & np.isfinite(fields.index)]
+        # Times fall in damaged logs.
+        rising = np.diff(part.index.to_series().cummax(), prepend=-np.inf) > 0.0
         name = kind.name if number == 0 else f"{kind.name}[{int(number)}]"
-        rows_fields = {f: v[rows_of] for f, v in fields.items()}
-        streams[name] = Stream(name, rows_fields[clock] * step, rows_fields).rising()
+        streams[name] = part[rising]
     return streams
-
-
-def _first_battery(streams: Mapping[str, Stream]) -> dict[str, pd.Series]:
-    """Return load [W] and state of charge by the first battery monitor."""
-    battery = streams.get("BAT", streams.get("CURR"))
-    if battery is None:
-        return {}
-    fields, result = battery.fields, {}
-    if "Volt" in fields and "Curr" in fields:
-        result["load_w"] = fields["Volt"] * fields["Curr"]
-    if "RemPct" in fields:
-        share = np.asarray(fields["RemPct"], float) / 100.0
-        known = (share >= 0.0) & (share <= 1.0)
-        result["state_of_charge"] = np.where(known, share, np.nan)
-    return battery.series(result)

@@ -1,6 +1,7 @@
 """Logs of autopilots: DataFlash of ArduPilot, and ULog whose power is not where it is expected."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -8,7 +9,7 @@ from log_layouts import FORMATS, FORMATS_2014, formats_of, message
 from ulog_files import EPOCH_S, topics, ulog_bytes
 
 from missions.files.errors import InputError
-from missions.logs.autopilots import Stream, _first_battery
+from missions.logs.autopilots import Streams
 from missions.logs.columns import ColumnMap, parse_column
 from missions.logs.csv import read_flight_log
 
@@ -191,9 +192,9 @@ def test_time_of_gps_is_ahead_by_the_leap_seconds(tmp_path, instant, leap_s):
 
 
 def test_an_empty_battery_is_known_and_a_charge_that_cannot_be_is_not():
-    shares = np.array([-1.0, 0.0, 55.0, 100.0, 101.0])
-    battery = _first_battery({"BAT": Stream("BAT", np.arange(5.0), {"RemPct": shares})})
+    shares = pd.DataFrame({"RemPct": [-1.0, 0.0, 55.0, 100.0, 101.0]})
+    every = Streams({"BAT": shares}, ColumnMap(), "flight.bin", "message")
+    known = every.battery("BAT", "Volt", "Curr", "RemPct", 0.01)
     nan = np.nan
-    assert battery["state_of_charge"].values == pytest.approx(
-        [nan, 0.0, 0.55, 1.0, nan], nan_ok=True
-    )
+    assert list(known) == ["state_of_charge"]
+    assert known["state_of_charge"].values == pytest.approx([nan, 0.0, 0.55, 1.0, nan], nan_ok=True)
