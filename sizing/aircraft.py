@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
+    ConfigDict,
     Field,
     ModelWrapValidatorHandler,
     SerializationInfo,
@@ -17,7 +18,6 @@ from pydantic import (
 
 from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
-from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar, UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
@@ -263,6 +263,12 @@ class Power(Record):
 
     avionics_w: NonNegativeReal
     supply_efficiency: Fraction = 1.0
+
+
+class Provenance(Record):
+    """Where a file's numbers come from, as other programs write it; nothing is computed from it."""
+
+    model_config = ConfigDict(extra="allow")
 
 
 class Aircraft(FileRecord):
