@@ -19,7 +19,7 @@ import sizing
 from sizing import load_aircraft
 from sizing.aircraft import Aircraft
 from sizing.structures.loads import lift_curve_slope
-from studies.exchange.airplane import airplane_text, lifting_surfaces
+from studies.exchange.airplane import airplane_text, to_aerosandbox
 from studies.render.tables import Column, Table
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def wing_lift(aircraft: Aircraft, angles_deg: Sequence[float] = ANGLES_DEG) -> W
             # AVL has the mirrored half as a surface of its own.
             by_avl.append(sum(float(parts[name]["CL"]) for name in parts if "wing" in name))
         efficiency = float(solver.get_total_forces()["e"])
-    incidence = lifting_surfaces(aircraft).surfaces[0].sections[0].twist_deg
+    incidence = float(to_aerosandbox(aircraft).wings[0].xsecs[0].twist)
     slope = float(lift_curve_slope(aircraft.airframe.aspect_ratio))
     return WingLift(
         aircraft.name,

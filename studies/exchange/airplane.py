@@ -10,11 +10,10 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import indent
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,93 +31,28 @@ if TYPE_CHECKING:
 
 _SPANWISE, _CHORDWISE = 24, 8  # vortices of a surface
 _NEUTRAL_SLOPE = 1.0  # factor on a section's slope of 2 pi
-
-
 _TAIL_THICKNESS = 0.08  # as WingPolar's default, where the file has none
-
-
-class Section(NamedTuple):
-    """Section of a surface: its leading edge, chord [m] and twist, nose up [deg]."""
-
-    x_m: float
-    y_m: float
-    z_m: float
-    chord_m: float
-    twist_deg: float
 
 
 # Three ascending lift coefficients of a section, and their profile drag, as AVL takes them.
 ProfileDrag = tuple[tuple[float, float, float], tuple[float, float, float]]
+# Leading edge [m], chord [m] and twist, nose up [deg], of a section of a wing or tail plane.
+Section = tuple[list[float], float, float]
 
 
-@dataclass(frozen=True)
-class LiftingSurface:
-    """Wing or tail plane.
-
-    ``symmetric``: the sections describe the right half alone. ``sections``: from root to tip, of an
-    airfoil by its name, or symmetric with a thickness ratio.
-    """
-
-    name: str
-    symmetric: bool
-    sections: tuple[Section, ...]
-    thickness_ratio: float
-    airfoil: str | None = None
-    drag: ProfileDrag | None = None
-
-
-@dataclass(frozen=True)
-class Surfaces:
-    """Lifting surfaces, reference quantities of coefficients, and notes on sources.
-
-    ``reference_x_m``: reference of moments, the centre of gravity, else the wing's quarter chord.
-    ``chord_m``: mean aerodynamic chord.
-    ``other_drag_coefficient``: drag of everything but the wing, on the wing area [-].
-    """
-
-    surfaces: tuple[LiftingSurface, ...]
-    wing_area_m2: float
-    chord_m: float
-    wingspan_m: float
-    reference_x_m: float
-    other_drag_coefficient: float
-    notes: tuple[str, ...]
-
-
-def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surfaces:
-    """Return wing and tail planes of an aircraft.
-
-    ``gravity_m``: centre of gravity behind the leading edge of the wing root, None if unknown.
-    """
-    drawing = Drawing(aircraft)
-    polar, thickness = getattr(aircraft.airframe, "aerodynamics", None), drawing.thickness_ratio
-    airfoil, is_airfoil = None, isinstance(polar, WingPolar)
-    why = "the table has no coordinates" if is_airfoil else "the file names none"
-    shape_note = (
-        f"Section: symmetric, {spell(100.0 * thickness)} % thick, as {why}: angles of attack count "
-        "from zero lift."
-    )
-    if isinstance(polar, WingPolar) and polar.contents_read() is None:
-        airfoil, shape_note = polar.airfoil, f"Section: {polar.airfoil}."
-    profile_drag, other_drag = _drag(aircraft)
-    # Sections at root, planform breaks, begin of the dihedral, and tip.
-    half = drawing.wingspan_m / 2.0
-    places = {0.0, half, *(y for y, _ in drawing.chords)}
-    if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
-        places.add(drawing.dihedral_from_m)
-    sections = tuple(
-        Section(
-            drawing.front_at(y), y, drawing.height_m(y), drawing.chord_at(y), drawing.incidence_deg
-        )
-        for y in sorted(places)
-    )
-    wing = LiftingSurface("wing", True, sections, thickness, airfoil, profile_drag)
-    notes = [
+def _notes(aircraft: Aircraft, drawing: Drawing, gravity_m: float | None) -> list[str]:
+    """Return where the numbers come from."""
+    airfoil, thickness = _airfoil(aircraft), spell(100.0 * drawing.thickness_ratio)
+    is_table = isinstance(getattr(aircraft.airframe, "aerodynamics", None), WingPolar)
+    why = "the table has no coordinates" if is_table else "the file names none"
+    return [
         drawing.notes[0],
-        shape_note,
+        f"Section: symmetric, {thickness} % thick, as {why}: angles of attack count from zero lift."
+        if airfoil is None
+        else f"Section: {airfoil}.",
         *(note for note in drawing.notes if note.startswith(("Tail", "Dihedral"))),
         "Drag: profile drag of the wing, all else as a constant, from the file's drag polar."
-        if wing.drag is not None
+        if _drag(aircraft)[0] is not None
         else "Drag: induced drag alone, as the drag model of the user's own knows no parts."
         if isinstance(aircraft.airframe, ParametricAirframe)
         else "Drag: induced drag alone, as a measured aircraft has no drag polar.",
@@ -127,40 +61,14 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
         else f"Moments refer to the centre of gravity, {gravity_m:.4f} m behind the leading edge "
         "of the wing root. No fuselage, no control surfaces.",
     ]
-    span, area_m2 = drawing.wingspan_m, drawing.wingspan_m * drawing.chord_m
-    planform = getattr(aircraft.airframe, "planform", None)
-    wing_chords = wing_of(planform, span, aircraft.airframe.aspect_ratio)
-    quarter_m = QUARTER * drawing.chord_at(0.0)
-    return Surfaces(
-        surfaces=(wing, *_tail_surfaces(aircraft, drawing)),
-        wing_area_m2=area_m2,
-        chord_m=float(wing_chords.aerodynamic_chord_m),
-        wingspan_m=span,
-        reference_x_m=quarter_m if gravity_m is None else gravity_m,
-        other_drag_coefficient=other_drag,
-        notes=tuple(notes),
-    )
 
 
-def _tail_surfaces(aircraft: Aircraft, drawing: Drawing) -> list[LiftingSurface]:
-    tail, sized = drawing.tail, getattr(aircraft.airframe, "tail", None)
+def _airfoil(aircraft: Aircraft) -> str | None:
+    """Return the name of the wing's airfoil, where it is one with known coordinates."""
     polar = getattr(aircraft.airframe, "aerodynamics", None)
-    thickness = polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
-    thickness = thickness if sized is None else float(sized.thickness_ratio)
-    half, height = 0.5 * tail.horizontal_span_m, tail.height_m
-    horizontal = tuple(
-        Section(tail.horizontal_aft_m, y, height, tail.horizontal_chord_m, 0.0) for y in (0.0, half)
-    )
-    root = tail.boom_height_m
-    ends = sorted((root, root + tail.vertical_height_m))
-    apart = max(drawing.booms_m)
-    vertical = tuple(
-        Section(tail.vertical_aft_m, apart, z, tail.vertical_chord_m, 0.0) for z in ends
-    )
-    return [
-        LiftingSurface("horizontal tail", True, horizontal, thickness),
-        LiftingSurface("vertical tail", apart > 0.0, vertical, thickness),
-    ]
+    if isinstance(polar, WingPolar) and polar.contents_read() is None:
+        return polar.airfoil
+    return None
 
 
 def _drag(aircraft: Aircraft) -> tuple[ProfileDrag | None, float]:
@@ -232,52 +140,90 @@ def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Ai
         raise ImportError(missing)
     import aerosandbox  # which takes seconds
 
-    airplane: asb.Airplane = _airplane(aerosandbox, aircraft, gravity_m)
+    airplane: asb.Airplane = _airplane(aerosandbox, aircraft, Drawing(aircraft), gravity_m)
     return airplane
 
 
-def _airplane(asb: Any, aircraft: Aircraft, gravity_m: float | None) -> Any:
-    """Make the airplane; ``asb``: AeroSandbox, or what writes its calls."""
-    surfaces = lifting_surfaces(aircraft, gravity_m)
+def _airplane(asb: Any, aircraft: Aircraft, drawing: Drawing, gravity_m: float | None) -> Any:
+    """Make the airplane; ``asb``: AeroSandbox, or what writes its calls.
+
+    Moments refer to the centre of gravity, else to the quarter chord; drag of all but the wing is
+    on the wing area.
+    """
+    airframe, tail, span_m = aircraft.airframe, drawing.tail, drawing.wingspan_m
+    chords = wing_of(getattr(airframe, "planform", None), span_m, airframe.aspect_ratio)
+    profile_drag, other_drag = _drag(aircraft)
+    # Sections at root, planform breaks, begin of the dihedral, and tip.
+    places = {0.0, span_m / 2.0, *(y for y, _ in drawing.chords)}
+    if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < span_m / 2.0:
+        places.add(drawing.dihedral_from_m)
+    wing: list[Section] = [
+        (
+            [drawing.front_at(y), y, drawing.height_m(y)],
+            drawing.chord_at(y),
+            drawing.incidence_deg,
+        )
+        for y in sorted(places)
+    ]
+    polar, sized = getattr(airframe, "aerodynamics", None), getattr(airframe, "tail", None)
+    thickness = polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
+    thickness = thickness if sized is None else float(sized.thickness_ratio)
+    horizontal: list[Section] = [
+        ([tail.horizontal_aft_m, y, tail.height_m], tail.horizontal_chord_m, 0.0)
+        for y in (0.0, 0.5 * tail.horizontal_span_m)
+    ]
+    root_m, apart_m = tail.boom_height_m, max(drawing.booms_m)
+    vertical: list[Section] = [
+        ([tail.vertical_aft_m, apart_m, z], tail.vertical_chord_m, 0.0)
+        for z in sorted((root_m, root_m + tail.vertical_height_m))
+    ]
+    reference_m = QUARTER * drawing.chord_at(0.0) if gravity_m is None else gravity_m
     return asb.Airplane(
         name=_script_name(aircraft.name),
-        xyz_ref=[surfaces.reference_x_m, 0.0, 0.0],
-        wings=[_wing(asb, surface) for surface in surfaces.surfaces],
-        s_ref=surfaces.wing_area_m2,
-        c_ref=surfaces.chord_m,
-        b_ref=surfaces.wingspan_m,
-        **_for_avl(asb, profile_drag_coefficient=surfaces.other_drag_coefficient),
+        xyz_ref=[reference_m, 0.0, 0.0],
+        wings=[
+            _wing(
+                asb, "wing", wing, drawing.thickness_ratio, _airfoil(aircraft), drag=profile_drag
+            ),
+            _wing(asb, "horizontal tail", horizontal, thickness),
+            _wing(asb, "vertical tail", vertical, thickness, symmetric=apart_m > 0.0),
+        ],
+        s_ref=span_m * drawing.chord_m,
+        c_ref=float(chords.aerodynamic_chord_m),
+        b_ref=span_m,
+        **_for_avl(asb, profile_drag_coefficient=other_drag),
     )
 
 
-def _wing(asb: Any, surface: LiftingSurface) -> Any:
-    lift, drag = surface.drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
-    polar = {f"CL{i}": value for i, value in enumerate(lift, 1)}
-    polar |= {f"CD{i}": value for i, value in enumerate(drag, 1)}
-    if surface.airfoil is not None:
-        airfoil = asb.Airfoil(surface.airfoil)
+def _wing(
+    asb: Any,
+    name: str,
+    sections: Sequence[Section],
+    thickness: float,
+    airfoil_name: str | None = None,
+    *,
+    symmetric: bool = True,
+    drag: ProfileDrag | None = None,
+) -> Any:
+    """Make a wing or tail plane of sections from root to tip, of its right half if symmetric."""
+    lifts, drags = drag or ((-1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    polar = {f"CL{i}": value for i, value in enumerate(lifts, 1)}
+    polar |= {f"CD{i}": value for i, value in enumerate(drags, 1)}
+    if airfoil_name is not None:
+        airfoil = asb.Airfoil(airfoil_name)
     else:
         coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
-        thickness = surface.thickness_ratio
         points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=thickness)
-        name = f"symmetric {spell(100.0 * thickness)} %"
-        airfoil = asb.Airfoil(name, coordinates=points)
+        airfoil = asb.Airfoil(f"symmetric {spell(100.0 * thickness)} %", coordinates=points)
     of_section = _for_avl(asb, cl_alpha_factor=_NEUTRAL_SLOPE, drag_polar=polar)
-    sections = [
-        asb.WingXSec(
-            xyz_le=[section.x_m, section.y_m, section.z_m],
-            chord=section.chord_m,
-            twist=section.twist_deg,
-            airfoil=airfoil,
-            **of_section,
-        )
-        for section in surface.sections
-    ]
     lattice = {"spanwise_resolution": _SPANWISE, "chordwise_resolution": _CHORDWISE}
     return asb.Wing(
-        name=surface.name,
-        symmetric=surface.symmetric,
-        xsecs=sections,
+        name=name,
+        symmetric=symmetric,
+        xsecs=[
+            asb.WingXSec(xyz_le=place, chord=chord, twist=twist, airfoil=airfoil, **of_section)
+            for place, chord, twist in sections
+        ],
         **_for_avl(asb, **lattice, drag_polar=polar),
     )
 
@@ -290,10 +236,11 @@ def _for_avl(asb: Any, **options: Any) -> dict[str, Any]:
 
 def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None = None) -> str:
     """Return the text of a geometry file: ``avl``, ``vspscript``, or ``py`` for a script."""
-    notes = lifting_surfaces(aircraft, gravity_m).notes
+    drawing = Drawing(aircraft)
+    notes = _notes(aircraft, drawing, gravity_m)
     if file_format == "py":
         head = f"{_script_name(aircraft.name)}: wing and tail planes."
-        made = _airplane(_Script("asb"), aircraft, gravity_m)
+        made = _airplane(_Script("asb"), aircraft, drawing, gravity_m)
         text = f"import aerosandbox as asb\n\nairplane = {made}\n"
         return _commented(text, "#", (head, *notes))
     airplane = to_aerosandbox(aircraft, gravity_m)

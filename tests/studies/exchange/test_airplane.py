@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft
 
-from studies.exchange.airplane import airplane_text, lifting_surfaces, to_aerosandbox
+from studies.exchange.airplane import airplane_text, to_aerosandbox
 
 pytestmark = pytest.mark.extra
-pytest.importorskip("aerosandbox")
+AVL = pytest.importorskip("aerosandbox").AVL
 optvl = pytest.importorskip("optvl")
 
 AIRFOIL = aircraft(
@@ -114,11 +114,16 @@ def test_names_mean_nothing_in_scripts():
 
 
 def test_surfaces_say_where_their_numbers_come_from():
-    surfaces = lifting_surfaces(AS2)
-    assert any("no drag polar" in note for note in surfaces.notes)
-    assert any("symmetric" in note for note in surfaces.notes)
-    assert (surfaces.surfaces[0].drag, surfaces.other_drag_coefficient) == (None, 0.0)
-    assert any("Section: mh114" in note for note in lifting_surfaces(AIRFOIL).notes)
-    lift, drag = lifting_surfaces(AIRFOIL).surfaces[0].drag
-    assert list(lift) == sorted(lift)
-    assert drag[1] == min(drag)
+    script = airplane_text(AS2, "py")
+    assert "no drag polar" in script
+    assert "# Section: symmetric" in script
+    plain, cambered = (
+        to_aerosandbox(craft).wings[0].analysis_specific_options[AVL]["drag_polar"]
+        for craft in (AS2, AIRFOIL)
+    )
+    assert [plain[f"CD{i}"] for i in (1, 2, 3)] == [0.0] * 3
+    assert to_aerosandbox(AS2).analysis_specific_options[AVL]["profile_drag_coefficient"] == 0.0
+    assert "# Section: mh114" in airplane_text(AIRFOIL, "py")
+    lifts, drags = ([cambered[f"{name}{i}"] for i in (1, 2, 3)] for name in ("CL", "CD"))
+    assert lifts == sorted(lifts)
+    assert drags[1] == min(drags)

@@ -5,7 +5,7 @@ from builders import DESIGN, aircraft
 
 import missions
 import sizing
-from studies.exchange.airplane import lifting_surfaces
+from studies.exchange.airplane import to_aerosandbox
 from studies.exchange.files import design_bytes
 from studies.render.design_sheet import design_sheet
 from studies.report.geometry import Drawing
@@ -15,28 +15,32 @@ TWIN = aircraft("twin-boom-design")
 ANALYSIS = sizing.analyse(TWIN, missions.load_mission("rafz-july"), replay=False)
 
 
+@pytest.mark.extra
 def test_surfaces_have_the_areas_and_places_of_the_file():
-    surfaces, planes = lifting_surfaces(TWIN, 0.13), ANALYSIS.balance.planes
-    wing, horizontal, vertical = surfaces.surfaces
+    asb = pytest.importorskip("aerosandbox")
+    airplane, planes = to_aerosandbox(TWIN, 0.13), ANALYSIS.balance.planes
+    wing, horizontal, vertical = airplane.wings
     halves = (
-        (out.y_m - into.y_m) * (into.chord_m + out.chord_m) / 2.0
-        for into, out in pairwise(wing.sections)
+        (out.xyz_le[1] - into.xyz_le[1]) * (into.chord + out.chord) / 2.0
+        for into, out in pairwise(wing.xsecs)
     )
     assert 2.0 * sum(halves) == pytest.approx(25.0 / 15.0)
-    quarters = [section.x_m + 0.25 * section.chord_m for section in wing.sections]
+    quarters = [section.xyz_le[0] + 0.25 * section.chord for section in wing.xsecs]
     assert quarters == pytest.approx([quarters[0]] * len(quarters))
-    tip = horizontal.sections[-1]
-    assert 2.0 * tip.y_m * tip.chord_m == pytest.approx(planes.horizontal_m2)
-    assert tip.x_m + 0.25 * tip.chord_m - quarters[0] == pytest.approx(planes.arm_m)
-    root, end = vertical.sections
+    tip = horizontal.xsecs[-1]
+    assert 2.0 * tip.xyz_le[1] * tip.chord == pytest.approx(planes.horizontal_m2)
+    assert tip.xyz_le[0] + 0.25 * tip.chord - quarters[0] == pytest.approx(planes.arm_m)
+    root, end = vertical.xsecs
     # Two fins at the ends of the horizontal tail.
     assert vertical.symmetric
-    assert root.y_m == end.y_m == pytest.approx(tip.y_m)
-    assert 2.0 * (end.z_m - root.z_m) * root.chord_m == pytest.approx(planes.vertical_m2)
-    assert surfaces.reference_x_m == 0.13
+    assert root.xyz_le[1] == end.xyz_le[1] == pytest.approx(tip.xyz_le[1])
+    height_m = end.xyz_le[2] - root.xyz_le[2]
+    assert 2.0 * height_m * root.chord == pytest.approx(planes.vertical_m2)
+    assert airplane.xyz_ref[0] == 0.13
     # At the polar's Reynolds number, not far from that of the flight.
     parasitic = ANALYSIS.drag_coefficients.parasitic
-    assert surfaces.other_drag_coefficient == pytest.approx(parasitic, rel=0.02)
+    told = airplane.analysis_specific_options[asb.AVL]["profile_drag_coefficient"]
+    assert told == pytest.approx(parasitic, rel=0.02)
 
 
 def test_files_carry_the_centre_of_gravity():
