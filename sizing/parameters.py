@@ -118,7 +118,10 @@ def build_scales(owner: BaseModel, key: str) -> bool:
 def value_at(node: Any, key: str) -> Any:
     """Return the value at a key with dots below a record; None if there is none."""
     for part in key.split("."):
-        node = node.get(part) if isinstance(node, Mapping) else getattr(node, part, None)
+        if isinstance(node, list | tuple) and part.isdecimal():
+            node = dict(enumerate(node)).get(int(part))
+        else:
+            node = node.get(part) if isinstance(node, Mapping) else getattr(node, part, None)
     return node
 
 

@@ -86,11 +86,17 @@ TABLE = {quantity.name: quantity for quantity in map(_from_row, data_rows("quant
 
 
 def reach(value: Any, path: str) -> Any:
-    """Return the value at the end of a path of attributes, keys and methods; None behind None."""
+    """Return the value at the end of a path of attributes, keys, places and methods.
+
+    None behind None.
+    """
     for name in path.split("."):
         if value is None:
             return None
-        value = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
+        if name.lstrip("-").isdecimal():
+            value = value[int(name)]
+        else:
+            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
         value = value() if callable(value) else value
     return value
 

@@ -3,14 +3,16 @@
 A class without an entry in :data:`RECORDS` is written with its fields. An entry lists keys and the
 paths to their values, ``key=path``, or ``key`` alone where the path is the same:
 
-* a path is of attributes; a method on it is called; a value behind None is None
+* a path is of attributes, keys and places; a method on it is called; behind None is None
 * a key with dots makes records within the record; ``key?`` leaves out None and an empty tuple
-* ``key:Name`` and ``key=path:Name`` write the value by the entry of that name
+* ``key:Name`` and ``key=path:Name`` write the value by the entry of that name, ``key=path:utc``
+  a time by its function
 * ``+`` stands for all fields, ``-key`` leaves one out, ``*path`` stands for all keys of a record
 """
 
 from __future__ import annotations
 
+import datetime
 import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -175,6 +177,23 @@ RECORDS = {
         payload_power_w propeller_diameter_m propeller_pitch_m gear_ratio
         motor_speed_constant_rpm_per_v
         """,
+    # ---- Models against flights
+    "Verification": """
+        aircraft mission log.source log.start=log.time_s.0:utc log.end=log.time_s.-1:utc
+        log.samples=log.time_s.size log.sunlit_samples=samples.time_s.size log.rows_read
+        log.rows_dropped log.step_s log.gaps log.left_out applied models=samples.models
+        excluded_samples=excluded.sum windows days estimates=estimates_by_name
+        clock_heading_correlation=correlation rms_error_w.as_logged=rms_w.0
+        rms_error_w.estimated=rms_w.1 residuals=residual_rows mppts=each_mppt left_out notes
+        """,
+    "Gap": "start=start_s:utc end=end_s:utc",
+    "LeftOut": "column kind values start?=ends.0:utc end?=ends.1:utc",
+    "Section": """
+        label start=start_s:utc end=end_s:utc samples excluded_samples filter_s measured_mean_w
+        models
+        """,
+    "Estimate": "+ -name",
+    "Stretch": "reason count evidence start?=start_s:utc end?=end_s:utc",
     # ---- Parts of both
     "BalanceAssessment": """
         items horizontal_volume_for_static_margin=volume_for_margin mass_kg
@@ -207,6 +226,14 @@ RECORDS = {
     "StructureAssessment": "+ text=headline",
     "Wind": "percentile hold_station source scenarios_m_per_s",
 }
+
+
+def utc(time_s: float) -> str | None:
+    """Return universal time [s since 1970] as ISO 8601, to the second; None where unknown."""
+    if not math.isfinite(time_s):
+        return None
+    instant = datetime.datetime.fromtimestamp(round(float(time_s)), datetime.UTC)
+    return instant.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def serialise(value: Any, entry: str = "") -> Any:
@@ -265,13 +292,14 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
             record |= _record(joined, of) if of else plain(joined)
         else:
             reached = reach(value, path)
-            if optional and (reached is None or (isinstance(reached, tuple) and not reached)):
+            written = utc(reached) if of == "utc" else plain(reached, of)
+            if optional and (written is None or (isinstance(reached, tuple) and not reached)):
                 continue
             *outer, last = key.split(".")
             inside = record
             for name in outer:
                 inside = inside.setdefault(name, {})
-            inside[last] = plain(reached, of)
+            inside[last] = written
     return record
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from typing import Any
 
 from missions.files.errors import InputError, Problem
 from missions.files.overrides import Overrides, with_overrides
@@ -12,14 +11,15 @@ from missions.files.validation import located_error, validate
 from missions.files.yaml import Document
 from sizing.aircraft import Aircraft
 from sizing.catalogues.choice import Kind, named_twice
+from sizing.parameters import value_at
 
 # Keys of an aircraft's file that name an entry of a catalogue.
-_NAMES: dict[tuple[str, ...], Kind] = {
-    ("modules", "cell"): "cells",
-    ("modules", "mppt_board"): "mppts",
-    ("battery", "cell"): "batteries",
-    ("airframe", "propulsion", "motor"): "motors",
-    ("airframe", "propulsion", "propeller", "product"): "propellers",
+NAMED_KEYS: dict[str, Kind] = {
+    "modules.cell": "cells",
+    "modules.mppt_board": "mppts",
+    "battery.cell": "batteries",
+    "airframe.propulsion.motor": "motors",
+    "airframe.propulsion.propeller.product": "propellers",
 }
 
 
@@ -57,10 +57,8 @@ def refuse_named_twice(document: Document) -> None:
     Overrides may replace the values of an entry.
     """
     problems: list[Problem] = []
-    for path, kind in _NAMES.items():
-        holder: Any = document.data
-        for part in path[:-1]:
-            holder = holder.get(part) if isinstance(holder, dict) else None
+    for named, kind in NAMED_KEYS.items():
+        path, holder = tuple(named.split(".")), value_at(document.data, named.rpartition(".")[0])
         for key, message in named_twice(holder, path[-1], kind).items():
             places = [document.key_marks.get(place) for place in (path, (*path[:-1], key))]
             if all(places):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import datetime
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +25,7 @@ from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.forward import Forward, Samples, numbered_runs
+from studies.quantities import group
 from studies.render.tables import Column, Table
 
 # Times of samples are written to the millisecond.
@@ -218,11 +219,7 @@ def residuals(
 
 def residual_tables(bins: Mapping[str, pd.DataFrame], model: str) -> list[Table]:
     """Return tables of the residuals."""
-    numbers = (
-        Column("measured_w", "measured", "W", ".1f"),
-        Column("as_logged_percent", "as logged", "%", "+.1f"),
-        Column("estimated_percent", "estimated", "%", "+.1f"),
-    )
+    numbers = group("measured_w as_logged_percent estimated_percent")
 
     def rows_of(name: str, when: str = "") -> Iterator[tuple[Any, ...]]:
         for low, high, _, measured_w, *errors in bins[name].to_numpy().tolist():
@@ -268,14 +265,9 @@ class MpptPowers(NamedTuple):
 
     def table(self) -> Table:
         """Return a table of measured over modelled power by MPPT."""
-        columns = (
-            Column("MPPT"),
-            Column("modules"),
-            Column("measured_w", "measured", "W", ".2f"),
-            Column("modelled_w", "FM", "W", ".2f"),
-            Column("ratio_percent", "ratio", "%", ".1f"),
-            Column("of_usual_percent", "of the median", "%", ".1f"),
-        )
+        modules, *numbers = group("modules measured_w modelled_w ratio_percent of_usual_percent")
+        numbers[0] = replace(numbers[0], form=".2f")
+        columns = (Column("MPPT"), modules, *numbers)
         usual = max(float(np.median([mppt.ratio for mppt in self.each])), 1e-9)
         rows = [
             (m.name, ", ".join(m.modules), *m[2:], 100 * m.ratio, 100 * m.ratio / usual)

@@ -225,9 +225,14 @@ class Samples:
     detail: Mapping[str, FloatArray]
 
     @property
+    def models(self) -> list[ModelName]:
+        """Computed models, the most detailed last."""
+        return list(self.modelled_w)
+
+    @property
     def best_model(self) -> ModelName:
         """Most detailed of the computed models."""
-        return list(self.modelled_w)[-1]
+        return self.models[-1]
 
 
 def daylight_samples(forward: Forward) -> tuple[Samples, list[str]]:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
-from missions.logs.plausible import span_text, utc_text
+from missions.logs.plausible import span_text
 from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -23,6 +23,7 @@ from sizing.results.result import Result
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
+    MpptPower,
     MpptPowers,
     Section,
     Window,
@@ -39,21 +40,17 @@ from studies.flight_logs.errors import (
 from studies.flight_logs.estimates import CONFIDENCE, LABELS, Applied, Estimate, estimates
 from studies.flight_logs.forward import Forward, Samples, daylight_samples
 from studies.flight_logs.left_out import Stretch, fit_and_left_out
+from studies.quantities import group
 from studies.render.tables import ALL, Column, Line, Table
 from studies.render.words import amount
+from studies.serialise import utc
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
 WINDOW_FILTER_S, DAY_FILTER_S = 1.0, 400.0
-_ERRORS = (
-    Column("model"),
-    Column("modelled_mean_w", "mean", "W", ".2f"),
-    Column("average_error_w", "average", "W", "+.2f"),
-    Column("average_error_percent", "%", form="+.2f"),
-    Column("rms_error_w", "RMS", "W", ".2f"),
-    Column("rms_error_percent", "%", form=".2f"),
-    Column("maximum_error_w", "maximum", "W", ".2f"),
-    Column("maximum_error_percent", "%", form=".2f"),
+_ERRORS = group(
+    "model modelled_mean_w average_error_w average_error_percent rms_error_w rms_error_percent "
+    "maximum_error_w maximum_error_percent"
 )
 # Whole watts are enough for a large aircraft, and fit into 80 columns.
 _MANY_W = 1000.0
@@ -94,7 +91,7 @@ class Verification(Result):
 
     def overview(self) -> Table:
         """Return a table of the most detailed model's errors by window and day."""
-        model, columns = self.samples.best_model, (Column("period"), *_ERRORS[1:])
+        model, columns = self.samples.best_model, (*group("period"), *_ERRORS[1:])
         rows = [
             (section.label, *_error_cells(section.models[model]))
             for section in (*self.windows, *self.days)
@@ -138,65 +135,33 @@ class Verification(Result):
         tables += residual_tables(self.residuals, self.samples.best_model)
         tables += [] if self.mppts is None else [self.mppts.table()]
         if self.left_out:
-            columns = (Column("why"), Column("UTC"), Column("evidence"))
+            why = (Column("why"), Column("UTC"), Column("evidence"))
             left = (
                 (s.reason.replace("_", " "), span_text(s.start_s, s.end_s), s.evidence)
                 for s in self.left_out
             )
-            tables.append(Table("left out", columns, tuple(left)))
+            tables.append(Table("left out", why, tuple(left)))
         return tables
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return everything but the samples, JSON-ready."""
-        log = self.log
-        return {
-            "aircraft": self.aircraft,
-            "mission": self.mission,
-            "log": {
-                "source": log.source,
-                **_span_record(log.time_s[0], log.time_s[-1]),
-                "samples": len(log),
-                "sunlit_samples": len(self.samples.time_s),
-                "rows_read": log.rows_read,
-                "rows_dropped": log.rows_dropped,
-                "step_s": log.step_s,
-                "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
-                "left_out": [
-                    _without(omission._asdict(), "example", "periods")
-                    | _span_record(*omission.ends)
-                    for omission in log.left_out
-                ],
-            },
-            "applied": self.applied._asdict(),
-            "models": list(self.samples.modelled_w),
-            "excluded_samples": int(self.excluded.sum()),
-            **{
-                name: [
-                    {"label": part.label, **_span_record(part.start_s, part.end_s)}
-                    | _without(vars(part), "mask", "clock", "start_s", "end_s")
-                    for part in parts
-                ]
-                for name, parts in (("windows", self.windows), ("days", self.days))
-            },
-            "estimates": {e.name: _without(e._asdict(), "name") for e in self.estimates},
-            "clock_heading_correlation": self.correlation,
-            "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
-            "residuals": {
-                name: [
-                    (_span_record(row["low"], row["high"]) | _without(row, "low", "high"))
-                    if name == "time"
-                    else row
-                    for row in bins.astype(object).where(bins.notna(), None).to_dict("records")
-                ]
-                for name, bins in self.residuals.items()
-            },
-            "mppts": [] if self.mppts is None else [m._asdict() for m in self.mppts.each],
-            "left_out": [
-                _without(vars(s), "start_s", "end_s") | _span_record(s.start_s, s.end_s)
-                for s in self.left_out
-            ],
-            "notes": list(self.notes),
-        }
+    @property
+    def estimates_by_name(self) -> dict[str, Estimate]:
+        """Estimates by their names."""
+        return {estimate.name: estimate for estimate in self.estimates}
+
+    @property
+    def each_mppt(self) -> tuple[MpptPower, ...]:
+        """Measured and modelled power of every MPPT, where they are compared."""
+        return () if self.mppts is None else self.mppts.each
+
+    @property
+    def residual_rows(self) -> dict[str, list[dict[str, Any]]]:
+        """Residuals as records, those by time with the ends of their bins as texts."""
+        rows: dict[str, Any] = {n: bins.to_dict("records") for n, bins in self.residuals.items()}
+        rows["time"] = [
+            {"start": utc(row.pop("low")), "end": utc(row.pop("high"))} | row
+            for row in rows["time"]
+        ]
+        return rows
 
     def to_frame(self) -> pd.DataFrame:
         """Return a row per sample with models and errors."""
@@ -226,7 +191,7 @@ class Verification(Result):
 
 def headline(verification: Verification) -> str:
     """Return aircraft, log and its length in one line."""
-    start, end = utc_label(verification.log.time_s[0]), utc_label(verification.log.time_s[-1])
+    start, end = utc(verification.log.time_s[0]), utc(verification.log.time_s[-1])
     return (
         f"{verification.aircraft} against {verification.log.source}: {start} to {end}, "
         f"{len(verification.samples.time_s)} of {len(verification.log)} samples with the sun up"
@@ -259,21 +224,6 @@ def blocks(verification: Verification, level: int) -> list[Any]:
         "with clock, heading and factor on power as estimated"
     )
     return [*shown, Line(definition, "faint")]
-
-
-def utc_label(time_s: float) -> str:
-    """Return universal time as ISO 8601, to the second."""
-    return f"{utc_text(time_s).replace(' ', 'T')}Z"
-
-
-def _span_record(start_s: float, end_s: float) -> dict[str, str]:
-    """Return start and end of a stretch, empty where unknown."""
-    ends = {"start": start_s, "end": end_s}
-    return {name: utc_label(t) for name, t in ends.items() if np.isfinite(start_s)}
-
-
-def _without(record: Mapping[Any, Any], *names: str) -> dict[str, Any]:
-    return {name: value for name, value in record.items() if name not in names}
 
 
 def _error_cells(errors: Mapping[str, Any]) -> Iterator[float | None]:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.loiter_power import Daylight, PathModules, module_power_on_path
+from missions.loiter_power import PathModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
-from sizing.day.module_power import on_path, surroundings_in_flight
+from sizing.day.module_power import clear_daylight, on_path, surroundings_in_flight
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from solar.versions import software_record
@@ -54,17 +54,10 @@ def component_efficiencies(
         raise ValueError("component efficiencies need modules.geometry and a flight_path")
     time_h = day_axis_h(step_h)
     scenarios = mission.scenarios()
+    latitude_deg = float(scenarios.latitude_deg[scenario])
     daylight, orbit, power = module_power_on_path(
         PathModules(geometry, aircraft.modules, path, mission.wind, aircraft.modules.shading),
-        Daylight(
-            float(scenarios.latitude_deg[scenario]),
-            float(scenarios.noon_day[scenario]),
-            time_h,
-            mission.altitude_m,
-            mission.pessimistic_clearness,
-            mission.sky,
-            albedo=mission.air.albedo or 0.0,
-        ),
+        clear_daylight(mission, latitude_deg, float(scenarios.noon_day[scenario]), time_h),
         ambient_temperature_c=float(mission.air_state().temperature_c),
         surroundings=surroundings_in_flight(aircraft, mission),
     )

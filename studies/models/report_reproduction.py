@@ -27,6 +27,7 @@ from solar.schema import spell
 from solar.types import FloatArray
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT
+from studies.quantities import group
 from studies.render.tables import Column, Line, Table
 from studies.render.words import percent
 
@@ -81,13 +82,7 @@ class Reproduction(Result):
             (f"FM, {spell(w.from_h)} to {spell(w.to_h)} h", w.published_w, w.measured_w)
             for w in WINDOWS
         ]
-        columns = (
-            Column("mean_power", "mean power"),
-            Column("published_w", "published", "W", ".2f"),
-            Column("computed_w", "computed", "W", ".2f"),
-            Column("difference_percent", "difference", "%", "+.1f"),
-            Column("flight_w", "flight", "W", ".1f"),
-        )
+        columns = group("mean_power published_w computed_w difference_percent flight_w")
         rows = tuple(
             (name, published, computed, 100.0 * (computed / published - 1.0), flight)
             for (name, published, flight), computed in zip(means, self._means_w(), strict=True)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
 from sizing.catalogues.choice import Kind, entry_names
+from sizing.library import NAMED_KEYS
 from sizing.parameters import MISSION_PREFIX, catalogue, design_keys
 from solar.schema import refusal, significant, spell
 
@@ -25,15 +26,6 @@ _MAXIMUM_VALUES = 10_000
 
 # Design variables: their short names, and the keys of the aircraft file.
 DESIGN_KEYS = design_keys()
-
-# Keys that take the names of a catalogue's entries, and that catalogue.
-NAMED_KEYS: dict[str, Kind] = {
-    "modules.cell": "cells",
-    "battery.cell": "batteries",
-    "airframe.propulsion.motor": "motors",
-    "airframe.propulsion.propeller.product": "propellers",
-    "modules.mppt_board": "mppts",
-}
 
 _NAMED_LABELS: dict[Kind, str] = {
     "cells": "solar cell",

@@ -178,13 +178,11 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
                     rows |= dict.fromkeys(numbers, row | {"message": str(error)})
                     continue
             result = performance(aircraft, mission, configuration.solar)
-            outside = {"extrapolations": as_text(extrapolations(aircraft, result))}
-            row = _row_of_design(result, mission, (), {}, result.worst_endurance_h) | outside
+            row = _row_of_design(result, mission, (), {})
+            row["extrapolations"] = as_text(extrapolations(aircraft, result))
             rows |= dict.fromkeys(numbers, row)  # the same point, if it is there twice
             continue
-        columns = np.array([cells[number] for number in numbers]).T
-        varied = dict(zip(configuration.keys, columns, strict=True))
-        variables = _variables(configuration, aircraft, varied, len(numbers))
+        variables = _variables(configuration, aircraft, cells[numbers])
         day = solar_day(aircraft, mission, configuration.solar)
         closed = (aircraft, mission, variables)
         design = (
@@ -195,16 +193,15 @@ def simulate_points(configuration: SweepConfiguration, cells: FloatArray) -> dic
         result = performance(aircraft, mission, configuration.solar, day=day, design=design)
         violations = _violations(aircraft, mission, result, known_kg)
         texts = cell_texts(flight_checks(aircraft, result), len(numbers))
-        endurance_h = result.worst_endurance_h
         for place, number in enumerate(numbers):
-            row = _row_of_design(result, mission, (place,), violations, endurance_h)
-            simulated = row["status"] is not Status.infeasible
-            if not np.isfinite(result.design.total_mass_kg[place]):
+            rows[number] = row = _row_of_design(result, mission, (place,), violations)
+            if row["status"] is not Status.infeasible:
+                row["extrapolations"] = texts[place]
+            elif not np.isfinite(result.design.total_mass_kg[place]):
                 chosen = variables.chosen().items()
                 point = DesignVariables(**{name: float(value[place]) for name, value in chosen})
                 if trouble := mass_budget.operating_trouble(aircraft, mission, point):
                     row |= {"violated_requirement": "operating_point", "message": trouble}
-            rows[number] = row | ({"extrapolations": texts[place]} if simulated else {})
     return columns_of(configuration, rows)
 
 
@@ -217,13 +214,13 @@ def columns_of(
 
 
 def _variables(
-    configuration: SweepConfiguration, aircraft: Aircraft, varied: Mapping[str, Any], count: int
+    configuration: SweepConfiguration, aircraft: Aircraft, cells: FloatArray
 ) -> DesignVariables:
-    values = variables_of(aircraft).chosen()
-    for name in values:
-        key = next((k for k in varied if design_variable(k) == name), None)
-        values[name] = np.full(count, values[name]) if key is None else varied[key]
-    variables = DesignVariables(**values)
+    varied = dict(zip(map(design_variable, configuration.keys), cells.T, strict=True))
+    chosen = variables_of(aircraft).chosen().items()
+    variables = DesignVariables(
+        **{name: varied.get(name, np.full(len(cells), value)) for name, value in chosen}
+    )
     if not configuration.cover:
         return variables
     coverage = getattr(aircraft.airframe, "maximum_module_coverage", 1.0)
@@ -268,7 +265,6 @@ def _row_of_design(
     mission: Mission,
     place: tuple[int, ...],
     violations: Mapping[str, tuple[FloatArray, str]],
-    endurance_h: FloatArray,
 ) -> dict[str, Any]:
     """Return the row of a design."""
     design = result.design
@@ -297,7 +293,7 @@ def _row_of_design(
         "status": Status(int(cycle.status[place][worst])),
         TOTAL_MASS.variable: _value_at(TOTAL_MASS.of(design), place),
         **{each.variable: float(each.of(result)[place][worst]) for each in (*REACHED, LOAD)},
-        ENDURANCE.variable: _value_at(endurance_h, place),
+        ENDURANCE.variable: _value_at(result.worst_endurance_h, place),
         "worst_latitude": float(scenarios.latitude_deg[worst]),
         "worst_day": float(scenarios.day_of_year[worst]),
     }

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.day.metrics import ENDS, Status
-from sizing.parameters import MISSION_PREFIX
+from sizing.parameters import MISSION_PREFIX, value_at
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
@@ -309,13 +309,11 @@ def _base_value(aircraft: Aircraft, mission: Mission, axis: Axis) -> float:
     if axis.names:
         return -1.0  # the file's own, whatever it is
     on_mission = axis.key.startswith(MISSION_PREFIX)
-    node: Any = mission if on_mission else aircraft
-    for part in axis.key.removeprefix(MISSION_PREFIX).split("."):
-        is_index = isinstance(node, list | tuple) and part.isdecimal()
-        node = node[int(part)] if is_index else getattr(node, part, None)
-    if isinstance(node, bool) or not isinstance(node, int | float):
+    key = axis.key.removeprefix(MISSION_PREFIX)
+    value = value_at(mission if on_mission else aircraft, key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise _error(axis.key, "has no single number in the file to start from")
-    return float(node)
+    return float(value)
 
 
 # ---- Results
