@@ -175,9 +175,11 @@ class Search:
                 break
             self._learn_from(judged)
             point = linearised(task, judged.values, judged.perf, self._known)
+            last = judged.solution
+            if last is not None and last.linearisation.known.keys() != self._known.keys():
+                last, reach = None, math.inf  # steps in other scenarios tell nothing of these
             if number > 1 or point.parts is not None:
                 reach = min(reach, _REACH)
-            last = judged.solution
             if level and last and not judged.accepted and last.violation <= LACKING:
                 # It promised more than its flight holds.
                 reach = max(min(reach, last.stride / 2.0), _LEAST_REACH)
@@ -315,6 +317,8 @@ class Search:
             return False
         near = solution.largest_change < _NEAR
         if solution.violation > LACKING:
+            if solution.is_limited:  # a longer step may mend it
+                return False
             # Corrections that mend a violation at least halve it; and none mends more than what a
             # linearisation leaves out over a step.
             self._rounds_unmended += solution.violation > self._violation / 2.0
