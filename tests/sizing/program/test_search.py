@@ -5,7 +5,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 import pytest
-from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
+from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission, shipped_mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -220,6 +220,20 @@ def test_solver_prints_nothing(capfd):
 def test_measured_aircraft_is_not_sized():
     with pytest.raises(TypeError, match="measured aircraft"):
         size_aircraft(AS2, mission())
+
+
+def test_scenarios_that_join_late_do_not_end_a_search_far_from_its_start():
+    """Short steps were kept when a scenario joined, and what they missed was called infeasible."""
+    here, solar = shipped_mission("stratosphere-mission"), SolarModel()
+    plane = aircraft("stratosphere-design")
+    light = solar_day(plane, here, solar)
+    start = size_aircraft(plane, here, MIN_MASS, solar, day=light).design.variables
+    margins = here.uncertainty_margins.model_copy(update={"battery_capacity": 0.93})
+    margined = here.model_copy(update={"uncertainty_margins": margins})
+    case, dim = (plane, margined, MIN_MASS, solar), light.scaled(0.82)
+    from_far = size_aircraft(*case, day=dim, start=start, explain=False)
+    assert from_far.design is not None
+    assert from_far.merit == pytest.approx(size_aircraft(*case, day=dim).merit, rel=1e-3)
 
 
 def test_a_start_may_hold_arrays():
