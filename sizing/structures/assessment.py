@@ -191,14 +191,9 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         "landing": forces.landing,
     }
     caps = _shares(needs, station)
-    wires = model.bracing
-    lift, mass, landed = station.lift_moment, station.mass_moment, station.landed_moment
-    if wires is not None:
-        lift, mass = station.braced_lift_moment, station.braced_mass_moment
-        landed = station.braced_landed_moment if wires.landing_wires else landed
     nose, torsion, twisted = "gauge", model.torsion, None
     if torsion is not None:
-        needed = {k: float(v) for k, v in torsion.needed_nm2(model.twisting(wing)).items()}
+        needed = {k: float(v) for k, v in model.torsional_needs_nm2(wing).items()}
         largest_need = max(needed, key=lambda name: needed[name])
         if _at_gauge_nm2(model, torsion, wing) < needed[largest_need]:
             nose = largest_need
@@ -213,8 +208,8 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
             flutter_flexibility_ratio=needed["flutter"] / stiffness,
             twist_at_limit_load_deg=twist,
         )
-    level = GRAVITY_M_PER_S2 * (wing.total_mass_kg * lift - wing.relief_kg * mass)
-    landing = GRAVITY_M_PER_S2 * wing.relief_kg * landed
+    level = GRAVITY_M_PER_S2 * model.net_moment(wing, station, station.wire)
+    landing = GRAVITY_M_PER_S2 * wing.relief_kg * station.landed_moment
     bent_1g, turned_1g = _tip_bending(model, wing, station, integral, load=level, needs=needs)
     bent_landing, _ = _tip_bending(model, wing, station, integral, load=landing, needs=needs)
     return StructureAssessment(
@@ -296,5 +291,4 @@ def _tip_bending(
 def _at_gauge_nm2(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> float:
     """Return the torsional stiffness with the nose's sheet at its gauge [N m2]."""
     wall = torsion.sheet_shear_modulus_pa * wing.sheet_m
-    nose = model.nose_cell(wing.chord_m).stiffness_nm2(wall)
-    return float(nose + model.box_torsional_stiffness_nm2(wing))
+    return float(wall * model.nose_m3(wing.chord_m) + model.box_torsional_stiffness_nm2(wing))

@@ -18,7 +18,6 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, smooth_absolute
-from solar.types import FloatArray
 
 SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
 
@@ -103,12 +102,17 @@ def root_bending_moment_nm(
 STATION_COUNT = 6
 
 
+# Root moments of the same unit lift and mass; the elliptic lift acts at 4/(3 pi) of the half-span.
+LIFT_AT_ROOT, MASS_AT_ROOT = 4.0 / (3.0 * pi), 0.5
+
+
 class Station(NamedTuple):
     """Unit moments and shear at a fraction of the half-span, and its weight in an integral.
 
     ``lift_*`` belong to an elliptic lift of a half-wing, ``mass_*`` to an evenly spread mass,
     ``landed_*`` to that mass less the ground's reaction; per unit of half-wing load, and of
-    half-span for the moments. ``braced_*`` are relieved by a wire; ``inboard`` is 1 inboard of it.
+    half-span for the moments. ``wire``: share of the root's moment that a wire takes; one from
+    above relieves ``landed_moment``.
     """
 
     fraction: Value
@@ -119,14 +123,11 @@ class Station(NamedTuple):
     mass_shear: Value
     landed_moment: Value
     landed_shear: Value
-    braced_lift_moment: Value
-    braced_mass_moment: Value
-    braced_landed_moment: Value
-    inboard: Value
+    wire: Value
 
 
 @cache
-def stations(gear: float = 0.0, wire: float | None = None) -> Station:
+def stations(gear: float = 0.0, wire: float | None = None, landing_wires: bool = False) -> Station:
     """Return the stations of a Gauss-Legendre rule from root (0) to tip (1), as arrays.
 
     ``gear`` is the fraction of the half-span of the landing gear, ``wire`` that of the wire's
@@ -134,49 +135,31 @@ def stations(gear: float = 0.0, wire: float | None = None) -> Station:
     """
     nodes, weights = np.polynomial.legendre.leggauss(STATION_COUNT)
     x = (nodes + 1.0) / 2.0
-    lift, mass, landed = _moments(x, gear)
-    # A wire carries the whole moment at the root, decreasing linearly to its attachment.
-    share = np.zeros_like(x) if wire is None else np.maximum(0.0, 1.0 - x / wire)
-    at_root = _moments(np.zeros(1), gear)
-    return Station(
-        fraction=x,
-        weight=weights / 2.0,
-        lift_moment=lift,
-        mass_moment=mass,
-        lift_shear=_outboard(x) * 4.0 / pi,
-        mass_shear=1.0 - x,
-        landed_moment=landed,
-        landed_shear=(1.0 - x) - (np.maximum(0.0, 1.0 - x / gear) if gear else 0.0),
-        braced_lift_moment=lift - share * at_root[0],
-        braced_mass_moment=mass - share * at_root[1],
-        braced_landed_moment=landed - share * at_root[2],
-        inboard=(share > 0.0).astype(float),
-    )
-
-
-def _outboard(x: FloatArray) -> FloatArray:
-    """Return the area of the quarter circle outboard of x."""
-    return np.asarray((np.arccos(x) - x * (1.0 - x * x) ** 0.5) / 2.0)
-
-
-def _moments(x: FloatArray, gear: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return moments of elliptic lift, of an even mass, and of that mass on its landing gear."""
-    lift = ((1.0 - x * x) ** 1.5 / 3.0 - x * _outboard(x)) * 4.0 / pi
+    # Area of the quarter circle outboard of x.
+    outboard = (np.arccos(x) - x * (1.0 - x * x) ** 0.5) / 2.0
     mass = (1.0 - x) ** 2 / 2.0
     # The ground's reaction is even over the landing gear.
     ground = np.maximum(0.0, gear - x) ** 2 / (2.0 * gear) if gear else 0.0
-    return lift, mass, mass - ground
+    # A wire carries the whole moment at the root, decreasing linearly to its attachment.
+    taken = np.zeros_like(x) if wire is None else np.maximum(0.0, 1.0 - x / wire)
+    return Station(
+        fraction=x,
+        weight=weights / 2.0,
+        lift_moment=((1.0 - x * x) ** 1.5 / 3.0 - x * outboard) * 4.0 / pi,
+        mass_moment=mass,
+        lift_shear=outboard * 4.0 / pi,
+        mass_shear=1.0 - x,
+        landed_moment=mass - ground - landing_wires * taken * (MASS_AT_ROOT - gear / 2.0),
+        landed_shear=(1.0 - x) - (np.maximum(0.0, 1.0 - x / gear) if gear else 0.0),
+        wire=taken,
+    )
 
 
-def along_the_span(
-    *values: Value, gear: float = 0.0, wire: float | None = None
-) -> tuple[Station, Callable[[Value], Value]]:
-    """Return all stations as arrays or symbols, as the values are, and the integral over them.
+def along_the_span(columns: Station, *values: Value) -> tuple[Station, Callable[[Value], Value]]:
+    """Return stations as arrays or symbols, as the values are, and the integral over them.
 
-    Stations are the first axis of arrays and the rows of symbols. ``gear`` and ``wire`` as in
-    :func:`stations`.
+    Stations are the first axis of arrays and the rows of symbols.
     """
-    columns = stations(gear, wire)
     if all(isinstance(value, (int, float, np.number, np.ndarray)) for value in values):
         shape = (-1, *(1 for _ in range(max(np.ndim(value) for value in values))))
         arrays = Station(*(column.reshape(shape) for column in columns))

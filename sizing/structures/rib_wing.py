@@ -18,6 +18,8 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, largest, smooth_absolute, smooth_maximum, smooth_minimum
 from sizing.structures.build import BuiltStructure
 from sizing.structures.loads import (
+    LIFT_AT_ROOT,
+    MASS_AT_ROOT,
     SEA_LEVEL_DENSITY_KG_PER_M3,
     Station,
     StructureInputs,
@@ -25,12 +27,11 @@ from sizing.structures.loads import (
     gust_load_increment,
     lift_curve_slope,
     limit_load_factor,
+    stations,
 )
 from sizing.structures.stiffening import (
     SHEAR_PLATE,
     Bracing,
-    NoseCell,
-    Twisting,
     WebCore,
     WingTorsion,
     Wires,
@@ -81,7 +82,7 @@ class LoadFactors(NamedTuple):
 class Wing(NamedTuple):
     """Geometry, masses and load factors of the wing, for the sizing of its parts.
 
-    ``sheet_m`` is the minimum gauge; ``nose_sheet_m`` is equivalent in mass to the stiffened nose.
+    ``sheet_m`` is the minimum gauge. Covering, ribs (or core) and edges are the shell.
     """
 
     wingspan_m: Value
@@ -94,7 +95,9 @@ class Wing(NamedTuple):
     pod_battery_kg: Value
     factors: LoadFactors
     sheet_m: Value
-    nose_sheet_m: Value
+    covering_kg: Value = 0.0
+    ribs_kg: Value = 0.0
+    edges_kg: Value = 0.0
 
 
 class CapForces(NamedTuple):
@@ -238,13 +241,13 @@ class RibWingStructure(BuiltStructure):
             )
         web = wing.wingspan_m * 2.0 * wing.depth_m * integral(web_kg_per_m2)
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
-        ribs = self._ribs_kg(area_m2, chord_m, wing.sheet_m)
+        is_core = self.core_density_kg_per_m3 is not None
         parts = (
             caps,
             web,
-            self._covering_kg(area_m2),
-            ribs if self.core_density_kg_per_m3 is None else ribs / self.mass_factor,
-            self._edges_kg(area_m2, chord_m, wing.nose_sheet_m),
+            wing.covering_kg,
+            wing.ribs_kg / self.mass_factor if is_core else wing.ribs_kg,
+            wing.edges_kg,
             (tail_ratio if self.booms else 0.0) * area_m2 * self.tail_kg_per_m2,
             self._boom_kg(area_m2, chord_m, wing.equivalent_airspeed_m_per_s),
             self.pod_wetted_area_ratio * area_m2 * self.pod_kg_per_m2
@@ -254,7 +257,7 @@ class RibWingStructure(BuiltStructure):
         return StructureParts(*(self.mass_factor * part for part in (*parts, joints)))
 
     def wing(self, inputs: StructureInputs) -> Wing:
-        """Return geometry, load factors, sheets, and the mass that relieves the spar."""
+        """Return geometry, load factors, shell, and the mass that relieves the spar."""
         chord_m, area_m2 = inputs.chord_m, inputs.wing_area_m2
         relative_density = inputs.density_kg_per_m3 / SEA_LEVEL_DENSITY_KG_PER_M3
         equivalent_airspeed = inputs.airspeed_m_per_s * relative_density**0.5
@@ -278,27 +281,36 @@ class RibWingStructure(BuiltStructure):
             pod_battery_kg=inputs.pod_battery_kg + outside_kg,
             factors=self.load_factors(inputs, equivalent_airspeed),
             sheet_m=sheet_m,
-            nose_sheet_m=sheet_m,
         )
+        nose_m = sheet_m
         if self.torsion is not None:
             # Sheet equivalent in mass to a stiff nose of sheet and cloth.
             stiffness = self.torsion.sheet_shear_modulus_pa / self.torsion.cloth_shear_modulus_pa
             density = self.torsion.cloth_density_kg_per_m3 / self.sheet_density_kg_per_m3
-            added_m = self.stiffening_sheet_m(wing) * (stiffness * density)
-            wing = wing._replace(nose_sheet_m=sheet_m + added_m)
+            nose_m = sheet_m + self.stiffening_sheet_m(wing) * (stiffness * density)
+        nose_m = _PERIMETER * self.nose_chord_fraction * nose_m
+        wedge = self.trailing_edge_chord_fraction**2 * self.thickness_ratio / (2.0 * _TAPER_LENGTH)
+        section = _SECTION_AREA * self.thickness_ratio
+        ribs_kg = self.sheet_density_kg_per_m3 * self.rib_solidity * section * sheet_m * area_m2
+        ribs_kg = ribs_kg / self.rib_spacing_chords
+        if self.core_density_kg_per_m3 is not None:  # fills the section, trailing edge included
+            ribs_kg, wedge = self.core_density_kg_per_m3 * section * chord_m * area_m2, 0.0
+        covering_kg = _PERIMETER * area_m2 * self.covering_kg_per_m2
+        edges_kg = self.sheet_density_kg_per_m3 * area_m2 * (nose_m + wedge * chord_m)
         # The shell of the wing relieves the spar; the spar's mass is neglected, conservatively.
-        spread = (
-            wing.relief_kg + self._covering_kg(area_m2) + self._ribs_kg(area_m2, chord_m, sheet_m)
-        )
-        spread = spread + self._edges_kg(area_m2, chord_m, wing.nose_sheet_m)
+        spread = wing.relief_kg + covering_kg + ribs_kg + edges_kg
         # At most the total mass: an assumed total may be below the mass of the wing.
-        return wing._replace(relief_kg=smooth_minimum(spread, inputs.total_mass_kg))
+        relief_kg = smooth_minimum(spread, inputs.total_mass_kg)
+        return wing._replace(
+            relief_kg=relief_kg, covering_kg=covering_kg, ribs_kg=ribs_kg, edges_kg=edges_kg
+        )
 
-    def twisting(self, wing: Wing) -> Twisting:
-        """Return geometry, dive pressure and limit loading that twist the wing."""
+    def torsional_needs_nm2(self, wing: Wing) -> dict[str, Value]:
+        """Return the torsional stiffness GJ that each criterion requires [N m2]."""
+        assert self.torsion is not None
         dive = self.dive_speed_ratio * wing.equivalent_airspeed_m_per_s
         loading = wing.total_mass_kg * GRAVITY_M_PER_S2 / wing.wing_area_m2
-        return Twisting(
+        return self.torsion.needed_nm2(
             chord_m=wing.chord_m,
             half_span_m=wing.wingspan_m / 2.0,
             lift_slope=lift_curve_slope(wing.wingspan_m / wing.chord_m),
@@ -306,11 +318,14 @@ class RibWingStructure(BuiltStructure):
             limit_loading_pa=wing.factors.up * loading,
         )
 
-    def nose_cell(self, chord_m: Value) -> NoseCell:
-        """Return the cell of the sheeted nose."""
-        area = _NOSE_AREA * self.nose_chord_fraction * self.thickness_ratio * chord_m * chord_m
+    def nose_m3(self, chord_m: Value) -> Value:
+        """Return the sheeted nose's torsional stiffness GJ over that of its wall, G t [m3].
+
+        The spar closes its cell.
+        """
+        area_m2 = _NOSE_AREA * self.nose_chord_fraction * self.thickness_ratio * chord_m * chord_m
         skin_m = _PERIMETER * self.nose_chord_fraction * chord_m
-        return NoseCell(area, skin_m + self.thickness_ratio * chord_m)
+        return closed_cell_nm2(area_m2, skin_m + self.thickness_ratio * chord_m)
 
     def box_torsional_stiffness_nm2(self, wing: Wing) -> Value:
         """Return the torsional stiffness GJ of the spar's box at minimum gauges [N m2]."""
@@ -324,12 +339,11 @@ class RibWingStructure(BuiltStructure):
     def stiffening_sheet_m(self, wing: Wing) -> Value:
         """Return the additional sheet of the nose for the required torsional stiffness [m]."""
         assert self.torsion is not None
-        needed = largest(self.torsion.needed_nm2(self.twisting(wing)))
-        nose = self.nose_cell(wing.chord_m)
-        wall_n_per_m = self.torsion.sheet_shear_modulus_pa * wing.sheet_m
-        missing = needed - self.box_torsional_stiffness_nm2(wing) - nose.stiffness_nm2(wall_n_per_m)
-        missing = (missing + smooth_absolute(missing, needed)) / 2.0
-        return nose.wall_n_per_m(missing) / self.torsion.sheet_shear_modulus_pa
+        needed, nose_m3 = largest(self.torsional_needs_nm2(wing)), self.nose_m3(wing.chord_m)
+        modulus_pa = self.torsion.sheet_shear_modulus_pa
+        missing = needed - self.box_torsional_stiffness_nm2(wing)
+        missing = missing - nose_m3 * modulus_pa * wing.sheet_m
+        return (missing + smooth_absolute(missing, needed)) / 2.0 / nose_m3 / modulus_pa
 
     def load_factors(self, inputs: StructureInputs, equivalent_airspeed: Value) -> LoadFactors:
         """Return limit load factors: the larger of manoeuvre and gust, upwards and downwards [-].
@@ -373,8 +387,10 @@ class RibWingStructure(BuiltStructure):
 
     def along_the_span(self, *values: Value) -> tuple[Station, Callable[[Value], Value]]:
         """Return stations with landing gear and wires of this wing, and the integral over them."""
-        wire = None if self.bracing is None else self.bracing.attachment_span_fraction
-        return along_the_span(*values, gear=self.landing_gear_span_fraction, wire=wire)
+        gear, wires = self.landing_gear_span_fraction, self.bracing
+        wire = None if wires is None else wires.attachment_span_fraction
+        landing_wires = wires is not None and wires.landing_wires
+        return along_the_span(stations(gear, wire, landing_wires), *values)
 
     def cap_forces(self, wing: Wing, station: Station) -> CapForces:
         """Return the cap forces of lift less the inertia of the masses in the wing.
@@ -384,39 +400,41 @@ class RibWingStructure(BuiltStructure):
         """
         up, down = wing.factors
         level = GRAVITY_M_PER_S2 / 2.0 * (wing.wingspan_m / 2.0) / wing.depth_m
-        free = self._net(wing, station.lift_moment, station.mass_moment, station)
-        landed = wing.relief_kg * station.landed_moment
-        above, below, pressed = free, free, 0.0
-        if self.bracing is not None:
-            below = self._net(wing, station.braced_lift_moment, station.braced_mass_moment, station)
-            above = below if self.bracing.landing_wires else free
+        wires = self.bracing
+        below = self._bending(wing, station, station.wire)
+        one_way = wires is not None and not wires.landing_wires
+        above = self._bending(wing, station, 0.0) if one_way else below
+        landed, pressed = station.landed_moment, 0.0
+        if wires is not None:
             root_nm, half_span_m = self._root_moment_nm(wing), wing.wingspan_m / 2.0
-            pressed = self.bracing.compression_n(root_nm, half_span_m) / 2.0 * station.inboard
-        if self.landing_gear_span_fraction or self.bracing is not None:
-            wired = self.bracing is not None and self.bracing.landing_wires
-            moment = station.braced_landed_moment if wired else station.landed_moment
-            landed = wing.relief_kg * smooth_absolute(moment, station.mass_moment)
+            pressed = wires.compression_n(root_nm, half_span_m) / 2.0 * (station.wire > 0.0)
+        if self.landing_gear_span_fraction or wires is not None:
+            landed = smooth_absolute(landed, station.mass_moment)
         ultimate = self.safety_factor * level
         axial = self.safety_factor * up * pressed
         return CapForces(
             up=ultimate * (up * below[0] + down * above[1]) + axial,
             down=ultimate * (down * above[0] + up * below[1]) + axial,
-            landing=ultimate * self.landing_load_factor * landed,
+            landing=ultimate * self.landing_load_factor * (wing.relief_kg * landed),
             level=level * (below[0] + below[1]),
         )
 
-    def _net(
-        self, wing: Wing, lift_moment: Value, mass_moment: Value, station: Station
-    ) -> tuple[Value, Value]:
+    def net_moment(self, wing: Wing, station: Station, wire: Value) -> Value:
+        """Return the moment of lift less mass at 1 g, relieved by a wire, over span and gravity."""
+        lift = station.lift_moment - wire * LIFT_AT_ROOT
+        mass = station.mass_moment - wire * MASS_AT_ROOT
+        return wing.total_mass_kg * lift - wing.relief_kg * mass
+
+    def _bending(self, wing: Wing, station: Station, wire: Value) -> tuple[Value, Value]:
         """Return moments at 1 g that bend the wing up and down, per unit of ``level``."""
-        net = wing.total_mass_kg * lift_moment - wing.relief_kg * mass_moment
+        net = self.net_moment(wing, station, wire)
         size = smooth_absolute(net, wing.total_mass_kg * station.lift_moment)
         return (size + net) / 2.0, (size - net) / 2.0
 
     def _root_moment_nm(self, wing: Wing) -> Value:
         """Return the root moment of a half-wing in level flight, without wires [N m]."""
-        lifted = wing.total_mass_kg * 4.0 / (3.0 * pi)
-        size = smooth_absolute(lifted - wing.relief_kg / 2.0, lifted)
+        lifted = wing.total_mass_kg * LIFT_AT_ROOT
+        size = smooth_absolute(lifted - wing.relief_kg * MASS_AT_ROOT, lifted)
         return GRAVITY_M_PER_S2 / 2.0 * wing.wingspan_m / 2.0 * size
 
     def wires(self, wing: Wing) -> Wires:
@@ -505,25 +523,6 @@ class RibWingStructure(BuiltStructure):
         }
         # A core prevents buckling of the facings.
         return {k: v for k, v in needs.items() if self.web_core is None or k != "buckling"}
-
-    def _covering_kg(self, area_m2: Value) -> Value:
-        return _PERIMETER * area_m2 * self.covering_kg_per_m2
-
-    def _ribs_kg(self, area_m2: Value, chord_m: Value, sheet_m: Value) -> Value:
-        """Return the mass of the ribs, or of the core that fills the section [kg]."""
-        if self.core_density_kg_per_m3 is not None:
-            return (
-                self.core_density_kg_per_m3 * _SECTION_AREA * self.thickness_ratio * chord_m
-            ) * area_m2
-        section = self.rib_solidity * _SECTION_AREA * self.thickness_ratio
-        return self.sheet_density_kg_per_m3 * section * sheet_m * area_m2 / self.rib_spacing_chords
-
-    def _edges_kg(self, area_m2: Value, chord_m: Value, sheet_m: Value) -> Value:
-        """Return the mass of the nose's sheets, and of a solid trailing edge without core [kg]."""
-        nose_m = _PERIMETER * self.nose_chord_fraction * sheet_m
-        wedge = self.trailing_edge_chord_fraction**2 * self.thickness_ratio / (2.0 * _TAPER_LENGTH)
-        wedge = wedge if self.core_density_kg_per_m3 is None else 0.0
-        return self.sheet_density_kg_per_m3 * area_m2 * (nose_m + wedge * chord_m)
 
     def _boom_kg(self, area_m2: Value, chord_m: Value, equivalent_airspeed: Value) -> Value:
         """Return the mass of tubes, bought or sized for the largest tail lift in a dive [kg]."""

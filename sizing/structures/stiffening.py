@@ -21,20 +21,6 @@ from solar.schema import Flag, NonNegativeReal, PositiveReal, Record
 FLUTTER_LIMIT = 0.5 * 1.225 * 200.0 * (0.3048**2 / 4.4482216) * 0.44704**2
 
 
-class Twisting(NamedTuple):
-    """Geometry and loads that twist a wing.
-
-    ``lift_slope`` of the wing [1/rad]; dynamic pressure at dive speed, and lift over wing area at
-    the limit load [Pa].
-    """
-
-    chord_m: Value
-    half_span_m: Value
-    lift_slope: Value
-    dive_pressure_pa: Value
-    limit_loading_pa: Value
-
-
 class WingTorsion(Record):
     """Requirements on torsional stiffness for flutter, divergence and twist, and materials.
 
@@ -52,8 +38,19 @@ class WingTorsion(Record):
     cloth_shear_modulus_pa: PositiveReal = 10.4e9
     cloth_density_kg_per_m3: PositiveReal = 1900.0
 
-    def needed_nm2(self, wing: Twisting) -> dict[str, Value]:
+    def needed_nm2(
+        self,
+        *,
+        chord_m: Value,
+        half_span_m: Value,
+        lift_slope: Value,
+        dive_pressure_pa: Value,
+        limit_loading_pa: Value,
+    ) -> dict[str, Value]:
         """Return the torsional stiffness GJ that each criterion requires [N m2].
+
+        ``lift_slope`` of the wing [1/rad]; dynamic pressure at dive speed, and lift over wing area
+        at the limit load [Pa].
 
         ``flutter``: the flexibility of Report 45, with twist ``s/GJ`` at s from the root for a unit
         torque outboard of it, is ``c^2 l^2 (1 - x^2)/(2 GJ)`` over ailerons from the fraction x of
@@ -66,17 +63,16 @@ class WingTorsion(Record):
         ``twist_in_dive`` and ``twist_at_limit_load``: an even torque per length m twists the tip by
         ``m l^2/(2 GJ)``; m is ``C_m q c^2``, or the lift times its distance from the elastic axis.
         """
-        square = (wing.chord_m * wing.half_span_m) ** 2
-        pressure = wing.dive_pressure_pa
+        square = (chord_m * half_span_m) ** 2
         offset = self.elastic_axis_offset_chords
         twist = 2.0 * radians(1.0) * self.maximum_twist_deg
         aileron = (1.0 - self.aileron_start_fraction**2) / 2.0
         diverging = 4.0 / pi**2 * self.speed_margin**2 * offset
         return {
-            "flutter": aileron / FLUTTER_LIMIT * pressure * square,
-            "divergence": diverging * wing.lift_slope * pressure * square,
-            "twist_in_dive": self.pitching_moment_coefficient / twist * pressure * square,
-            "twist_at_limit_load": offset / twist * wing.limit_loading_pa * square,
+            "flutter": aileron / FLUTTER_LIMIT * dive_pressure_pa * square,
+            "divergence": diverging * lift_slope * dive_pressure_pa * square,
+            "twist_in_dive": self.pitching_moment_coefficient / twist * dive_pressure_pa * square,
+            "twist_at_limit_load": offset / twist * limit_loading_pa * square,
         }
 
 
@@ -86,21 +82,6 @@ def closed_cell_nm2(area_m2: Value, flexibility: Value) -> Value:
     ``flexibility`` is the sum over the walls, ``s/(G t)`` [m/N].
     """
     return 4.0 * area_m2 * area_m2 / flexibility
-
-
-class NoseCell(NamedTuple):
-    """Cell of the sheeted nose, closed by the spar: enclosed area [m2] and its perimeter [m]."""
-
-    area_m2: Value
-    perimeter_m: Value
-
-    def stiffness_nm2(self, wall_n_per_m: Value) -> Value:
-        """Return the torsional stiffness [N m2] of walls of equal shear stiffness G t [N/m]."""
-        return closed_cell_nm2(self.area_m2, self.perimeter_m / wall_n_per_m)
-
-    def wall_n_per_m(self, stiffness_nm2: Value) -> Value:
-        """Return the shear stiffness G t of equal walls [N/m] for a torsional stiffness [N m2]."""
-        return stiffness_nm2 * self.perimeter_m / (4.0 * self.area_m2 * self.area_m2)
 
 
 # Buckling of a long plate in shear, simply supported (Timoshenko & Gere, section 9.7).
