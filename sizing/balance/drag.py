@@ -17,6 +17,7 @@ from pydantic import model_validator
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aerodynamics.wing_polar import WingPolar, plane_form_factor
 from sizing.balance.surfaces import Tail, Wing, neutral_point, trim
+from sizing.roots import bisect
 from sizing.smooth import Value
 from sizing.structures.rib_wing import RibWingStructure
 from solar.schema import (
@@ -85,12 +86,13 @@ class Pod(Record):
         if self.diameter_m is not None:
             return self.diameter_m
         assert self.wetted_area_m2 is not None
-        area_m2, low_m, high_m = self.wetted_area_m2, 0.0, self.length_m
-        while high_m - low_m > 1e-12 * self.length_m:
-            middle_m = (low_m + high_m) / 2.0
-            small = _ellipsoid_m2(self.length_m, middle_m) < area_m2
-            low_m, high_m = (middle_m, high_m) if small else (low_m, middle_m)
-        return low_m
+        area_m2, tolerance_m = self.wetted_area_m2, 1e-12 * self.length_m
+        return bisect(
+            self.length_m,
+            0.0,
+            lambda thick_m: _ellipsoid_m2(self.length_m, thick_m) < area_m2,
+            lambda _: tolerance_m,
+        )
 
     @property
     def volume_m3(self) -> float:

@@ -21,7 +21,7 @@ from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.held_station import held_flight
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.propulsion.chain import OperatingPointPropulsion
-from sizing.propulsion.part_load import PROPORTIONAL, AnyPartLoad, PartLoad, load_range
+from sizing.propulsion.part_load import PROPORTIONAL, PartLoad, load_range
 from sizing.smooth import Value
 from solar.sun import HOURS_PER_DAY
 from solar.types import FloatArray
@@ -52,7 +52,7 @@ def flight_of(
     )
 
 
-def part_load_of(aircraft: Aircraft, mission: Mission, design: Design) -> AnyPartLoad:
+def part_load_of(aircraft: Aircraft, mission: Mission, design: Design) -> PartLoad:
     """Return the power over the load in the mission's turbulence and thermals.
 
     Raises :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
@@ -114,7 +114,7 @@ class Load(NamedTuple):
 
     level_w: FloatArray
     constant_w: FloatArray
-    part: AnyPartLoad
+    part: PartLoad
 
     @classmethod
     def of(

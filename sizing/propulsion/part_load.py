@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 
 from sizing.smooth import Value
@@ -47,7 +48,10 @@ class PartLoad:
         """Return the table of a chain between least and greatest loads [-]."""
         centre, half = (loads[0] + loads[1]) / 2.0, (loads[1] - loads[0]) / 2.0
         much = np.any(loads[1] > _WIDE_RANGE * loads[0])
-        points = _points((_MANY_POINTS if much else _FEW_POINTS) if np.any(half > 0.0) else 1)
+        count = _MANY_POINTS if much else _FEW_POINTS
+        points = -np.cos(np.pi * np.arange(count) / (count - 1))
+        if not np.any(half > 0.0):
+            points = np.zeros(1)
         power = power_w(centre + half * points.reshape(-1, *(1,) * np.ndim(level_w)))
         known = np.isfinite(level_w) & np.all(np.isfinite(power), axis=0)
         ratio = np.where(known, power, 1.0) / np.where(known, level_w, 1.0)
@@ -78,41 +82,15 @@ class PartLoad:
     def at(self, load: ArrayLike) -> FloatArray:
         """Return electric power over its reference [-] at thrust powers over level flight [-]."""
         centre, half = self.loads
-        width = np.where(half > 0.0, half, 1.0)
-        # Clipped, as loads lie outside by rounding only.
-        place = np.clip((np.asarray(load, float) - centre) / width, -1.0, 1.0)
-        result = self.coefficients[-1] + 0.0 * place
-        for coefficient in self.coefficients[-2::-1]:
-            result = coefficient + result * place
-        return np.asarray(result)
+        place = (np.asarray(load, float) - centre) / np.where(half > 0.0, half, 1.0)
+        return np.asarray(polyval(place, self.coefficients, tensor=False))
 
 
-class Proportional:
-    """Electric power of a constant efficiency: proportional to the load."""
-
-    beyond = False
-
-    def spread(self, axes: int) -> Proportional:
-        """Return itself, for any number of axes."""
-        return self
-
-    def at(self, load: ArrayLike) -> FloatArray:
-        """Return electric power over its reference [-] at thrust powers over level flight [-]."""
-        return np.asarray(load, float)
-
-
-PROPORTIONAL = Proportional()
-AnyPartLoad = PartLoad | Proportional
+# Electric power of a constant efficiency.
+PROPORTIONAL = PartLoad(np.array([0.0, 1.0]), (np.zeros(()), np.ones(())))
 
 
 def load_range(all_day: ArrayLike, thermal: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return least and greatest relative thrust power in turbulence and thermals [-]."""
     least = 1.0 + np.asarray(all_day, float)
     return least, least + np.asarray(thermal, float)
-
-
-def _points(count: int) -> FloatArray:
-    """Return Chebyshev points from -1 to 1, both ends included; 0 for a single point."""
-    if count == 1:
-        return np.zeros(1)
-    return np.asarray(-np.cos(np.pi * np.arange(count) / (count - 1)))
