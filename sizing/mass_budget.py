@@ -105,27 +105,27 @@ def level_flight(
     chain: Propulsion | None = None,
 ) -> tuple[Propulsion, Value, Value]:
     """Return propulsion, electric power [W] and airspeed of level flight at a total mass."""
-    airframe = aircraft.parametric
+    airframe, density = aircraft.parametric, air.density_kg_per_m3
+    span_m, aspect_ratio = variables.wingspan_m, variables.aspect_ratio
     polar = polar_at(airframe.aerodynamics, variables.lift_coefficient)
     airspeed = level_airspeed_m_per_s(
         polar,
         mass_kg=total_mass_kg,
-        wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
-        density_kg_per_m3=air.density_kg_per_m3,
+        wing_area_m2=span_m**2 / aspect_ratio,
+        density_kg_per_m3=density,
     )
-    braced = polar_with_wires(aircraft, polar, variables, air, total_mass_kg, airspeed)
-    aerodynamics = polar_with_tail(airframe, braced, variables.wingspan_m, variables.aspect_ratio)
-    shaft_w = level_flight_power_w(
-        aerodynamics,
-        mass_kg=total_mass_kg,
-        wingspan_m=variables.wingspan_m,
-        aspect_ratio=variables.aspect_ratio,
-        density_kg_per_m3=air.density_kg_per_m3,
+    polar = polar_with_wires(aircraft, polar, variables, air, total_mass_kg, airspeed)
+    thrust_w = level_flight_power_w(
+        polar_with_tail(airframe, polar, span_m, aspect_ratio),
+        airspeed_m_per_s=airspeed,
+        wingspan_m=span_m,
+        aspect_ratio=aspect_ratio,
+        density_kg_per_m3=density,
         dynamic_viscosity=air.dynamic_viscosity,
     )
     propulsion = (chain or airframe.propulsion).sized(*variables.of_propulsion)
-    links = propulsion.in_flight(shaft_w, airspeed, air.air, aircraft.battery.ends_v)
-    return links, shaft_w / links.efficiency, airspeed
+    links = propulsion.in_flight(thrust_w, airspeed, air.air, aircraft.battery.ends_v)
+    return links, thrust_w / links.efficiency, airspeed
 
 
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:

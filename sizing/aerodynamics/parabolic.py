@@ -105,18 +105,14 @@ def level_airspeed_m_per_s(
 def level_flight_power_w(
     polar: Polar,
     *,
-    mass_kg: Value,
+    airspeed_m_per_s: Value,
     wingspan_m: Value,
     aspect_ratio: Value,
     density_kg_per_m3: Value,
     dynamic_viscosity: Value,
 ) -> Value:
     """Return the aerodynamic power of level flight, ``0.5 rho V^3 S C_D`` with S = b^2/AR [W]."""
-    area = wingspan_m**2 / aspect_ratio
     chord = wingspan_m / aspect_ratio
-    airspeed = level_airspeed_m_per_s(
-        polar, mass_kg=mass_kg, wing_area_m2=area, density_kg_per_m3=density_kg_per_m3
-    )
-    reynolds = density_kg_per_m3 * airspeed * chord / dynamic_viscosity
-    drag_area = area * polar.drag_coefficient(aspect_ratio, reynolds)
-    return 0.5 * density_kg_per_m3 * airspeed**3 * drag_area
+    reynolds = density_kg_per_m3 * airspeed_m_per_s * chord / dynamic_viscosity
+    drag_area = wingspan_m**2 / aspect_ratio * polar.drag_coefficient(aspect_ratio, reynolds)
+    return 0.5 * density_kg_per_m3 * airspeed_m_per_s**3 * drag_area

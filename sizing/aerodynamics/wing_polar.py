@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 from math import pi
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, PrivateAttr, Strict, model_validator
@@ -39,21 +39,6 @@ from solar.schema import (
 def plane_form_factor(thickness_ratio: float) -> float:
     """Return the form factor of a section: Hoerner, Fluid-Dynamic Drag, chapter 6."""
     return 1.0 + 2.0 * thickness_ratio + 60.0 * thickness_ratio**4
-
-
-class DragBuildUp(NamedTuple):
-    """Drag coefficients of the parts on the wing area, before any calibration [-]."""
-
-    profile: Value
-    induced: Value
-    tail: Value
-    fuselage: Value
-    parasitic: Value
-
-    @property
-    def total(self) -> Value:
-        """Sum of the parts."""
-        return sum(self[1:], self[0])
 
 
 class WingPolar(CompletedRecord):
@@ -217,26 +202,22 @@ class WingPolar(CompletedRecord):
 
     def drag_at(self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value) -> Value:
         """Return the drag coefficient of the aircraft at a lift coefficient, calibrated [-]."""
-        return self.calibration * self.build_up(lift_coefficient, aspect_ratio, reynolds).total
+        profile, induced, other = self.parts(aspect_ratio, reynolds, lift_coefficient)
+        return profile + induced + other
 
-    def build_up(
-        self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value
-    ) -> DragBuildUp:
-        """Return the drag coefficients of the parts before calibration, as the class explains."""
+    def parts(
+        self, aspect_ratio: Value, reynolds: Value, lift_coefficient: Value | None = None
+    ) -> tuple[Value, Value, Value]:
+        """Return the calibrated coefficients of profile, induced and all other drag [-].
+
+        By the formulas of the class; by default at the lift coefficient of level flight.
+        """
+        lift = self.flight_lift_coefficient if lift_coefficient is None else lift_coefficient
         tail_form = plane_form_factor(self.tail_thickness_ratio)
         tail = 2.0 * 1.328 * (self.tail_chord_ratio * reynolds) ** -0.5 * tail_form
         fuselage = 0.074 * (self.fuselage_length_chords * reynolds) ** -0.2
-        return DragBuildUp(
-            profile=self.polar.profile_drag(self.section_lift_ratio * lift_coefficient, reynolds),
-            induced=lift_coefficient**2 / (pi * self.span_efficiency * aspect_ratio),
-            tail=self.tail_area_ratio * tail,
-            fuselage=self.fuselage_wetted_area_ratio * self.fuselage_form_factor * fuselage,
-            parasitic=self.parasitic_drag_coefficient,
-        )
-
-    def parts(self, aspect_ratio: Value, reynolds: Value) -> tuple[Value, Value, Value]:
-        """Return the calibrated coefficients of profile, induced and all other drag [-]."""
-        drag = self.build_up(self.flight_lift_coefficient, aspect_ratio, reynolds)
-        shares = (drag.profile, drag.induced, drag.tail + drag.fuselage + drag.parasitic)
-        profile, induced, other = (self.calibration * share for share in shares)
-        return profile, induced, other
+        fuselage = self.fuselage_wetted_area_ratio * self.fuselage_form_factor * fuselage
+        other = self.tail_area_ratio * tail + fuselage + self.parasitic_drag_coefficient
+        profile = self.polar.profile_drag(self.section_lift_ratio * lift, reynolds)
+        induced = lift**2 / (pi * self.span_efficiency * aspect_ratio)
+        return self.calibration * profile, self.calibration * induced, self.calibration * other

@@ -86,8 +86,7 @@ def _drag(aircraft: Aircraft) -> tuple[ProfileDrag | None, float]:
     if isinstance(polar, WingPolar):
         at_lift = polar.flight_lift_coefficient
         reynolds = float(polar.design_reynolds * at_lift**-0.5)
-        parts = polar.build_up(at_lift, polar.design_aspect_ratio, reynolds)
-        other = polar.calibration * (parts.tail + parts.fuselage + parts.parasitic)
+        _, _, other = polar.parts(polar.design_aspect_ratio, reynolds)
         lift = np.linspace(0.0, polar.section_lift_ratio * polar.maximum_lift_coefficient, 101)
         drags = polar.calibration * np.asarray(polar.polar.profile_drag(lift, reynolds))
         least = 1 + int(np.argmin(drags[1:-1]))

@@ -36,7 +36,8 @@ def test_power_is_sink_rate_times_weight(span, aspect, mass):
     v = level_airspeed_m_per_s(POLAR, mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
     reynolds = 1.1 * v * span / aspect / 1.8e-5
     cd = 0.012 * (158000.0 / reynolds) ** 0.35 + 0.006 + 1.0 / (np.pi * 0.9 * aspect)
-    power_w = level_flight_power_w(POLAR, mass_kg=mass, wingspan_m=span, aspect_ratio=aspect, **AIR)
+    shape = {"airspeed_m_per_s": v, "wingspan_m": span, "aspect_ratio": aspect}
+    power_w = level_flight_power_w(POLAR, **shape, **AIR)
     # P = m g v / (L/D): another way to the same number, so rounding.
     assert power_w == pytest.approx(mass * G * v * cd / 1.0, rel=1e-9)
 
@@ -45,9 +46,12 @@ def test_constant_polar_scales_as_measured_power_does():
     # As the power of a measured aircraft is scaled (sizing.mass_budget.measured_design): without
     # Reynolds dependence the parabolic polar obeys m^1.5 rho^-0.5 exactly.
     polar = POLAR.model_copy(update={"reynolds_exponent": 0.0})
-    shape = {"wingspan_m": 5.0, "aspect_ratio": 15.0, "dynamic_viscosity": 1.8e-5}
-    here = level_flight_power_w(polar, mass_kg=6.0, density_kg_per_m3=1.1, **shape)
-    there = level_flight_power_w(polar, mass_kg=9.0, density_kg_per_m3=0.8, **shape)
+    mass, air = np.array([6.0, 9.0]), AIR | {"density_kg_per_m3": np.array([1.1, 0.8])}
+    v = level_airspeed_m_per_s(
+        polar, mass_kg=mass, wing_area_m2=5.0 / 3.0, density_kg_per_m3=air["density_kg_per_m3"]
+    )
+    shape = {"airspeed_m_per_s": v, "wingspan_m": 5.0, "aspect_ratio": 15.0}
+    here, there = level_flight_power_w(polar, **shape, **air)
     assert there == pytest.approx(here * 1.5**1.5 * (0.8 / 1.1) ** -0.5, rel=1e-12)
 
 
