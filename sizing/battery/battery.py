@@ -308,4 +308,5 @@ class Battery(CatalogueRecord):
         held, share = self.temperature_at(altitude_m)
         if held is None:
             return 0.0, 0.0
-        return share * held.heater_w(air_c), share * held.insulated_heater_w_at_1_kg(air_c)
+        fixed_w, at_1_kg_w = held.heater_parts_w(air_c)
+        return share * fixed_w, share * at_1_kg_w

@@ -101,36 +101,29 @@ class BatteryTemperature(Record):
             raise ValueError("heater_power_w needs held_c and heat_loss_w_per_k")
         return self
 
-    def _heated_k(self, air_c: Value) -> Value:
-        """Return the rise of temperature by a heater without a limit of power [K]."""
+    def heated_k(self, air_c: Value) -> Value:
+        """Return the rise of temperature by the heater at an air temperature [K]."""
         if self.held_c is None:
             return 0.0 * air_c
-        return np.maximum(self.held_c - (air_c + self.ambient_offset_k), 0.0)
+        rise_k = np.maximum(self.held_c - (air_c + self.ambient_offset_k), 0.0)
+        if self.heater_power_w is None:
+            return rise_k
+        assert self.heat_loss_w_per_k is not None  # refused at validation
+        return np.minimum(rise_k, self.heater_power_w / self.heat_loss_w_per_k)
 
-    def heater_w(self, air_c: Value) -> Value:
-        """Return the power of the heater of a pack of known heat loss, at an air temperature [W].
+    def heater_parts_w(self, air_c: Value) -> tuple[Value, Value]:
+        """Return the heater's power of known heat loss, and of an insulated pack of 1 kg [W].
 
-        ``k (T_held - T_air - offset)``, the steady heat loss, from 0 to ``heater_power_w``.
+        The steady heat loss, ``k (T_held - T_air - offset)``, from 0 to ``heater_power_w``. The
+        second scales with ``mass^(2/3)``.
         """
-        if self.heat_loss_w_per_k is None:
-            return 0.0 * air_c
-        power_w = self.heat_loss_w_per_k * self._heated_k(air_c)
-        return power_w if self.heater_power_w is None else np.minimum(power_w, self.heater_power_w)
-
-    def insulated_heater_w_at_1_kg(self, air_c: Value) -> Value:
-        """Return the heater power of an insulated pack of 1 kg [W]; scales with ``mass^(2/3)``."""
-        if self.insulation is None:
-            return 0.0 * air_c
-        return self.insulation.heat_loss_w_per_k(1.0) * self._heated_k(air_c)
+        lost, rise_k = self.heat_loss_w_per_k, self.heated_k(air_c)
+        at_1_kg = 0.0 if self.insulation is None else self.insulation.heat_loss_w_per_k(1.0)
+        return (0.0 if lost is None else lost) * rise_k, at_1_kg * rise_k
 
     def pack_c(self, air_c: Value) -> Value:
         """Return the temperature of the pack at an air temperature [C]."""
-        passive_c = air_c + self.ambient_offset_k
-        if self.insulation is not None:
-            return passive_c + self._heated_k(air_c)
-        if self.heat_loss_w_per_k is None:
-            return passive_c
-        return passive_c + self.heater_w(air_c) / self.heat_loss_w_per_k
+        return air_c + self.ambient_offset_k + self.heated_k(air_c)
 
     def capacity_fraction(self, air_c: Value) -> FloatArray:
         """Return the capacity at an air temperature over that at 1 in the table [-]."""

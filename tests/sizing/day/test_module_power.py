@@ -90,7 +90,7 @@ def test_the_heater_of_an_insulated_pack_grows_with_its_faces():
     eight = foam.model_copy(update={"packs": 8})
     assert eight.heat_loss_w_per_k(16.0) == pytest.approx(2.0 * 0.36)
     pack = BatteryTemperature(held_c=10.0, insulation=foam)
-    assert pack.insulated_heater_w_at_1_kg(-56.5) * 16.0 ** (2 / 3) == pytest.approx(66.5 * 0.36)
+    assert pack.heater_parts_w(-56.5)[1] * 16.0 ** (2 / 3) == pytest.approx(66.5 * 0.36)
     assert pack.pack_c(-56.5) == 10.0
     assert pack.pack_c(20.0) == 20.0
 
