@@ -184,7 +184,8 @@ class Design(NamedTuple):
     avionics, payload and the battery's heater draw; ``airspeed_m_per_s`` may be unknown (None) for
     a measured aircraft. ``conditions``: those it was made in, with the payload that it carries.
     ``chain``: efficiencies of the propulsion in level flight, ``sized_from``: what its structure is
-    sized from; None for a measured aircraft.
+    sized from, ``lift_coefficient``: of level flight, ``maximum_lift_coefficient``: at the stall
+    [-]; None for a measured aircraft.
     """
 
     variables: DesignVariables
@@ -197,11 +198,30 @@ class Design(NamedTuple):
     conditions: FlightConditions
     chain: Propulsion | None = None
     sized_from: StructureInputs | None = None
+    lift_coefficient: Value = None
+    maximum_lift_coefficient: Value = None
 
     @property
     def wing_area_m2(self) -> Value:
         """Return the wing area [m2]."""
         return self.variables.wingspan_m**2 / self.variables.aspect_ratio
+
+    @property
+    def chord_m(self) -> Value:
+        """Return the mean chord [m]."""
+        return self.variables.wingspan_m / self.variables.aspect_ratio
+
+    @property
+    def reynolds_number(self) -> Value:
+        """Return the Reynolds number of the mean chord in level flight [-]."""
+        air = self.conditions
+        flow = air.density_kg_per_m3 * self.airspeed_m_per_s * self.chord_m
+        return flow / air.dynamic_viscosity
+
+    @property
+    def stall_margin(self) -> Value:
+        """Return the airspeed over the stall speed [-]."""
+        return (self.maximum_lift_coefficient / self.lift_coefficient) ** 0.5
 
     def mapped(self, function: Callable[[Value], Value]) -> Design:
         """Apply a function to all that a flight depends on; the budget of masses stays."""
@@ -224,6 +244,21 @@ class Design(NamedTuple):
         weight_n = self.total_mass_kg * GRAVITY_M_PER_S2
         return self.chain.rated_power_w(self.propulsion_power_w, weight_n=weight_n)
 
+    @property
+    def climb_rate_m_per_s(self) -> Value:
+        """Return the climb rate at rated power and airspeed of level flight [m/s].
+
+        Excess power over weight.
+        """
+        assert self.chain is not None
+        excess_w = self.rated_power_w - self.propulsion_power_w
+        return excess_w * self.chain.efficiency / (self.total_mass_kg * GRAVITY_M_PER_S2)
+
+    @property
+    def load_w(self) -> Value:
+        """Return the load in the turbulence of its conditions [W]."""
+        return self.load_in_turbulence_w(self.conditions.turbulence)
+
     def nominal_load_w(self, mission: Mission) -> Value:
         """Return the load with the turbulence of all hours, without thermals [W]."""
         return self.load_in_turbulence_w(mission.turbulence.all_day)
@@ -235,7 +270,8 @@ class Design(NamedTuple):
 
 # What a flight depends on.
 _OF_FLIGHT = ("variables", "total_mass_kg", "battery_energy_wh", "propulsion_power_w",
-              "constant_power_w", "airspeed_m_per_s", "chain")  # fmt: skip
+              "constant_power_w", "airspeed_m_per_s", "chain", "lift_coefficient",
+              "maximum_lift_coefficient")  # fmt: skip
 
 
 def each(value: Any, function: Callable[[Any], Any]) -> Any:

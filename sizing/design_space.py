@@ -127,8 +127,8 @@ class DesignSpace(Record):
         rows = (LimitRow(*end) for end in ends if end[2] is not None)
         return {f"{row.quantity}_{row.end}": row for row in rows}
 
-    def user_requirements(self, it: Any) -> list[Any]:
-        """Return user-defined requirements on a design in flight; none in files."""
+    def user_requirements(self, design: Any) -> list[Any]:
+        """Return user-defined requirements on a design; none in files."""
         return []
 
     @model_validator(mode="after")

@@ -70,9 +70,6 @@ def flight_faster(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
 ) -> Design:
     """Return a design in level flight faster by a ratio; numbers, arrays or symbols."""
-    lift = design.variables.lift_coefficient
-    if lift is None:
-        lift = aircraft.parametric.aerodynamics.flight_lift_coefficient
-    lower_lift = design.variables._replace(lift_coefficient=lift / ratio**2)
+    lower_lift = design.variables._replace(lift_coefficient=design.lift_coefficient / ratio**2)
     chain, power_w, speed = level_flight(aircraft, conditions, lower_lift, design.total_mass_kg)
     return design._replace(propulsion_power_w=power_w, airspeed_m_per_s=speed, chain=chain)

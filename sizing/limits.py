@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, bus_voltage_v, polar_at
+from sizing.design import Design, bus_voltage_v
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
 from sizing.smooth import Value
@@ -24,85 +23,29 @@ MASS_BUDGET = "mass_budget"  # an equation, which closed designs meet
 ROW_TOLERANCE = 1e-5
 
 
-class DesignInFlight(NamedTuple):
-    """Design and its aircraft."""
-
-    aircraft: Aircraft
-    design: Design
-
-    @property
-    def conditions(self) -> FlightConditions:
-        """Conditions of the flight."""
-        return self.design.conditions
-
-    @property
-    def lift_coefficient(self) -> Value:
-        """Lift coefficient of level flight [-]."""
-        chosen = self.design.variables.lift_coefficient
-        polar = self.aircraft.parametric.aerodynamics
-        return polar.flight_lift_coefficient if chosen is None else chosen
-
-    @property
-    def stall_margin(self) -> Value:
-        """Airspeed over the stall speed [-]."""
-        chosen = self.design.variables.lift_coefficient
-        highest = polar_at(self.aircraft.parametric.aerodynamics, chosen).maximum_lift_coefficient
-        return (highest / self.lift_coefficient) ** 0.5
-
-    @property
-    def chord_m(self) -> Value:
-        """Mean chord [m]."""
-        variables = self.design.variables
-        return variables.wingspan_m / variables.aspect_ratio
-
-    @property
-    def climb_rate_m_per_s(self) -> Value:
-        """Climb rate at rated power and level-flight airspeed: excess power over weight [m/s]."""
-        chain, weight_n = self.design.chain, self.design.total_mass_kg * GRAVITY_M_PER_S2
-        assert chain is not None
-        excess_w = self.design.rated_power_w - self.design.propulsion_power_w
-        return excess_w * chain.efficiency / weight_n
-
-    @property
-    def load_w(self) -> Value:
-        """Nominal load [W]."""
-        return self.design.load_in_turbulence_w(self.conditions.turbulence)
-
-    @property
-    def reynolds_number(self) -> Value:
-        """Reynolds number of the mean chord in level flight [-]."""
-        air = self.conditions
-        return (
-            air.density_kg_per_m3
-            * self.design.airspeed_m_per_s
-            * self.chord_m
-            / air.dynamic_viscosity
-        )
-
-
 # Quantities that may be bounded; their units and labels are in the catalogue of parameters.
-QUANTITIES: dict[LimitedQuantity, Callable[[DesignInFlight], Value]] = {
-    "total_mass_kg": lambda it: it.design.total_mass_kg,
-    "structure_mass_kg": lambda it: it.design.masses.structure,
-    "battery_energy_wh": lambda it: it.design.battery_energy_wh,
-    "battery_fraction": lambda it: it.design.masses.battery / it.design.total_mass_kg,
-    "payload_fraction": lambda it: it.design.masses.payload / it.design.total_mass_kg,
-    "wing_area_m2": lambda it: it.design.wing_area_m2,
+QUANTITIES: dict[LimitedQuantity, Callable[[Design], Value]] = {
+    "total_mass_kg": lambda it: it.total_mass_kg,
+    "structure_mass_kg": lambda it: it.masses.structure,
+    "battery_energy_wh": lambda it: it.battery_energy_wh,
+    "battery_fraction": lambda it: it.masses.battery / it.total_mass_kg,
+    "payload_fraction": lambda it: it.masses.payload / it.total_mass_kg,
+    "wing_area_m2": lambda it: it.wing_area_m2,
     "chord_m": lambda it: it.chord_m,
-    "module_coverage": lambda it: it.design.variables.module_area_m2 / it.design.wing_area_m2,
-    "wing_loading_kg_per_m2": lambda it: it.design.total_mass_kg / it.design.wing_area_m2,
-    "airspeed_m_per_s": lambda it: it.design.airspeed_m_per_s,
-    "stall_speed_m_per_s": lambda it: it.design.airspeed_m_per_s / it.stall_margin,
+    "module_coverage": lambda it: it.variables.module_area_m2 / it.wing_area_m2,
+    "wing_loading_kg_per_m2": lambda it: it.total_mass_kg / it.wing_area_m2,
+    "airspeed_m_per_s": lambda it: it.airspeed_m_per_s,
+    "stall_speed_m_per_s": lambda it: it.airspeed_m_per_s / it.stall_margin,
     "stall_margin": lambda it: it.stall_margin,
     "lift_coefficient": lambda it: it.lift_coefficient,
     "reynolds_number": lambda it: it.reynolds_number,
-    "propulsion_power_w": lambda it: it.design.propulsion_power_w,
-    "rated_power_w": lambda it: it.design.rated_power_w,
+    "propulsion_power_w": lambda it: it.propulsion_power_w,
+    "rated_power_w": lambda it: it.rated_power_w,
     "load_w": lambda it: it.load_w,
     "climb_rate_m_per_s": lambda it: it.climb_rate_m_per_s,
-    "cruise_discharge_rate_per_h": lambda it: it.load_w / it.design.battery_energy_wh,
+    "cruise_discharge_rate_per_h": lambda it: it.load_w / it.battery_energy_wh,
     "climb_discharge_rate_per_h": lambda it: (
-        (it.design.rated_power_w + it.design.constant_power_w) / it.design.battery_energy_wh
+        (it.rated_power_w + it.constant_power_w) / it.battery_energy_wh
     ),
 }
 
@@ -125,19 +68,19 @@ _OF_PROPULSION = {
 }
 
 
-def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
+def _propulsion_margins(aircraft: Aircraft, design: Design) -> dict[str, Value]:
     """Return the relative margins to limits of a propulsion's parts.
 
     They are empty where limits make operating points infeasible, or there is nothing to choose.
     """
-    parts, design = it.aircraft.propulsion_by_parts, it.design
-    free = it.aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES)
+    parts = aircraft.propulsion_by_parts
+    free = aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES)
     if parts is None or parts.is_limited or not (parts.is_exact or free):
         return {}
     sized = parts.sized(*design.variables.of_propulsion)
-    speed_m_per_s, air = design.airspeed_m_per_s, it.conditions.air
+    speed_m_per_s, air = design.airspeed_m_per_s, design.conditions.air
     shaft = sized.shaft(design.thrust_power_w, speed_m_per_s, air)
-    empty_v, _ = bus_voltage_v(it.aircraft)
+    empty_v, _ = bus_voltage_v(aircraft)
     used = sized.shares_of_limits(shaft, speed_m_per_s, air, empty_v)
     return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
@@ -147,7 +90,6 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
 
     Their texts describe a violation; ``{missed}`` stands for its size.
     """
-    it = DesignInFlight(aircraft, design)
     covered = aircraft.parametric.maximum_module_coverage * design.wing_area_m2
     rows = [
         Requirement(
@@ -163,20 +105,20 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
         # Relative to the airspeed, as the wind may be 0.
         Requirement(
             "airspeed_above_wind",
-            1.0 - it.conditions.wind_m_per_s / design.airspeed_m_per_s,
+            1.0 - design.conditions.wind_m_per_s / design.airspeed_m_per_s,
             "airspeed stays {missed} below the wind",
         ),
     ]
     for name, limit in aircraft.design_space.limit_rows().items():
-        is_minimum, ratio = limit.end == "minimum", QUANTITIES[limit.quantity](it) / limit.value
+        is_minimum, ratio = limit.end == "minimum", QUANTITIES[limit.quantity](design) / limit.value
         unit_of_limit = "" if unit(limit.quantity) == "1" else f" {unit(limit.quantity)}"
         violation = "falls short of its minimum" if is_minimum else "exceeds its maximum"
         bound = f"{spell(limit.value)}{unit_of_limit}"
         text = f"{label(limit.quantity)} {violation} {bound} by {{missed}}"
         rows.append(Requirement(name, ratio - 1.0 if is_minimum else 1.0 - ratio, text))
-    margins = _propulsion_margins(it)
+    margins = _propulsion_margins(aircraft, design)
     rows += [Requirement(name, margin, _OF_PROPULSION[name]) for name, margin in margins.items()]
-    return [*rows, *aircraft.design_space.user_requirements(it)]
+    return [*rows, *aircraft.design_space.user_requirements(design)]
 
 
 def meets_requirements(

@@ -63,7 +63,8 @@ def parametric_design(
 
     Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
     """
-    airframe = aircraft.parametric
+    airframe, lift = aircraft.parametric, variables.lift_coefficient
+    polar = airframe.aerodynamics
     air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
     propulsion, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
     rated_w = propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
@@ -94,6 +95,8 @@ def parametric_design(
         conditions=air,
         chain=propulsion,
         sized_from=inputs,
+        lift_coefficient=polar.flight_lift_coefficient if lift is None else lift,
+        maximum_lift_coefficient=polar.maximum_lift_coefficient,
     )
 
 

@@ -27,7 +27,6 @@ from sizing.balance.surfaces import (
     wing_of,
 )
 from sizing.design import Design, polar_at
-from sizing.limits import DesignInFlight
 from sizing.smooth import Value
 
 _SLOW = 1.2  # airspeed over stall speed for the assessment of controls
@@ -97,9 +96,8 @@ def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
-    it = DesignInFlight(aircraft, design)
-    polar = _polar(airframe, design, it.lift_coefficient)
-    return DragShares(*(float(share) for share in polar.shares(it.reynolds_number)))
+    polar = _polar(airframe, design, design.lift_coefficient)
+    return DragShares(*(float(share) for share in polar.shares(design.reynolds_number)))
 
 
 def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
@@ -121,7 +119,6 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     tail, balance = airframe.tail, airframe.balance
     assert tail is not None  # refused at validation
     assert design.sized_from is not None
-    it = DesignInFlight(aircraft, design)
     variables = design.variables
     wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
     wing = Wing(*(float(value) for value in wing))
@@ -134,8 +131,8 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
         if float(item.mass_kg) > 0.0
     )
     gravity_m = float(centre_of_gravity(items))
-    lift = float(it.lift_coefficient)
-    stall_lift = lift * float(it.stall_margin) ** 2
+    lift = float(design.lift_coefficient)
+    stall_lift = lift * float(design.stall_margin) ** 2
     slow_lift = stall_lift / _SLOW**2
     moment = balance.pitching_moment_coefficient
     efficiency = getattr(airframe.aerodynamics, "span_efficiency", 1.0)
@@ -150,7 +147,7 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     level, slow, stall = trimmed(lift), trimmed(slow_lift), trimmed(stall_lift)
     slow_ratio = (lift / slow_lift) ** 0.5
     yaw, rudder = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
-    slow_drag = drag_coefficient(slow_lift, it.reynolds_number * slow_ratio)
+    slow_drag = drag_coefficient(slow_lift, design.reynolds_number * slow_ratio)
     elevator = elevator_deflection(tail, neutral, level, slow, slow_lift - lift)
     elevator_at_stall = elevator_deflection(tail, neutral, level, stall, stall_lift - lift)
     sideslip = float(rudder / yaw)
@@ -168,7 +165,7 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
         neutral_point=neutral,
         gravity_m=gravity_m,
         level=level,
-        drag_coefficient=drag_coefficient(lift, it.reynolds_number),
+        drag_coefficient=drag_coefficient(lift, design.reynolds_number),
         elevator_deg=degrees(elevator),
         elevator_at_stall_deg=degrees(elevator_at_stall),
         elevator_limit_deg=tail.elevator_deflection_deg,

@@ -19,9 +19,9 @@ from pydantic import Field
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Masses, variables_of
+from sizing.design import Design, Masses, variables_of
 from sizing.design_space import DesignSpace
-from sizing.limits import QUANTITIES, DesignInFlight, Requirement, design_requirements
+from sizing.limits import QUANTITIES, Requirement, design_requirements
 from sizing.mass_budget import closed_design, parametric_design
 from sizing.parameters import replaced
 from sizing.performance import Performance
@@ -29,18 +29,18 @@ from sizing.program.variables import TOTAL_OVER_BATTERY_MASS, USER_OBJECTIVE
 from sizing.smooth import Value
 
 OwnFunction = Callable[[Any], Any]
-Quantity = Callable[[DesignInFlight], Value]
+Quantity = Callable[[Design], Value]
 
 _ENERGY = ("battery_capacity", "energy_balance", "excess_time", "height")  # rows of the cycle
 
 # Quantities of a design that a function may use, by the names that results have.
 NAMES: dict[str, Quantity] = {
-    "wingspan_m": lambda it: it.design.variables.wingspan_m,
-    "aspect_ratio": lambda it: it.design.variables.aspect_ratio,
-    "module_area_m2": lambda it: it.design.variables.module_area_m2,
+    "wingspan_m": lambda it: it.variables.wingspan_m,
+    "aspect_ratio": lambda it: it.variables.aspect_ratio,
+    "module_area_m2": lambda it: it.variables.module_area_m2,
     "payload_power_w": lambda it: it.conditions.payload_power_w,
     "power_out_w": lambda it: it.load_w,
-    **{f"{item}_mass_kg": attrgetter(f"design.masses.{item}") for item in Masses._fields},
+    **{f"{item}_mass_kg": attrgetter(f"masses.{item}") for item in Masses._fields},
     **{str(name): of for name, of in QUANTITIES.items()},
 }
 
@@ -70,7 +70,7 @@ def _quantity(expression: Any) -> Quantity:
     names = [symbol.name() for symbol in symbols]
     function = ca.Function("own", [ca.vertcat(*symbols)], [expression])
 
-    def quantity(it: DesignInFlight) -> Value:
+    def quantity(it: Design) -> Value:
         values = [NAMES[name](it) for name in names]
         if any(isinstance(value, ca.SX) for value in values):
             return function(ca.vertcat(*values))
@@ -87,13 +87,12 @@ def _quantity(expression: Any) -> Quantity:
 class OwnObjective:
     """What the user makes as small as possible; it answers as an ``Objective`` does.
 
-    ``scale``: of the order of its values. ``aircraft``: whose technology the designs have.
+    ``scale``: of the order of its values.
     """
 
     value: str
     of: Quantity
     scale: float
-    aircraft: Aircraft
 
     variable: ClassVar[str] = USER_OBJECTIVE
     label: ClassVar[str] = "objective"
@@ -109,9 +108,9 @@ class OwnObjective:
 
     def of_flight(self, perf: Performance) -> Value:
         """Value of simulated designs."""
-        return self.of(DesignInFlight(self.aircraft, perf.design))
+        return self.of(perf.design)
 
-    def row(self, it: DesignInFlight, variable: Value) -> Requirement:
+    def row(self, it: Design, variable: Value) -> Requirement:
         """Equation that makes a variable of the program the objective."""
         return Requirement(USER_OBJECTIVE, (variable - self.of(it)) / self.scale, "")
 
@@ -124,8 +123,8 @@ class _OwnDesignSpace(DesignSpace):
 
     __hash__ = DesignSpace.__hash__
 
-    def user_requirements(self, it: Any) -> list[Any]:
-        return [constraint(it) for constraint in self.own_constraints]
+    def user_requirements(self, design: Any) -> list[Any]:
+        return [constraint(design) for constraint in self.own_constraints]
 
 
 def with_own_terms(
@@ -144,11 +143,10 @@ def with_own_terms(
     if not np.isfinite(design.total_mass_kg):
         mass_kg = TOTAL_OVER_BATTERY_MASS * variables.battery_mass_kg
         design = parametric_design(aircraft, mission, variables, mass_kg)
-    start = DesignInFlight(aircraft, design)
-    user_objective = None if objective is None else _objective(objective, start)
-    rows = tuple(_constraint(function, start) for function in constraints)
-    taken = {*_ENERGY, USER_OBJECTIVE, *(row.name for row in design_requirements(*start))}
-    for name in (row(start).name for row in rows):
+    user_objective = None if objective is None else _objective(objective, design)
+    rows = tuple(_constraint(function, design) for function in constraints)
+    taken = {*_ENERGY, USER_OBJECTIVE, *(row.name for row in design_requirements(aircraft, design))}
+    for name in (row(design).name for row in rows):
         if name in taken:
             raise ValueError(f"a constraint needs a name of its own: there is a {name} already")
         taken.add(name)
@@ -159,7 +157,7 @@ def with_own_terms(
     return replaced(aircraft, ["design_space"], changed), user_objective
 
 
-def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
+def _objective(function: OwnFunction, start: Design) -> OwnObjective:
     expression = _expression(function, "the objective")
     if expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT) or expression.is_op(ca.OP_EQ):
         raise ValueError("the objective is a comparison: those are constraints")
@@ -168,12 +166,10 @@ def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
     if not np.isfinite(first):
         raise ValueError(f"the objective is {first} for the design that the search starts from")
     scale = abs(first) or 1.0
-    return OwnObjective(_name(function, expression), quantity, scale, start.aircraft)
+    return OwnObjective(_name(function, expression), quantity, scale)
 
 
-def _constraint(
-    function: OwnFunction, start: DesignInFlight
-) -> Callable[[DesignInFlight], Requirement]:
+def _constraint(function: OwnFunction, start: Design) -> Callable[[Design], Requirement]:
     """Return the constraint of a comparison, relative to a number or the larger side at first."""
     expression = _expression(function, "a constraint")
     if not (expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT)):

@@ -40,7 +40,7 @@ from sizing.battery.battery import (
 )
 from sizing.design import Design, DesignVariables, FlightConditions
 from sizing.held_station import POWER_AGAINST_WIND
-from sizing.limits import MASS_BUDGET, DesignInFlight, design_requirements
+from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import level_flight, parametric_design
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
@@ -382,8 +382,7 @@ def _design_symbols(
     ]
     if USER_OBJECTIVE in values:
         space: Any = kind.design_space
-        it = DesignInFlight(aircraft, design)
-        row = space.own_objective.row(it, values[USER_OBJECTIVE])
+        row = space.own_objective.row(design, values[USER_OBJECTIVE])
         rows.append((Constraint(USER_OBJECTIVE, equation=True), row.value))
     powers, speeds = power_surface(aircraft, form, airs, variables, design)
     assert design.chain is not None
@@ -429,7 +428,6 @@ def power_surface(
 
     Faster flight has a lower lift coefficient, ``C_L / ratio**2``.
     """
-    lift = DesignInFlight(aircraft, design).lift_coefficient
     ratios = [math.exp(place * FASTEST) for place in _places(form.ratios)]
     powers, speeds = [], []
     for air in airs:
@@ -437,7 +435,7 @@ def power_surface(
         for ratio in ratios:
             faster = variables
             if ratio != 1.0:
-                faster = variables._replace(lift_coefficient=lift / ratio**2)
+                faster = variables._replace(lift_coefficient=design.lift_coefficient / ratio**2)
             _, power_w, speed = level_flight(
                 aircraft, air, faster, design.total_mass_kg, design.chain
             )

@@ -17,7 +17,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.load import flight_of, load_shape
 from sizing.design import Design, bus_voltage_v
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.limits import QUANTITIES
 from sizing.mass_budget import level_point, parametric_design
 from sizing.parameters import label, unit, unit_text
 from sizing.performance import Performance
@@ -415,19 +415,18 @@ def requirement_margins(
 def _of_parametric(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> Iterator[RequirementMargin]:
-    flight = DesignInFlight(aircraft, design)
     covered = float(design.variables.module_area_m2 / design.wing_area_m2)
     most = aircraft.parametric.maximum_module_coverage
     yield _at_most("module_coverage", "modules over wing area", covered, most, "")
     limits = aircraft.design_space.limit_rows()
     for name, limit in limits.items():
-        value, of = float(QUANTITIES[limit.quantity](flight)), unit_text(unit(limit.quantity))
+        value, of = float(QUANTITIES[limit.quantity](design)), unit_text(unit(limit.quantity))
         margin = _at_least if limit.end == "minimum" else _at_most
         yield margin(name, label(limit.quantity), value, limit.value, of)
     if not any(limit.quantity == "stall_margin" for limit in limits.values()):
         least = RECOMMENDED_STALL_MARGIN
         margin_of_stall = _at_least(
-            "stall_margin", label("stall_margin"), float(flight.stall_margin), least, ""
+            "stall_margin", label("stall_margin"), float(design.stall_margin), least, ""
         )
         yield margin_of_stall._replace(recommended=True)
     yield from _of_propulsion(aircraft, mission, design, float(design.rated_power_w))

@@ -19,7 +19,7 @@ from sizing.aircraft import Aircraft
 from sizing.chosen_parts import sized_data
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import Design, DesignVariables, Masses
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.limits import QUANTITIES
 from sizing.mass_budget import parametric_design
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import CrossCheck
@@ -418,9 +418,8 @@ def _extrapolations(
 
 def _quantities(aircraft: Aircraft, design: Design) -> dict[str, float]:
     """Return the quantities that may be bounded, the stall within the airfoil's polar."""
-    flight = DesignInFlight(aircraft, design)
-    values: dict[str, float] = {name: float(of(flight)) for name, of in QUANTITIES.items()}
-    margin = float(stall_margin_within_polar(flight))
+    values: dict[str, float] = {name: float(of(design)) for name, of in QUANTITIES.items()}
+    margin = float(stall_margin_within_polar(aircraft, design))
     if margin != values["stall_margin"]:
         values["stall_margin"] = margin
         values["stall_speed_m_per_s"] = values["airspeed_m_per_s"] / margin

@@ -17,7 +17,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.battery.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.day.light import SolarDay, SolarModel
 from sizing.design import Design, variables_of
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.limits import QUANTITIES
 from sizing.mass_budget import closed_design, parametric_design
 from sizing.parameters import catalogue, value_at
 from sizing.performance import Performance
@@ -78,7 +78,7 @@ def design_checks(
     yield from wind_check(design, design.conditions.wind_m_per_s)
     airframe = aircraft.airframe
     if not isinstance(airframe, MeasuredAirframe):
-        yield from _parametric_checks(DesignInFlight(aircraft, design))
+        yield from _parametric_checks(aircraft, design)
         return
     flight, now = airframe.level_flight, design.conditions
     # At constant lift coefficient Re scales with (m rho)^0.5/mu; files have the density of the
@@ -140,8 +140,8 @@ def record_check(mission: Mission, site_altitude_m: float) -> Check:
     return Check.of("height_above_record_m", "weather_record", above_m)
 
 
-def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
-    design, structure = it.design, it.aircraft.parametric.structure
+def _parametric_checks(aircraft: Aircraft, design: Design) -> Iterator[Check]:
+    structure = aircraft.parametric.structure
     large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
     for quantity, value in (design.variables._asdict() | design._asdict()).items():
         default = (quantity, structure.model)
@@ -151,7 +151,7 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
     if isinstance(structure, RibWingStructure):
         # Thickness of both caps over the depth of the spar, mean over the span.
         with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-            parts = structure_parts(it.aircraft, design)
+            parts = structure_parts(aircraft, design)
         assert parts is not None
         span_m: Any = design.variables.wingspan_m
         chord_m = span_m / design.variables.aspect_ratio
@@ -163,51 +163,51 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
         share = section_m2 / (width_m * depth_m)
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-        by_model = structure_masses_by_model(it.aircraft, design)
+        by_model = structure_masses_by_model(aircraft, design)
         if by_model is not None:
             model, other = by_model
             masses = {name: np.asarray(mass, float) for name, mass in by_model.items()}
             ratio = masses[model] / masses[other]
             yield Check.of("structure_mass_ratio", model, ratio, masses_kg=masses)
-    polar = it.aircraft.parametric.aerodynamics
-    reynolds, speed = it.reynolds_number, design.airspeed_m_per_s
+    polar = aircraft.parametric.aerodynamics
+    reynolds, speed = design.reynolds_number, design.airspeed_m_per_s
     if isinstance(polar, WingPolar):
         ends = polar.polar.reynolds_range
         yield Check.of("reynolds_number", "wing_polar", reynolds, ends, airspeed_m_per_s=speed)
         section = (polar.polar.least_lift, polar.polar.maximum_lift(np.asarray(reynolds, float)))
         low, high = (np.asarray(lift) / polar.section_lift_ratio for lift in section)
-        yield Check.of("lift_coefficient", "wing_polar", it.lift_coefficient, (low, high))
-        margin = stall_margin_within_polar(it)
+        yield Check.of("lift_coefficient", "wing_polar", design.lift_coefficient, (low, high))
+        margin = stall_margin_within_polar(aircraft, design)
         yield Check.of("stall_margin", "wing_polar", margin, (polar.stall_margin, None))
     else:
         yield Check.of("reynolds_number", "parabolic", reynolds, airspeed_m_per_s=speed)
-        yield Check.of("stall_margin", "parabolic", it.stall_margin)
+        yield Check.of("stall_margin", "parabolic", design.stall_margin)
     with np.errstate(invalid="ignore"):
-        mach = design.airspeed_m_per_s / it.conditions.air.speed_of_sound_m_per_s
+        mach = design.airspeed_m_per_s / design.conditions.air.speed_of_sound_m_per_s
         yield Check.of("mach_number", "aerodynamics", mach)
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
-        rate = QUANTITIES["climb_discharge_rate_per_h"](it)
+        rate = QUANTITIES["climb_discharge_rate_per_h"](design)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
 
 
-def stall_margin_within_polar(it: DesignInFlight) -> Any:
+def stall_margin_within_polar(aircraft: Aircraft, design: Design) -> Any:
     """Return airspeed over stall speed, without lift beyond the airfoil's tables [-].
 
-    Within the Reynolds numbers of the polar it is
-    :attr:`sizing.limits.DesignInFlight.stall_margin`, by the design point of the aerodynamics.
+    Within the Reynolds numbers of the polar it is :attr:`sizing.Design.stall_margin`, by the design
+    point of the aerodynamics.
     Outside of them the polar's bounded lift gives the stall: at constant weight the Reynolds number
     of the stall is that of the flight over the margin ``m``, so that ``m^2 C_L = C_L,max(Re/m)``.
     """
-    polar = it.aircraft.parametric.aerodynamics
-    assumed = np.asarray(it.stall_margin, float)
+    polar = aircraft.parametric.aerodynamics
+    assumed = np.asarray(design.stall_margin, float)
     if not isinstance(polar, WingPolar):
         return assumed
-    reynolds = np.asarray(it.reynolds_number, float)
+    reynolds = np.asarray(design.reynolds_number, float)
     low, high = polar.polar.reynolds_range
     known = (reynolds >= low) & (reynolds <= high)
     if np.all(known | ~np.isfinite(reynolds)):
         return assumed
-    lift = np.asarray(it.lift_coefficient, float) * polar.section_lift_ratio
+    lift = np.asarray(design.lift_coefficient, float) * polar.section_lift_ratio
     margin = np.broadcast_to(assumed, np.broadcast_shapes(assumed.shape, reynolds.shape))
     for _ in range(60):
         # The geometric mean converges however steeply the bounded lift falls.

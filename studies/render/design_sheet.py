@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sizing.aircraft import ParametricAirframe
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, parameter_value
 from sizing.results.analysis import Analysis
 from sizing.results.result import data_frame
@@ -94,12 +94,11 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
         for name, mass in design.masses._asdict().items()
         if float(mass) > 0.0
     }
-    flight = DesignInFlight(aircraft, design)
     values = analysis.scenario() | {part.name: mass_kg for part, mass_kg in masses.items()}
     values |= {each.name: each.of(design) for each in q.CHOSEN}
     values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
     known = _OF_MEASURED.split() if measured else list(QUANTITIES)
-    values |= {key: of(flight) for key, of in QUANTITIES.items() if key in known}
+    values |= {key: of(design) for key, of in QUANTITIES.items() if key in known}
     technology = _GROUPS["technology"].split()
     values |= {key: parameter_value(aircraft, None, key) for key in technology}
     keys = {group: list(map(_quantity, keys.split())) for group, keys in _GROUPS.items()}

@@ -11,7 +11,6 @@ from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import Pod, skin_friction
 from sizing.balance.in_design import structure_with_tail
 from sizing.library import load_aircraft
-from sizing.limits import DesignInFlight
 from sizing.mass_budget import design_of
 
 TWIN = aircraft("twin-boom-design")
@@ -53,9 +52,8 @@ def test_pods_have_volume_and_surface_of_ellipsoids(length, diameter):
 def test_the_parts_are_all_of_the_drag(polar):
     loaded = aircraft("twin-boom-design", polar)
     design = design_of(loaded, MISSION)
-    it = DesignInFlight(loaded, design)
     shares = drag_shares(loaded, design)
-    pressure = 0.5 * it.conditions.density_kg_per_m3 * design.airspeed_m_per_s**2
+    pressure = 0.5 * design.conditions.density_kg_per_m3 * design.airspeed_m_per_s**2
     drag_n = design.thrust_power_w / design.airspeed_m_per_s
     assert drag_n == pytest.approx(pressure * design.wing_area_m2 * shares.total, rel=1e-9)
     parts = [value for name, value in shares._asdict().items() if name not in ("other", "trim")]
@@ -74,8 +72,7 @@ def test_a_tail_by_hand():
     chord = 5.65 / 18.5
     area = 0.35 / 4.0 * 5.65 * chord
     tail_chord = math.sqrt(area / 5.0)
-    it = DesignInFlight(loaded, design)
-    reynolds = it.reynolds_number * tail_chord / chord
+    reynolds = design.reynolds_number * tail_chord / chord
     friction = 0.5 * 1.328 / math.sqrt(reynolds) + 0.5 * 0.074 / reynolds**0.2
     form = 1.0 + 2.0 * 0.08 + 60.0 * 0.08**4
     wetted = (1.977 + 0.52 * 0.08) * area

@@ -9,7 +9,6 @@ import pytest
 import missions
 import sizing
 from sizing.design import variables_of
-from sizing.limits import DesignInFlight
 from sizing.mass_budget import closed_design
 from sizing.program.own_terms import NAMES, with_own_terms
 
@@ -124,7 +123,7 @@ def test_a_constraint_of_a_batch_has_an_answer_for_each_design(count):
     held, _ = with_own_terms(DESIGN, JULY, None, [lambda it: it.wingspan_m <= 4.5])
     spans = np.linspace(4.0, 5.0, count)
     batch = closed_design(held, JULY, variables_of(DESIGN)._replace(wingspan_m=spans))
-    (row,) = held.design_space.user_requirements(DesignInFlight(held, batch))
+    (row,) = held.design_space.user_requirements(batch)
     assert row.value == pytest.approx((4.5 - spans) / 4.5)
 
 

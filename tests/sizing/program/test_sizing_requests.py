@@ -16,7 +16,7 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.design import variables_of
 from sizing.design_space import LimitedQuantity
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.limits import QUANTITIES
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.program.cells import size_cells
@@ -206,7 +206,7 @@ def test_limits_are_kept_and_cost_something(name, side):
 
     def sized(plane):
         result = size_aircraft(plane, mission(), Objective.min_mass, required_excess_time_h=3.0)
-        return result, float(QUANTITIES[name](DesignInFlight(plane, result.design)))
+        return result, float(QUANTITIES[name](result.design))
 
     free, unlimited = sized(aircraft(ratio))
     # Three percent beyond what the free optimum has.
@@ -223,14 +223,13 @@ def test_limits_are_kept_and_cost_something(name, side):
 def test_every_quantity_has_a_formula_and_a_sound_value():
     plane, where = aircraft(), mission(payload={"mass_kg": 0.5})
     perf = performance(plane, where)
-    it = DesignInFlight(plane, perf.design)
     assert set(QUANTITIES) == set(get_args(LimitedQuantity))
     for quantity in QUANTITIES.values():
-        assert float(quantity(it)) > 0.0
+        assert float(quantity(perf.design)) > 0.0
     # Lift equals weight at the stall margin's speeds.
     ratio = plane.airframe.aerodynamics
     expected = (ratio.maximum_lift_coefficient / ratio.flight_lift_coefficient) ** 0.5
-    assert float(it.stall_margin) == pytest.approx(expected, rel=1e-12)
+    assert float(perf.design.stall_margin) == pytest.approx(expected, rel=1e-12)
 
 
 def test_equal_limits_in_either_order_make_equal_keys():
