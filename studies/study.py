@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from sizing.validity.ranges import Extrapolation
 from solar.types import BoolArray, FloatArray, IntArray
+from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import ChunkFunction, Job, Outcome, Progress, run
-from studies.engine.workers import Pool
+from studies.engine.workers import DaskPool, Pool
 from studies.output.gridded import Gridded, Labelled, extrapolation_attribute, variables
 
 VARIED = "varied"  # a coordinate that no cell has a value of
@@ -75,30 +76,32 @@ class Study:
         blanks = blanks_of(self.described)
         return Job(self.function, self.configuration, self.cells, chunks, blanks)
 
-    def pool(
+    def run(
         self,
         workers: int | None,
-        scheduler: str | None,
+        scheduler: str | None = None,
+        *,
+        store: ChunkStore | None = None,
+        progress: Progress | None = None,
         tell: Callable[[str], None] | None = None,
-    ) -> Pool:
-        """Return the pool of the options ``--workers`` and ``--scheduler``, for one run.
+    ) -> tuple[Gridded | None, str]:
+        """Compute the study; see :func:`studies.engine.run.run`.
 
         ``workers``: 1 for this process alone, more for so many processes; None for what pays.
-        ``tell``: called with what the user should know while the work waits.
+        ``scheduler``: address of dask's scheduler, or ``local-cluster``. ``tell``: called with what
+        the user should know while the work waits. Returns the result, None where every cell failed,
+        and what is wrong: the number of failed cells and the first reason, empty without failures.
         """
-        if scheduler is None:
-            return Pool(workers, self.cell_s * len(self.cells))
-        from studies.engine.dask_pool import DaskPool
-
-        return DaskPool(scheduler, workers, tell)
-
-    def trouble(self, outcome: Outcome) -> str | None:
-        """Return the number of failed cells and the first reason, None without failures."""
-        if not outcome.failures:
-            return None
-        first = outcome.failures[min(outcome.failures)]
-        failed = f"{len(outcome.failures)} of {len(self.cells)} {self.unit} failed"
-        return f"{failed}; the first: {first}"
+        count = len(self.cells)
+        pool = Pool(workers, self.cell_s * count)
+        if scheduler is not None:
+            pool = DaskPool(scheduler, workers, tell)
+        outcome = run(self.job, pool, store, progress)
+        failures, trouble = outcome.failures, ""
+        if failures:
+            failed = f"{len(failures)} of {count} {self.unit} failed"
+            trouble = f"{failed}; the first: {failures[min(failures)]}"
+        return None if len(failures) == count else self._gridded(outcome), trouble
 
     def computed(
         self,
@@ -106,26 +109,23 @@ class Study:
         scheduler: str | None = None,
         progress: Progress | None = None,
     ) -> Gridded:
-        """Compute the study in memory, for callers in Python.
+        """Compute the study in memory, for callers in Python; arguments as :meth:`run`.
 
-        ``workers``: number of processes; 1 starts none, None as many as cores where that pays.
-        ``scheduler``: address of dask's scheduler, or ``local-cluster``. ``progress``: called with
-        the cells done and the cells in all. A warning counts failed cells.
+        A warning counts failed cells; where all failed there is an error.
         """
         if workers is not None and workers < 1:
             raise ValueError(f"workers must be at least 1, or None (got {workers})")
         if scheduler not in (None, "local-cluster") and "://" not in scheduler:
             text = f"scheduler must be tcp://HOST:PORT or local-cluster (got {scheduler!r})"
             raise ValueError(text)
-        outcome = run(self.job, self.pool(workers, scheduler), progress=progress)
-        trouble = self.trouble(outcome)
-        if len(outcome.failures) == len(self.cells):
+        data, trouble = self.run(workers, scheduler, progress=progress)
+        if data is None:
             raise ComputationError(trouble)
-        if trouble is not None:
+        if trouble:
             warnings.warn(trouble, RuntimeWarning, stacklevel=3)
-        return self.gridded(outcome)
+        return data
 
-    def gridded(self, outcome: Outcome) -> Gridded:
+    def _gridded(self, outcome: Outcome) -> Gridded:
         """Return the result with CF attributes, as plain arrays."""
         sizes = {c.dims[0]: len(c.values) for c in self.coordinates.values()}
         known, failures = dict(outcome.columns), outcome.failures

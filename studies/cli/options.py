@@ -221,7 +221,6 @@ class Work(CommandOptions):
         """
         from missions.files.writing import OutputError  # not for help
         from studies.engine.chunk_store import ChunkStore
-        from studies.engine.run import run
         from studies.engine.workers import WorkersUnavailableError
         from studies.signals import Stopped
 
@@ -246,17 +245,19 @@ class Work(CommandOptions):
             try:
                 if self.scheduler is not None:
                     let_dask_in()
-                pool = study.pool(
-                    self.workers, self.scheduler, lambda text: tell_error(f"solar-uav: {text}")
-                )
                 with progress_of(study.unit) as progress:
-                    outcome = run(job, pool, store, progress)
-                trouble = study.trouble(outcome)
-                if trouble is not None:
+                    data, trouble = study.run(
+                        self.workers,
+                        self.scheduler,
+                        store=store,
+                        progress=progress,
+                        tell=lambda text: tell_error(f"solar-uav: {text}"),
+                    )
+                if trouble:
                     tell_error(f"solar-uav: {trouble}")
-                if len(outcome.failures) == len(study.cells):
+                if data is None:
                     sys.exit(EXIT_FAILED)
-                yield study.gridded(outcome)
+                yield data
             except KeyboardInterrupt as stopped:
                 number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
                 tell_error(f"stopped; {kept()}")
@@ -264,9 +265,9 @@ class Work(CommandOptions):
             except (OutputError, WorkersUnavailableError) as error:
                 tell_error(f"solar-uav: {error}; {kept()}")
                 sys.exit(EXIT_FAILED)
-            if store is not None and not self.keep_parts and not outcome.failures:
+            if store is not None and not self.keep_parts and not trouble:
                 store.remove_parts(job.keys())
-        if trouble is not None:
+        if trouble:
             tell_error(f"solar-uav: the result is not complete: {trouble}")
             sys.exit(EXIT_FAILED)
 

@@ -22,9 +22,8 @@ from studies.cli.options import parts_folder
 from studies.engine import chunk_store, workers
 from studies.engine import run as engine
 from studies.engine.chunk_store import FAILURE, ChunkStore
-from studies.engine.dask_pool import DaskPool
 from studies.engine.run import Job
-from studies.engine.workers import Pool, WorkersUnavailableError
+from studies.engine.workers import DaskPool, Pool, WorkersUnavailableError
 
 KEY = "0123456789abcdef" * 2 + "01234567"
 
@@ -391,8 +390,7 @@ from pathlib import Path
 from chunk_functions import numbered_job
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.dask_pool import DaskPool
-from studies.engine.workers import Pool
+from studies.engine.workers import DaskPool, Pool
 from studies.signals import Stopped
 
 if __name__ == "__main__":
@@ -583,7 +581,7 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
 @pytest.mark.extra
 def test_a_scheduler_that_is_not_there(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("studies.engine.dask_pool._CONNECT_S", 1.0)
+    monkeypatch.setattr("studies.engine.workers._CONNECT_S", 1.0)
     with pytest.raises(WorkersUnavailableError, match="no answer of the scheduler tcp"):
         DaskPool("tcp://127.0.0.1:1")
 
@@ -642,9 +640,9 @@ def test_a_cluster_goes_on_when_one_of_its_two_workers_is_killed(tmp_path, clust
 @pytest.mark.slow
 @pytest.mark.extra
 def test_a_cluster_without_workers_ends_the_work_with_a_reason(cluster, monkeypatch):
-    monkeypatch.setattr("studies.engine.dask_pool._WITHOUT_WORKERS_S", 2.0)
-    monkeypatch.setattr("studies.engine.dask_pool._TOLD_AFTER_S", 1.0)
-    monkeypatch.setattr("studies.engine.dask_pool._LOOK_S", 0.5)
+    monkeypatch.setattr("studies.engine.workers._WITHOUT_WORKERS_S", 2.0)
+    monkeypatch.setattr("studies.engine.workers._TOLD_AFTER_S", 1.0)
+    monkeypatch.setattr("studies.engine.workers._LOOK_S", 0.5)
     pool, (_, worker) = cluster(1)
     messages = []
     pool._tell = messages.append

@@ -37,8 +37,7 @@ def test_what_was_computed_is_believed(make, tmp_path):
 def test_netcdf_needs_no_room_in_the_temporary_folder(light, monkeypatch, tmp_path):
     # HDF5 ends the process where its disk is full: the file is made in memory.
     study = prepare(AS2, mission(), [0.0, 45.0], [1, 172], SolarModel())
-    outcome = engine.run(study.job, Pool(1))
-    data = study.gridded(outcome) if light else study.gridded(outcome).to_xarray()
+    data = study.computed() if light else study.computed().to_xarray()
 
     def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
