@@ -182,8 +182,7 @@ def _verified():
         faults=Faults(battery_full=(5.0, 6.0)),
     )
     log = synthetic_log(AS2, shipped_mission("rafz-28h"), settings)
-    rows = log.table.index
-    with_gap = log_from_table(log.table[(rows < 700) | (rows > 900)], "synthetic.csv")
+    with_gap = log_from_table(log[(log.index < 700) | (log.index > 900)], "synthetic.csv")
     return studies.verify(AS2, with_gap, shipped_mission("rafz-28h"), windows=["5.0:7.0"])
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.signal import lfilter
 
 from missions.flight_path import Circle, orbit
-from missions.logs.table import EulerAngles, FlightLog, log_from_table
+from missions.logs.table import EulerAngles, FlightLog
 from sizing.day.module_power import on_path
 from studies.flight_logs.forward import Forward
 
@@ -56,30 +56,15 @@ class Settings:
     faults: Faults = field(default_factory=Faults)
 
 
-@dataclass(frozen=True)
-class SyntheticLog:
-    """Rows of a log in the CSV format."""
-
-    table: pd.DataFrame
-
-    def log(self, source="synthetic.csv"):
-        """The rows as if they had been read from a file."""
-        return log_from_table(self.table, source)
-
-    def to_csv(self):
-        """Text of the CSV file."""
-        return str(self.table.to_csv(index=False))
-
-
 def synthetic_log(aircraft, mission, settings):
-    """Fly a circle, that of the mission if it has one, and write what instruments would."""
+    """Rows in the CSV format of what instruments would write on the mission's circle, or on one."""
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
     time_s = settings.start_utc_s + np.arange(count) / settings.rate_hz
     mission = on_path(aircraft, mission)
     flown = _flown(mission, time_s, settings, rng)
     truth = _truth(aircraft, mission, flown)
-    return SyntheticLog(_instruments(flown, truth, settings, rng))
+    return _instruments(flown, truth, settings, rng)
 
 
 def _flown(mission, time_s, settings, rng):

@@ -137,11 +137,11 @@ def tables():
         f"independent {n}": made(aircraft, TRUTHS[n], TUNING[0] + n).rows for n in (0, 15)
     }
     return independent | {
-        "own": synthetic_log(aircraft, mission, Settings(rate_hz=0.25)).table,
-        "own, calm": synthetic_log(aircraft, mission, calm).table,
+        "own": synthetic_log(aircraft, mission, Settings(rate_hz=0.25)),
+        "own, calm": synthetic_log(aircraft, mission, calm),
         "own, with a night": synthetic_log(
             aircraft, mission, Settings(duration_h=28.35, rate_hz=1 / 30)
-        ).table,
+        ),
     }
 
 

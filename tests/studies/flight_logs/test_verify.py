@@ -37,17 +37,16 @@ RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
 
 @cache
 def made(**settings):
-    """Return a log; tests that change its table work on a copy."""
+    """Return the rows of a log; tests that change them work on a copy."""
     return synthetic_log(AS2, FLIGHT, Settings(**({"rate_hz": 0.1} | settings)))
 
 
-def verified(log, **options):
-    return verify(AS2, log.log(), FLIGHT, **options)
+def logged(**settings):
+    return log_from_table(made(**settings), "synthetic.csv")
 
 
-def without(log, *columns):
-    table = log.table.drop(columns=list(columns))
-    return verify(AS2, log_from_table(table, "synthetic.csv"), FLIGHT)
+def verified(rows, **options):
+    return verify(AS2, log_from_table(rows, "synthetic.csv"), FLIGHT, **options)
 
 
 # ---- Errors
@@ -90,7 +89,7 @@ def test_moving_average_never_leaves_a_run():
 
 def test_all_models_agree_with_the_library_on_single_samples():
     """Chunks, areas and frames: each sample alone gives what the whole log gives."""
-    log = made(rate_hz=0.5, start_utc_s=MORNING_S, duration_h=6.0).log()
+    log = logged(rate_hz=0.5, start_utc_s=MORNING_S, duration_h=6.0)
     result = verify(AS2, log, FLIGHT)
     modules = AS2.modules
     from solar.clearsky import clear_sky
@@ -132,8 +131,8 @@ def test_gap_is_not_filtered_over():
 
 def test_ambient_temperature_of_log_then_mission_then_standard_air():
     log = made(start_utc_s=MORNING_S, duration_h=6.0)
-    hot = log.table.assign(ambient_temperature_c=42.7)
-    bare = log.table.drop(columns="ambient_temperature_c")
+    hot = log.assign(ambient_temperature_c=42.7)
+    bare = log.drop(columns="ambient_temperature_c")
     plain = FLIGHT.model_copy(update={"air": type(FLIGHT.air)()})
 
     def warmest(table, where):
@@ -156,7 +155,7 @@ def reasons(result):
 
 @pytest.mark.parametrize("missing", [[], ["state_of_charge"], ["mppt_voltage_v"], ATTITUDE])
 def test_of_a_clean_log_nothing_is_left_out(missing):
-    result = without(made(power_noise_w=3.0, jitter_deg=3.0), *missing)
+    result = verified(made(power_noise_w=3.0, jitter_deg=3.0).drop(columns=missing))
     assert result.left_out == ()
     assert not result.excluded.any()
 
@@ -164,7 +163,7 @@ def test_of_a_clean_log_nothing_is_left_out(missing):
 @pytest.mark.parametrize("missing", [[], ATTITUDE, ["mppt_voltage_v"]])
 def test_limited_power_is_left_out(missing):
     log = made(faults=Faults(battery_full=(24.0, 27.0)))
-    result = without(log, *missing)
+    result = verified(log.drop(columns=missing))
     assert reasons(result) == ["battery_full"]
     (full,) = result.left_out
     assert full.start_s == pytest.approx(START_UTC_S + 24.0 * 3600.0, abs=600.0)
@@ -175,20 +174,20 @@ def test_limited_power_is_left_out(missing):
         assert errors["average_error_relative"] == pytest.approx(0.0, abs=1e-3)
         # The day's filter would otherwise carry 100 W and more across the edges.
         assert errors["maximum_error_w"] < 2.0
-        half = log.table.assign(state_of_charge=0.5)
-        assert reasons(verify(AS2, log_from_table(half, "x.csv"), FLIGHT)) == []
+        half = log.assign(state_of_charge=0.5)
+        assert reasons(verified(half)) == []
 
 
 def test_without_a_charge_the_fall_of_power_to_the_load_is_left_out():
     """Charging power of 60 W that falls to nothing within three hours, and 20 minutes of that."""
-    table = made(faults=Faults(battery_full=(24.0, 27.0))).table
+    table = made(faults=Faults(battery_full=(24.0, 27.0)))
     hours = np.arange(len(table)) / 360.0
     held = (hours >= 27.0) & (hours < 27.33)
     power = np.where(
         held, np.minimum(table["solar_power_w"], table["load_w"]), table["solar_power_w"]
     )
     rows = table.assign(solar_power_w=power).drop(columns="state_of_charge")
-    result = verify(AS2, log_from_table(rows, "x.csv"), FLIGHT)
+    result = verified(rows)
     assert reasons(result) == ["battery_full"]
     inside = (result.samples.time_s > START_UTC_S + 24.1 * 3600.0) & result.excluded
     assert inside.sum() > 0.95 * 3.2 * 360
@@ -197,12 +196,12 @@ def test_without_a_charge_the_fall_of_power_to_the_load_is_left_out():
 
 
 def test_no_power_is_left_out_and_dusk_is_not():
-    table = made().table
+    table = made()
     hours = np.arange(len(table)) / 360.0
     dead = (hours > 3.0) & (hours < 3.5)
     noise = np.random.default_rng(1).normal(0.0, 0.5, len(table))
     rows = table.assign(solar_power_w=np.where(dead, noise, table["solar_power_w"]))
-    result = verify(AS2, log_from_table(rows, "x.csv"), FLIGHT)
+    result = verified(rows)
     (gone,) = result.left_out
     assert gone.reason == "no_power"
     assert gone.count == dead.sum()
@@ -234,10 +233,10 @@ def covers(result, name, truth):
 
 def altered(log, clock_min=0.0, heading_deg=0.0):
     """Log whose clock and compass are off."""
-    times = pd.to_datetime(log.table["time_utc"]) + pd.Timedelta(minutes=clock_min)
-    table = log.table.assign(
+    times = pd.to_datetime(log["time_utc"]) + pd.Timedelta(minutes=clock_min)
+    table = log.assign(
         time_utc=times.dt.strftime("%Y-%m-%dT%H:%M:%S.%fZ"),
-        yaw_deg=(log.table["yaw_deg"] + heading_deg + 180.0) % 360.0 - 180.0,
+        yaw_deg=(log["yaw_deg"] + heading_deg + 180.0) % 360.0 - 180.0,
     )
     return log_from_table(table, "altered.csv")
 
@@ -280,7 +279,7 @@ def test_without_attitude_a_clock_is_estimated_and_no_heading():
 
 
 def test_what_is_known_to_nothing_is_not_determined():
-    log = made(start_utc_s=MORNING_S, duration_h=3.0).log()
+    log = logged(start_utc_s=MORNING_S, duration_h=3.0)
     level = replace(log, attitude=EulerAngles(*(0.01 * angle for angle in log.attitude or ())))
     forward = Forward(level, AS2, FLIGHT, np.arange(len(log)))
     names = ("factor", "clock_s", "heading")
@@ -297,7 +296,7 @@ def test_what_is_known_to_nothing_is_not_determined():
     ("factor", "words"), [(1e-3, "as if the power was logged in kW"), (-1.0, "factor of -1")]
 )
 def test_units_and_signs_are_named(factor, words):
-    log = made().log()
+    log = logged()
     wrong = replace(log, solar_power_w=factor * log.solar_power_w)
     item = estimate(verify(AS2, wrong, FLIGHT), "solar_factor")
     assert words in item.why
@@ -305,7 +304,7 @@ def test_units_and_signs_are_named(factor, words):
 
 
 def test_power_of_level_flight_is_the_load_without_avionics():
-    log = made().log()  # 43 W in the mean, gusts of 2 W
+    log = logged()  # 43 W in the mean, gusts of 2 W
     constant_w = design_of(AS2, FLIGHT).constant_power_w
     of_load = verify(AS2, log, FLIGHT)
     assert covers(of_load, "level_power", 43.0 - constant_w)
@@ -335,7 +334,7 @@ def test_parametric_aircraft_have_a_key_for_the_power_of_level_flight():
 def test_intervals_hold_on_flights_of_another_simulation(number, truth):
     """Sun, sky, glass and temperatures of pvlib, turbidity of 2 to 5, attitude off by 0.3 deg."""
     rows = made_elsewhere(AS2, truth, 5000 + number).rows
-    result = verify(AS2, log_from_table(rows, "elsewhere.csv"), FLIGHT)
+    result = verified(rows)
     for name in ("clock", "heading"):
         item = estimate(result, f"{name}_offset")
         # Three standard errors: two, the interval, are passed by one in twenty.
@@ -362,7 +361,7 @@ def test_residuals_are_errors_of_bins():
 
 
 def test_dead_modules_are_seen_beside_the_other_mppts():
-    log = made(start_utc_s=MORNING_S, duration_h=6.0).log()
+    log = logged(start_utc_s=MORNING_S, duration_h=6.0)
     forward = Forward(log, AS2, FLIGHT, np.arange(len(log)))
     each = forward.power_by_surface_w()
     assert each.sum(axis=1) == pytest.approx(forward.power_w(), abs=1e-6)
@@ -379,7 +378,7 @@ def test_dead_modules_are_seen_beside_the_other_mppts():
 
 
 def test_mppts_are_matched_by_name_by_number_or_in_order():
-    log, surfaces = made().log(), load_aircraft("atlantiksolar-as2").modules.geometry
+    log, surfaces = logged(), load_aircraft("atlantiksolar-as2").modules.geometry
 
     def matched(names, where):
         power = dict.fromkeys(names, log.solar_power_w)
@@ -407,7 +406,7 @@ def test_mppts_are_matched_by_name_by_number_or_in_order():
 
 def test_without_attitude_vm_and_fm_are_refused_and_the_rest_is_computed():
     log = made(start_utc_s=MORNING_S, duration_h=4.0)
-    result = without(log, *ATTITUDE)
+    result = verified(log.drop(columns=ATTITUDE))
     assert list(result.samples.modelled_w) == ["CDM", "CAM"]
     assert any("VM and FM are not computed: the log has no attitude" in n for n in result.notes)
     whole = verified(log)
@@ -417,7 +416,7 @@ def test_without_attitude_vm_and_fm_are_refused_and_the_rest_is_computed():
 @pytest.mark.parametrize("part", ["geometry", "tail"])
 def test_parts_that_are_not_modelled_are_told(part):
     modules = AS2.modules.model_copy(update={part: None})
-    log = made(start_utc_s=MORNING_S, duration_h=2.0).log()
+    log = logged(start_utc_s=MORNING_S, duration_h=2.0)
     bare = verify(AS2.model_copy(update={"modules": modules}), log, FLIGHT)
     assert f"has no modules.{part}" in " ".join(bare.notes)
     assert not any(part in note for note in verify(AS2, log, FLIGHT).notes)
@@ -451,7 +450,7 @@ def log_file(tmp_path_factory):
     file = tmp_path_factory.mktemp("log") / "flight.csv"
     faults = Faults(battery_full=(4.0, 5.0))
     file.write_text(
-        made(start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2, faults=faults).to_csv()
+        made(start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2, faults=faults).to_csv(index=False)
     )
     return file
 

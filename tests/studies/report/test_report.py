@@ -233,7 +233,7 @@ def test_size_and_verify_write_reports(run, tmp_path, monkeypatch):
     assert page.results()["analysis"]["aircraft"] == "sky-sailor-sized"
     settings = Settings(rate_hz=0.01)
     log = synthetic_log(AS2, shipped_mission("rafz-28h"), settings)
-    (tmp_path / "log.csv").write_text(log.to_csv())
+    (tmp_path / "log.csv").write_text(log.to_csv(index=False))
     finished = []
     monkeypatch.setattr(
         "studies.cli.reports.progress_of",
