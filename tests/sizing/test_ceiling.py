@@ -46,16 +46,6 @@ def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitud
     assert flight.propulsion_power_w == pytest.approx(electric, rel=3e-5)
 
 
-def test_mission_at_its_own_altitude_is_the_same_flight():
-    warm = mission(air={"ambient_temperature_c": 31.3, "module_temperature_c": 40.0})
-    same = warm.at_altitude(536.0)
-    # Temperature offset and back: rounding.
-    assert np.array(same.air_state()) == pytest.approx(np.array(warm.air_state()), rel=1e-12)
-    assert same.module_temperature_c() == pytest.approx(40.0, abs=1e-9)
-    there = performance(AS2, same).cycle.excess_time_h[0]
-    assert there == pytest.approx(performance(AS2, warm).cycle.excess_time_h[0], abs=1e-9)
-
-
 @pytest.mark.parametrize(
     "air", [{"ambient_temperature_c": 31.3}, {"temperature_offset_k": 19.784}, {}]
 )
@@ -105,19 +95,6 @@ def test_search_that_ends_too_low_says_so():
     assert ceiling.at_search_limit
     assert ceiling.highest is ceiling.flights[-1]
     assert ceiling.highest.altitude_m == 3000.0
-
-
-def test_search_from_high_up_goes_on_to_the_end_of_the_air():
-    low = highest_perpetual_altitude(AS2, mission(), step_m=8000.0)
-    high = highest_perpetual_altitude(AS2, mission(altitude_m=20000.0), step_m=8000.0)
-    assert low.flights[-1].altitude_m == 20000.0
-    assert high.flights[-1].altitude_m == 32000.0
-
-
-def test_no_ceiling_where_no_altitude_is_feasible():
-    ceiling = highest_perpetual_altitude(AS2, mission(dates={"on": "12-21"}), step_m=2000.0)
-    assert ceiling.highest is None
-    assert ceiling.best.excess_time_h < 0.0
 
 
 def simulated(monkeypatch, excess_h):

@@ -51,44 +51,6 @@ def test_a_chosen_propeller_has_the_exact_chain(chosen):
     assert chosen.design.total_mass_kg == pytest.approx(float(exact.total_mass_kg), rel=2e-6)
 
 
-def test_a_chosen_propeller_keeps_the_limits_of_the_motor():
-    constants = {"speed_constant_rpm_per_v": 317, "resistance_ohm": 0.299}
-    weak = constants | {"no_load_current_a": 0.137, "maximum_current_a": 1.4, "mass_kg": 0.48}
-    space = {
-        "propeller_diameter_m": (0.4, 1.0),
-        "propeller_pitch_m": (0.3, 1.0),
-        "gear_ratio": (2.0, 12.0),
-    }
-    study = sizing.size(ranged(motor=weak, **space), MISSION)
-    subject = study.sized_aircraft()
-    point = level_point(subject, MISSION, sizing.design_of(subject, MISSION))
-    assert point.reason == ""
-    # Kept by half a per cent, for what the formulas miss.
-    assert float(point.motor_current_a) == pytest.approx(1.4, rel=0.01)
-    assert "motor_current" in study.result.active_constraints
-    printed = str(study.summary())
-    assert "propeller diameter" in printed
-    assert "current of the motor" in printed
-
-
-@pytest.mark.long
-def test_the_design_with_a_margin_has_its_own_operating_point():
-    study = sizing.size(aircraft(), MISSION, with_margin=True)
-    guarded = study.with_margin
-    alone = sizing.size(aircraft(), guarded.mission)
-    # Each search ends where excess time above the required one is worth 0.03 % of the mass.
-    assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=6e-4)
-
-
-def test_cells_of_a_map_have_their_own_operating_points():
-    subject = aircraft()
-    cells = studies.resized_map(subject, MISSION, "min_mass", latitudes=[35.0], days=[172])
-    there = load_mission("rafz-july", {"latitude_deg": 35.0, "dates": {"on": "06-21"}})
-    alone = sizing.size(subject, there).design.total_mass_kg
-    # The efficiency of parts is known to the second order: rounds end a little apart.
-    assert float(cells["total_mass"].item()) == pytest.approx(alone, rel=5e-3)
-
-
 def test_draws_have_their_own_operating_points():
     inputs = {FACTOR: {"relative_sigma": 0.03}}
     built = {"airframe.structure.build": 1.0}  # a class would scatter as well

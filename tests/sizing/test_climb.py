@@ -14,10 +14,9 @@ from missions.dates import date_code, day_of_year
 from sizing.battery.battery import RuleChargeLimit
 from sizing.day.battery import Store
 from sizing.day.heights import ClimbLimitError, check_climb_limits, climb_limits, flight_levels
-from sizing.day.light import SolarModel, solar_day
+from sizing.day.light import solar_day
 from sizing.day.metrics import Status
 from sizing.mass_budget import design_of
-from sizing.performance import performance
 from sizing.program.schedule import flown_along
 from sizing.results.analysis import analyse
 
@@ -118,21 +117,6 @@ def test_gain_is_what_the_height_saves_the_battery(rise_m):
     assert at_worst - STEPS_H <= result.gain_in_excess_time_h[0] <= 1.1 * at_best
 
 
-def test_climbing_carries_a_small_battery_through_the_night():
-    small = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=130")
-    result = climbs_of(small, 5000.0)
-    ours, theirs = result.performance.cycle, result.constant.cycle
-    assert theirs.status[0] == Status.limited
-    assert ours.status[0] == Status.perpetual
-    assert theirs.excess_time_h[0] < 0.0 < ours.excess_time_h[0]
-    assert ours.minimum_state_of_charge[0] > 0.0
-    # A battery that is empty lifts nothing: hours without power are no fewer for a steep climb.
-    winter = climbs_of(AS2, 4000.0, "12-21")
-    cycle, nominal_w = winter.performance.cycle, winter.constant.nominal_load_w[0]
-    assert cycle.status[0] == Status.limited
-    assert -cycle.excess_time_h[0] >= cycle.energy_budget.unserved_wh[0] / nominal_w - 1e-9
-
-
 def test_scenarios_do_not_disturb_each_other():
     days = {"from": "05-01", "to": "09-01", "count": 3}
     together = climb_performance(AS2, mission(3536.0, dates=days)).performance
@@ -147,16 +131,6 @@ def test_polar_day_has_no_end():
     assert result.performance.cycle.status[0] == Status.always_lit
     assert np.isinf(result.performance.cycle.excess_time_h[0])
     assert result.gain_in_excess_time_h[0] == 0.0
-
-
-@pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
-def test_every_solar_model_can_be_climbed_with(model):
-    path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
-    where, solar = mission(2000.0, flight_path=path), SolarModel(model)
-    result = climb_performance(AS2, where, solar)
-    assert result.gain_in_excess_time_h[0] > 0.5
-    level = performance(AS2, where.at_altitude(FLOOR_M), solar)
-    assert result.constant_altitude_excess_time_h == pytest.approx(level.cycle.excess_time_h)
 
 
 def test_a_strategy_is_read_and_ignored():

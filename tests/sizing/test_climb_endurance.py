@@ -8,14 +8,10 @@ from plain_climb import FLOOR_M, PlainClimb
 
 from missions.air import standard_air
 from missions.dates import day_of_year
-from sizing.aircraft import Aircraft
 from sizing.battery.battery import RuleChargeLimit
 from sizing.day.flight import Endurance
-from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import performance
 from sizing.results.analysis import analyse
-from sizing.uncertainty.propagation import propagation_of
-from studies.maps.study import feasibility_map
 
 
 def mission(ceiling_m, **changes):
@@ -77,18 +73,6 @@ def test_ceiling_at_the_floor_is_level_flight(aircraft):
     )
 
 
-def test_propulsion_that_cannot_climb_gives_level_flight():
-    data = AS2.model_dump(by_alias=True)
-    data["airframe"]["level_flight"] |= {"maximum_electric_power_w": 35.8}
-    weak = Aircraft.model_validate(data)
-    # At 1500 m level flight takes 36.5 W already.
-    high = {"altitude_m": 1500.0, "air": {}, "dates": {"on": "12-21"}}
-    ours = longest(performance(weak, mission(3536.0, **high)))
-    theirs = longest(performance(weak, builders.mission(**high)))
-    # It has no power to go down and up again with either, but for a minute.
-    assert ours.endurance_h == pytest.approx(theirs.endurance_h, abs=0.05)
-
-
 def test_flight_that_is_drawn_ends_with_the_endurance(climbing):
     perf = climbing
     flight = longest(perf)
@@ -118,16 +102,3 @@ def test_analysis_gives_the_flight_with_climbs(climbing):
     assert limited.endurance_h == pytest.approx(expected.endurance_h)
     assert limited.from_noon_h < limited.endurance_h
     assert f"{expected.endurance_h:.2f} h" in str(analysis)
-
-
-@pytest.mark.long
-def test_map_and_draws_give_the_flight_with_climbs_too():
-    where = mission(3536.0)
-    expected = float(longest(performance(DESIGN, where)).endurance_h)
-    data = feasibility_map(DESIGN, where, latitudes=[47.6], days=[355], endurance=True)
-    assert float(data["endurance"].to_numpy()[0, 0]) == pytest.approx(expected, rel=1e-9)
-    draws = propagation_of(DESIGN, where, UNCORRECTED_CAM)
-    mass = np.array([float(DESIGN.battery.mass_kg)])
-    hours = draws.endurance_h({"battery.mass_kg": mass})
-    # Of the same design in light by another sum: its last digits differ.
-    assert hours == pytest.approx([expected], rel=1e-5)

@@ -77,12 +77,6 @@ def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path
     assert np.all(excess_h(HIGH, level) < excess_h(HIGH, level.in_wind(0.0)) - 0.5)
 
 
-def test_a_floor_that_is_not_held_is_no_flight(tmp_path):
-    flight = performance(HIGH, held(tmp_path, {20000: 60.0, 22000: 10.0}))
-    assert np.all(flight.cycle.excess_time_h <= 0.0)
-    assert not flight.levels.flies.any()
-
-
 def test_levels_have_the_power_of_the_wind(tmp_path):
     """Sky-Sailor's polar by hand, as fast as the wind of a level."""
     plane = aircraft("sky-sailor", "airframe.propulsion.climb_power_ratio=5")

@@ -8,7 +8,7 @@ from wind_tables import winds_file
 
 from missions.air import standard_air
 from missions.mission import Scenarios
-from sizing import analyse_uncertainty, load_aircraft, operating_point, size
+from sizing import load_aircraft, operating_point, size
 from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import design_of, parametric_design
@@ -73,13 +73,6 @@ def test_the_simulator_confirms_the_fastest_airspeed(tmp_path):
         )
         perf = fly(DESIGN, where, UNCORRECTED_CAM, faster, day, paired=True)
         assert perf.cycle.perpetual.tolist() == [perpetual] * 3
-
-
-def test_without_wind_it_always_stays_where_it_flies_perpetually(tmp_path):
-    cells = Scenarios(np.array([47.6, 47.6]), np.array([166, 349]))  # 15 June, 15 December
-    result = station_keeping(DESIGN, in_winds(tmp_path, 0.0, 0.0), scenarios=cells)
-    assert result.share.tolist() == [1.0, 0.0]
-    assert np.isnan(result.airspeed_m_per_s).tolist() == [False, True]
 
 
 def holding(where):
@@ -154,18 +147,6 @@ def test_the_rated_power_ends_the_airspeed(tmp_path):
     assert not study.feasible
     missed = {violation.requirement for violation in study.result.violations}
     assert missed & {"power_against_wind", "energy_balance", "battery_capacity"}
-
-
-@pytest.mark.long
-def test_half_of_the_draws_hold_their_place_with_little_more(tmp_path, monkeypatch):
-    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 512)
-    monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 2000)
-    where = holding(in_winds(tmp_path, 4.0, 12.0))
-    plain, half = size(DESIGN, where), size(DESIGN, where, reliability=0.5)
-    assert half.reliability.achieved.value == pytest.approx(0.5, abs=0.04)
-    assert half.result.objective_value == pytest.approx(plain.result.objective_value, rel=0.05)
-    again = analyse_uncertainty(half.sized_aircraft(), where, samples=1024, seed=3)
-    assert again.probability_required.value == pytest.approx(0.5, abs=0.05)
 
 
 @pytest.mark.long

@@ -6,7 +6,6 @@ from step_by_step import balance_of, march
 
 from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
-from sizing.day.cycle import simulate_cycle
 from sizing.day.flight import Launches
 from sizing.day.march import ChargingDay
 from sizing.day.record import Dawns, carried_over, dawns_of, days_that_close, runs_empty
@@ -142,18 +141,6 @@ def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
         assert carried.energy_at_nodes_wh()[np.argmax(solar) :].min() > 0.0
         assert before.tolist() == [False, empty]
         assert not after.any()
-
-
-def test_the_same_day_again_and_again_becomes_the_repeated_day():
-    for peak_w in (150.0, 165.0, 200.0):
-        days = 120
-        balance = days_of(np.ones(days), peak_w=peak_w)
-        its_store = store(800.0, days)
-        run = carried_from(balance, its_store, 800.0)
-        one = days_of([1.0], peak_w=peak_w)
-        solar = (one.net_w + 40.0).T
-        cycle = simulate_cycle(TIME_H, solar, np.full(solar.shape, 40.0), store(800.0, 1))
-        assert run.energy_at_nodes_wh()[:, -1] == pytest.approx(cycle.energy_wh[0], abs=1e-6)
 
 
 @settings(max_examples=30)

@@ -130,22 +130,6 @@ def test_polar_night_is_the_battery_alone(limit, power):
     assert float(found.endurance_h) == pytest.approx(732.0 * 0.97 / power, rel=1e-9)
 
 
-def test_whole_days_that_lose_the_same_are_skipped_without_effect():
-    # A loss of 0.4 % of the battery a day: some 250 days until it is empty. What a plain
-    # sum of days gives: the deficit of a day divides the battery.
-    solar = sun(47.6, 196)
-    load = np.full_like(TIME, 96.0)
-    balance = balance_of(TIME, solar, load)
-    pack = battery(40_000.0)
-    loss = float(balance.deficit_wh.sum() / 0.97 - 0.95 * balance.surplus_wh.sum())
-    assert 0.0 < loss < 2_000.0
-    found = float(flight_time_h(TIME, solar, load, Store.of(pack), np.array([12.0]))[0, 0])
-    nights = float(balance.deficit_wh.sum()) / 0.97
-    days = (pack.battery_energy_wh - nights) / loss
-    # The day on which it ends is known to one day by this account.
-    assert found / 24.0 == pytest.approx(days, abs=2.0)
-
-
 def stepwise_flight_h(solar, load, store, node, days):
     """Flight time from a node of the hourly axis, interval by interval."""
     hourly = list(intervals(balance_of(HOURLY, solar, load)))
@@ -191,21 +175,6 @@ def test_flights_over_broken_days_are_those_marched_step_by_step(limit):
             # Rounding, and the clock's table at 1e-10 of the charge for every interval flown.
             assert found[node, i] == pytest.approx(expected, rel=1e-6)
     assert ends > 100
-
-
-@pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
-def test_no_tried_launch_flies_longer_on_broken_days(limit):
-    solar, load, store = rough_days(limit)
-    launches = np.linspace(0.0, 24.0, 900, endpoint=False)[:, np.newaxis] + np.zeros(len(solar))
-    tried = flight_time_h(HOURLY, solar, load, store, launches).max(axis=0)
-    found = longest_flight(HOURLY, solar, load, store)
-    again = flight_time_h(HOURLY, solar, load, store, found.launch_h[np.newaxis])[0]
-    ended = np.isfinite(tried)
-    assert ended.sum() >= 5
-    np.testing.assert_array_equal(np.isinf(found.endurance_h), ~ended)
-    np.testing.assert_allclose(again[ended], found.endurance_h[ended], rtol=1e-9)
-    # As above; loads that triple within hours make flights longer by up to thrice the difference.
-    assert np.all(found.endurance_h[ended] >= tried[ended] - 3e-3)
 
 
 def test_a_day_that_begins_with_its_only_surplus_charges():

@@ -7,7 +7,6 @@ from missions.library import load_mission
 from missions.mission.mission import UncertaintyMargins
 from sizing.day.light import (
     DEFAULT_STEP_H,
-    SolarDay,
     SolarModel,
     Sunlight,
     day_axis_h,
@@ -16,7 +15,6 @@ from sizing.day.light import (
 )
 from sizing.day.module_power import clear_daylight
 from sizing.library import load_aircraft
-from sizing.performance import performance
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, MODELS
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -37,15 +35,6 @@ def test_axis_spans_the_day_in_steps_no_longer_than_asked():
             day_axis_h(step)
 
 
-def test_scaled_day_is_a_larger_module():
-    day = solar_day(AS2, RAFZ).scaled(1.1)
-    by_day = performance(AS2, RAFZ, day=day)
-    larger = load_aircraft("atlantiksolar-as2", ["modules.area_m2=1.485"])
-    by_area = performance(larger, RAFZ)
-    # A product in another order.
-    np.testing.assert_allclose(by_day.cycle.excess_time_h, by_area.cycle.excess_time_h, rtol=1e-9)
-
-
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_model(model):
     sun = Sunlight(AS2, LOITER, SUMMER)
@@ -56,18 +45,6 @@ def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_m
     )
     # The Full Model's own error in flight is what the correction takes off besides; rounding.
     np.testing.assert_allclose(energy, expected / (1.0 + MODELS["FM"].average), rtol=1e-12)
-
-
-def test_days_joined_and_taken_apart():
-    sun = Sunlight(AS2, LOITER, SUMMER)
-    days = [sun.day(SolarModel(model)) for model in ("CDM", "CAM")]
-    joined = SolarDay.joined(days)
-    count = len(SUMMER)
-    assert len(joined.scenarios) == 2 * count
-    again = joined.at(np.arange(count, 2 * count))
-    np.testing.assert_array_equal(again.specific_power_w_per_m2, days[1].specific_power_w_per_m2)
-    np.testing.assert_array_equal(again.scenarios.latitude_deg, SUMMER.latitude_deg)
-    np.testing.assert_array_equal(again.sunset_h, days[1].sunset_h)
 
 
 def test_margin_takes_errors_of_the_model_off_its_power():

@@ -181,23 +181,6 @@ def test_records_in_universal_time_have_the_days_of_their_longitude(longitude_de
         assert axis.date[0] == np.datetime64(first)
 
 
-def test_cold_air_carries_better_and_keeps_the_modules_cool():
-    runs = []
-    for temperature_c in (-10.0, 30.0):
-        record = clear_record(3, first="2001-07-14", temperature_c=np.full(72, temperature_c))
-        runs.append(weather_performance(AS2, mission_at(record), record).recorded)
-    cold, hot = runs
-    assert cold.load_w.mean() < hot.load_w.mean()
-    # Level power goes with the root of the absolute temperature, avionics do not.
-    lapse = 0.0065 * (536.0 - SITE.altitude_m)
-    ratio = np.sqrt((273.15 - 10.0 - lapse) / (273.15 + 30.0 - lapse))
-    fixed = AS2.power.avionics_w
-    powers = [run.load_w[0, 0] - fixed for run in runs]
-    assert powers[0] / powers[1] == pytest.approx(ratio, rel=0.02)
-    # 0.3 % per kelvin, of which radiation takes back a sixth.
-    assert cold.solar_power_w.max() / hot.solar_power_w.max() == pytest.approx(1.10, abs=0.01)
-
-
 @pytest.mark.parametrize("model", ["VM", "FM"])
 def test_attitude_models_fly_through_records(model):
     record = clear_record(2, first="2001-07-14")

@@ -87,15 +87,6 @@ def test_battery_that_runs_empty_ends_the_run():
     assert {len(values) for values in axes} == {len(run.clock_h)}
 
 
-def test_dark_run_lasts_as_long_as_the_battery():
-    polar = mission(
-        launch(date="12-21", state_of_charge=1.0, time_local="00:00", utc_offset_h=0.0),
-        latitude_deg=80.0,
-    )
-    run = calendar_run(AS2, polar)
-    assert run.empty_clock_h == pytest.approx(2.918 * 251.0 * 0.97 / float(run.load_w[0]), rel=1e-9)
-
-
 def test_full_charge_is_noted_once_a_day():
     run = calendar_run(AS2, mission(launch(duration_h=81.0)))
     assert [int(h // 24.0) for h in run.full_charge_clock_h] == [0, 1, 2, 3]
@@ -107,16 +98,6 @@ def test_full_charge_is_noted_once_a_day():
         )
         assert minute_after == pytest.approx(1.0, abs=1e-9)
         assert minute_before < 1.0
-
-
-def test_aged_battery_holds_what_the_margin_leaves_of_it():
-    run = calendar_run(
-        AS2, mission(launch(duration_h=30.0), uncertainty_margins={"battery_capacity": 0.7})
-    )
-    assert run.full_charge_clock_h
-    # 2.918 kg of 251 Wh/kg, of which 70 % are left; full to rounding.
-    assert run.energy_wh.max() == pytest.approx(0.7 * 2.918 * 251.0, rel=1e-9)
-    assert run.energy_wh[0] == pytest.approx(0.5 * 0.7 * 2.918 * 251.0, rel=1e-12)
 
 
 def test_launch_at_the_turn_of_the_year():

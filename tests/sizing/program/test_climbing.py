@@ -91,20 +91,6 @@ def test_cells_are_the_sizings_of_each():
         assert cells.objective_value[place] == pytest.approx(alone.objective_value, rel=5e-3)
 
 
-@pytest.mark.long
-def test_climbs_of_a_large_aircraft_do_no_worse_than_level_flight():
-    plane = sizing.load_aircraft("stratosphere-design")
-    # The longest night of the mission.
-    night = {"latitude_deg": 25.0, "dates": {"on": "08-15"}}
-    above = mission("stratosphere-mission", climb={"ceiling_m": 22000.0}, **night)
-    level, climbing = (
-        size_aircraft(plane, one, Objective.min_mass)
-        for one in (mission("stratosphere-mission", **night), above)
-    )
-    assert climbing.design.total_mass_kg < level.design.total_mass_kg
-    assert climbing.simulated.cycle.excess_time_h.min() >= above.required_excess_time_h
-
-
 def test_an_optimum_is_shown_with_heights_that_suffice_in_every_scenario():
     # In the first scenario heights of the program suffice where those found for the design alone
     # lack 0.004 h; in the others it is the other way round.

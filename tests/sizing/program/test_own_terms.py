@@ -87,25 +87,6 @@ def test_an_infeasible_answer_names_the_constraint():
         assert found.to_dict()["violated_requirements"]
 
 
-@pytest.mark.long
-def test_what_is_asked_of_a_sizing_knows_own_terms():
-    found = sizing.size(
-        DESIGN,
-        JULY,
-        lambda it: 2.0 * it.total_mass_kg,
-        constraints=[lambda it: it.wingspan_m <= 4.5],
-        with_sensitivities=True,
-        with_cross_check=True,
-    )
-    bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 4.5})
-    expected = sizing.size(bounded, JULY, with_sensitivities=True)
-    assert found.cross_check.cross_checked
-    worth = {one.parameter: one.derivative for one in found.sensitivities or []}
-    for one in (expected.sensitivities or [])[:8]:
-        # Of designs 0.03 % apart, between which the charger begins to hold back a little later.
-        assert worth[one.parameter] == pytest.approx(2.0 * one.derivative, rel=0.03)
-
-
 def test_the_function_counts_as_it_is_when_it_is_given():
     weight = 0.0
 
@@ -165,19 +146,3 @@ def test_the_documented_names_are_those_that_there_are():
     page = (Path(__file__).parents[3] / "docs" / "python-api.md").read_text(encoding="utf-8")
     table = page.split("| quantity of a design | names |")[1].split("\n\n")[0]
     assert set(re.findall(r"`(\w+)`", table)) == set(NAMES)
-
-
-@pytest.mark.slow
-def test_a_reliability_knows_own_terms():
-    bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 5.0})
-    expected = sizing.size(bounded, MISSION, "min_mass", reliability=0.9)
-    found = sizing.size(
-        DESIGN,
-        MISSION,
-        lambda it: it.total_mass_kg,
-        constraints=[lambda it: it.wingspan_m <= 5.0],
-        reliability=0.9,
-    )
-    assert found.reliability is not None
-    # A search ends within 0.02 of an index that is worth some 4 % of the mass.
-    assert found.design.total_mass_kg == pytest.approx(expected.design.total_mass_kg, rel=2e-3)

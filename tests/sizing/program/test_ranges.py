@@ -1,7 +1,6 @@
 """The longest season and the widest band: what one design keeps up, and that no other does more."""
 
 from functools import cache, partial
-from types import SimpleNamespace
 
 import builders
 import numpy as np
@@ -12,7 +11,7 @@ from missions.mission import Scenarios
 from sizing.day.light import solar_day
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
-from sizing.program.ranges import DAYS, _Runs, widest_range
+from sizing.program.ranges import DAYS, widest_range
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
 
@@ -112,31 +111,3 @@ def test_range_that_is_empty_is_infeasible():
     assert found.sizing.status is SizingStatus.infeasible
     assert found.extent == 0.0
     assert found.sizing.violations
-
-
-@pytest.mark.parametrize(
-    ("cyclic", "hours", "ends", "centre", "most"),
-    [
-        (False, -np.abs(np.arange(100.0) - 60.0), (50, 75), 58, 25),
-        (True, -np.abs((np.arange(100.0) + 40.0) % 100.0 - 50.0), (-5, 25), 8, 25),
-        # Beyond the end of a band nothing is easy, whatever the other end is.
-        (False, np.abs(np.arange(100.0) - 50.0), (80, 99), 90, 15),
-    ],
-)
-def test_a_run_grows_towards_what_is_easier(monkeypatch, cyclic, hours, ends, centre, most):
-    flights = SimpleNamespace(cycle=SimpleNamespace(excess_time_h=hours))
-    monkeypatch.setattr(
-        "sizing.program.ranges.performance_of_designs", lambda *_, **options: flights
-    )
-    asked = []
-
-    def sized(run, **options):
-        asked.append(run)
-        first = run[0] - (100 if run[0] > 90 and cyclic else 0)
-        return SimpleNamespace(merit=float(ends[0] <= first and first + run[1] - 1 <= ends[1]))
-
-    runs = _Runs((None,) * 4, None, 1.0, 100, cyclic, None)
-    monkeypatch.setattr(runs, "sized", sized)
-    assert runs.grown(centre) == (ends[0] % 100, ends[1] - ends[0] + 1)
-    # Bisection, and a member at a time where the ends are not as hard as each other.
-    assert len(asked) < most

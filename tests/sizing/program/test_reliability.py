@@ -78,13 +78,6 @@ def test_record_and_text(reliable):
     assert "required 90 %" in text
 
 
-def test_what_is_reliable_already_stays_as_it_is():
-    nominal = sizing.size(DESIGN, MISSION, "min_mass")
-    found = sized(0.25, "min_mass")
-    assert found.variables.chosen() == pytest.approx(nominal.variables.chosen(), rel=1e-5)
-    assert found.reliability.achieved.value == found.reliability.nominal.value > 0.25
-
-
 def test_largest_excess_time_leaves_something_for_the_requirement():
     """The nominal one lies on the edge of what the sun returns: half of the draws fail."""
     found = sized(0.9, "max_excess_time")
@@ -128,28 +121,6 @@ def test_out_of_reach_says_what_is_reached():
     # As the search's draws have it, other than those of the verification.
     assert missed.shortfall == pytest.approx(0.95 - found.reliability.achieved.value, abs=0.02)
     assert found.to_dict()["nearest"]["wingspan_m"] > 10.0
-
-
-def test_infeasible_without_uncertainty_is_told_as_ever():
-    # Of two nights the longer one holds back.
-    mission = load_mission("rafz-july", {"dates": {"from": "06-21", "to": "08-15", "count": 2}})
-    found = sized(0.95, "min_mass", mission=mission, required_excess_time_h=40.0)
-    assert found.status.name == "infeasible"
-    assert found.reliability is None
-    (less,) = (it for it in found.relaxations if it.parameter == "mission.required_excess_time_h")
-    assert (less.present, less.direction) == (40.0, "at most")
-    for required_h, feasible in ((less.value, True), (1.02 * less.value, False)):
-        again = sizing.size(DESIGN, mission, "min_mass", required_excess_time_h=required_h)
-        assert again.feasible is feasible
-
-
-def test_payload_and_several_scenarios():
-    mission = load_mission("central-europe-summer", {"required_excess_time_h": 2.0})
-    found = sized(0.8, "max_payload_mass", mission=mission)
-    assert found.feasible
-    assert found.reliability.achieved.value == pytest.approx(0.8, abs=0.03)
-    assert found.result.objective_value < found.reliability.nominal_objective
-    assert found.sized_mission().payload.mass_kg == pytest.approx(found.result.objective_value)
 
 
 @pytest.mark.parametrize(

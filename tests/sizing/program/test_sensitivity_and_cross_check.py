@@ -13,9 +13,8 @@ from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import CrossCheck, cross_check, random_factors
 from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
-from sizing.program.sensitivity import Sensitivity, constraint_multipliers, sensitivities
+from sizing.program.sensitivity import constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft, sized_in_own_flow
-from studies.output.sizing_files import plot_sensitivities
 from studies.render.sizing import cross_check_line
 
 pytestmark = pytest.mark.slow
@@ -166,24 +165,6 @@ def test_sensitivities_are_those_of_the_light_that_was_sized_in():
         assert found[it.parameter] == pytest.approx(it.derivative, rel=1e-6), it.parameter
 
 
-def test_free_aspect_ratio_is_no_parameter():
-    freed = "design_space.aspect_ratio={minimum: 10, maximum: 24}"
-    result = sized(Objective.min_wingspan, 4.0, freed)
-    aircraft = load_aircraft(DESIGN, [freed])
-    names = {s.parameter for s in sensitivities(aircraft, load_mission("rafz-july"), result)}
-    assert "airframe.aspect_ratio" not in names
-    assert "battery.specific_energy_wh_per_kg" in names
-
-
-def test_infeasible_sizing_has_neither():
-    result = sized(Objective.min_wingspan, 900.0)
-    aircraft, mission = load_aircraft(DESIGN), load_mission("rafz-july")
-    with pytest.raises(ValueError, match="only an optimum"):
-        sensitivities(aircraft, mission, result)
-    with pytest.raises(ValueError, match="only an optimum"):
-        cross_check(aircraft, mission, result)
-
-
 @pytest.mark.parametrize("objective", SINGLE_OBJECTIVES)
 @pytest.mark.parametrize("aircraft", [DESIGN, "sky-sailor"])
 def test_optimum_passes_the_cross_check(objective, aircraft):
@@ -258,22 +239,3 @@ def test_multiplier_of_a_bound_is_what_widening_it_gains():
     # The step is one percent; what is left is the curvature over it.
     assert multiplier.gain == pytest.approx(wide.objective_value - narrow.objective_value, rel=0.05)
     assert multiplier.step == "1 % of the bound"
-
-
-@pytest.mark.parametrize("objective", SINGLE_OBJECTIVES)
-def test_every_objective_with_sensitivities_has_a_chart(objective):
-    worth = [
-        Sensitivity("battery.specific_energy_wh_per_kg", "Wh/kg", 100.0, 0.25, 0.5),
-        Sensitivity("airframe.avionics_mass_kg", "kg", 100.0, -0.12, -0.5),
-    ]
-    (axes,) = plot_sensitivities(worth, objective, "name", SolarModel("CAM")).axes
-    better, worse = axes.containers
-    # More is better of a payload or an excess time, less of a span or a mass.
-    gained = 0.25 if objective.maximised else -0.12
-    assert sum(bar.get_width() for bar in better) == pytest.approx(gained)
-    assert sum(bar.get_width() for bar in worse) == pytest.approx(0.13 - gained)
-    assert axes.get_xlabel().endswith(f"[{objective.unit}]")
-    assert [text.get_text() for text in axes.get_yticklabels()] == [
-        "avionics mass = 100 kg",
-        "specific energy of the battery = 100 Wh/kg",
-    ]

@@ -12,7 +12,7 @@ from sizing.design import DesignVariables
 from sizing.layout.cells import Wing
 from sizing.limits import meets_requirements
 from sizing.performance import performance_of_designs
-from sizing.program.whole_cells import _Search, without_whole_cells
+from sizing.program.whole_cells import without_whole_cells
 
 MISSION = load_mission("central-europe-summer")
 REQUIRED_H = 3.0
@@ -147,17 +147,6 @@ def test_payload_is_sized_beside_whole_cells_that_fit():
     assert any("need a wingspan of 5.84" in one.reason for one in told)
 
 
-@pytest.mark.slow
-def test_free_aspect_ratio_keeps_rows_on_the_chord():
-    free = {"design_space.aspect_ratio": {"minimum": 10.0, "maximum": 25.0}}
-    study = sized(plane(WHOLE_CELLS, **free), "min_mass")
-    assert study.feasible
-    layout = study.aircraft.modules.layout
-    rows = len(layout.bays[0].cells)
-    chord_m = study.variables.wingspan_m / study.variables.aspect_ratio
-    assert chord_m >= rows * 0.127 - 0.002 - 1e-6
-
-
 @pytest.mark.long
 def test_strings_leave_numbers_of_cells_out():
     window = {"minimum_voltage_v": 9.0, "maximum_voltage_v": 16.0, "maximum_current_a": 7.0}
@@ -195,20 +184,6 @@ def test_no_whole_cells_at_all_is_infeasible_with_reasons():
     (missed,) = study.result.violations
     assert (missed.requirement, missed.shortfall) == ("whole_cells", 1.0)  # all of them
     assert all(design.value is None and design.reason for design in study.whole_cells.tried)
-
-
-@pytest.mark.parametrize("least", [50, 51, 53])
-@pytest.mark.parametrize("best", [(53, 8), (58, 12)])
-def test_numbers_without_a_design_are_passed_by_and_the_best_is_reached(least, best):
-    search = object.__new__(_Search)
-    search._halves = lambda middle: list(range(1, 200))
-
-    def rank(numbers):
-        away = float(abs(numbers.per_half - best[0]) + abs(numbers.parallel - best[1]))
-        return (away, 1.0) if numbers.per_half >= least else (np.inf, np.inf)
-
-    search._rank = rank
-    assert search._best(half=50.4, parallel=10.3) == best
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import sizing
 from missions.library import load_mission
 from sizing.mass_budget import parametric_design
 from sizing.results.design_result import requirement_margins
-from studies.render.sizing import requirement_table
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})
 
@@ -90,14 +89,6 @@ def test_an_empty_battery_climbs_with_what_its_voltage_allows():
 def test_a_measured_aircraft_has_what_is_known_of_it():
     assert {"excess_time_h", "minimum_state_of_charge"} <= margins(AS2).keys()
     assert "module_coverage" not in margins(AS2)
-
-
-def test_a_sizing_tells_its_margins():
-    study = sizing.size(DESIGN, MISSION)
-    assert "margins of the requirements" in str(study.at_level(2))
-    record = {one["name"]: one for one in study.to_dict()["margins"]}
-    assert record["excess_time_h"]["margin"] == pytest.approx(0.0, abs=0.05)
-    assert "recommended" in requirement_table(study.margins).to_text()
 
 
 def test_mass_growth_is_a_share_of_what_is_built():

@@ -99,11 +99,3 @@ def test_a_single_year_has_no_spread():
     # Whole but for a week at its beginning.
     other = analysed(years_record("2005-01-08", "2006-01-01")).to_dict()["years"]
     assert [(one["days"], one["whole"]) for one in other] == [(358, True)]
-
-
-def test_a_typical_year_is_none_of_the_calendar():
-    record = years_record("2001-01-01", "2002-01-01")
-    typical = clear_record(1, **vars(record) | {"typical": True})
-    analysis = analysed(typical)
-    assert analysis.to_dict()["years"] == []
-    assert len(analysis.to_years_frame()) == 0
