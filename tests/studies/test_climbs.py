@@ -15,7 +15,6 @@ from sizing.performance import performance
 from sizing.results.analysis import analyse
 from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
 from sizing.uncertainty.propagation import check_inputs, propagation_of
-from sizing.validity.extrapolations import extrapolations
 from studies.ceiling import perpetual_ceiling
 from studies.maps.results import MapResult
 from studies.maps.study import feasibility_map
@@ -84,12 +83,6 @@ def test_floor_of_a_file_can_be_varied():
     for floor_m, excess_h in zip([1e3, 2e3], data["excess_time"].to_numpy(), strict=True):
         alone = analysed(AS2, mission(altitude_m=floor_m))
         assert excess_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
-
-
-def test_aircraft_without_limits_is_a_reason_at_a_point():
-    bare = with_values(AS2, {"airframe.level_flight.maximum_electric_power_w": None})
-    data = sweep(bare, mission().at_altitude(536.0), {"mission.climb.ceiling_m": [2000.0]})
-    assert "maximum_electric_power_w" in data["message"].item()
 
 
 @pytest.mark.slow
@@ -182,8 +175,3 @@ def test_heights_of_climbs_do_not_scatter():
     one = UncertainInput("mission.climb.ceiling_m", 3536.0, Normal(sigma=10.0))
     with pytest.raises(ValueError, match="vary it with `sweep`"):
         check_inputs(UncertainInputs((one,), np.eye(1)), mission(), SolarModel())
-
-
-def test_what_is_told_of_heights_is_that_of_the_highest_altitude():
-    found = extrapolations(AS2, performance(AS2, mission(9000.0)))
-    assert {e.quantity: e.value for e in found}["altitude_m"] == pytest.approx(9000.0)

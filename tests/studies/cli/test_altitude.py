@@ -57,35 +57,6 @@ def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run):
     assert " ".join(hopeless.out.split()).count("-24.00") == 2
 
 
-def test_endless_day_is_no_number_in_json(run):
-    outcome = run("ceiling", AS2, "--step", "8000", "--json", "--set", "mission.latitude_deg=85.0")
-    assert outcome.json()["best_excess_time_h"] is None
-
-
-def test_analyse_uses_the_climb(run, climb, tmp_path):
-    printed = run("analyse", AS2, "-m", climb, "-v", "--plot", "c.png", "--csv", "c.csv").out
-    for text in ("highest altitude", "3536 m", "gliding in the evening", "gained by climbing"):
-        assert text in printed
-    record = run("analyse", AS2, "-m", climb, "--json").good().json()
-    said = record["climb"]
-    assert said["maximum_altitude_m"] == pytest.approx(3536.0)
-    assert said["gliding_h"] > 1.0
-    gain = record["excess_time_h"] - said["constant_altitude_excess_time_h"]
-    assert said["gain_in_excess_time_h"] == pytest.approx(gain)
-    assert gain > 1.0
-    band = record["uncertainty"]
-    assert band["excess_time_low_h"] < record["excess_time_h"] < band["excess_time_high_h"]
-    assert record["scenarios"][0]["climb"].items() <= said.items()
-    table = pd.read_csv(tmp_path / "c.csv")
-    # Ceiling and floor of the mission, as far as a metre shows.
-    assert table["altitude_m"].max() == pytest.approx(3536.0, abs=1.0)
-    assert table["altitude_m"].iloc[0] == pytest.approx(536.0, abs=1.0)
-    assert (tmp_path / "c.png").read_bytes().startswith(b"\x89PNG")
-    plain = run("analyse", AS2, "-m", climb, "--set", "mission.climb=null", "--json").json()
-    assert "climb" not in plain
-    assert plain["excess_time_h"] == pytest.approx(said["constant_altitude_excess_time_h"])
-
-
 def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
     given = ("size", "atlantiksolar-design", "-m", climb, "--objective", "min_wingspan")
     outcome = run(*given, "--out", "sized").good()

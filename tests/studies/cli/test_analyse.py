@@ -96,15 +96,6 @@ def test_a_polar_night_among_other_days(run):
     assert {s["latitude_deg"] for s in outcome.json()["scenarios"] if not s["sunrise_h"]} == {80.0}
 
 
-def test_climbing_in_polar_night_gains_nothing(run):
-    place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
-    climb = ("--set", "mission.climb={ceiling_m: 2000}")
-    record = run("analyse", DESIGN, *place, *climb, "--json").good().json()
-    assert record["excess_time_h"] == pytest.approx(-24.0)
-    assert record["climb"]["gliding_h"] == 0.0
-    assert record["climb"]["gain_in_excess_time_h"] == pytest.approx(0.0, abs=1e-9)
-
-
 def test_launch_is_replayed_unless_place_or_day_are_moved(run, tmp_path):
     (tmp_path / "field.yaml").write_text(FIELD)
     drawn = run("analyse", AS2, "-m", "field.yaml", "--plot", "flight.png", "--json")

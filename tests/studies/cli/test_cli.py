@@ -1,6 +1,5 @@
 """Tests of the command line: small commands, odd names, and the command as a process."""
 
-import gc
 import json
 import os
 import re
@@ -18,19 +17,8 @@ from sizing.library import load_aircraft
 from sizing.results.design_result import RECOMMENDED_STALL_MARGIN
 from sizing.validity.ranges import ranges
 from studies.cli import __main__ as cli
-from studies.cli.files import opened
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
-
-
-def test_garbage_is_looked_for_from_the_first_file_on():
-    gc.disable()  # as the command begins
-    try:
-        opened("mission", "rafz-july")
-        assert gc.isenabled()
-    finally:
-        gc.enable()
-        gc.unfreeze()
 
 
 def test_starters_validate_analyse_and_size(run, tmp_path):
@@ -180,12 +168,6 @@ def test_every_command_that_reads_files_takes_overrides(run, command):
         "--set power.avionic_w: unknown key; did you mean 'avionics_w'?",
         "--set mission.clearnes: unknown key; did you mean 'clearness'?",
     ]
-
-
-@pytest.mark.slow
-def test_the_answer_to_a_range_is_the_second_line(run):
-    season = run("size", DESIGN, "-m", "rafz-july", "--objective", "longest_season").out
-    assert season.splitlines()[1].startswith("season: ")
 
 
 @pytest.mark.long

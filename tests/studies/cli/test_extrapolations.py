@@ -5,7 +5,6 @@ from builders import AS2, SKY_SAILOR, aircraft, mission
 from figure_checks import heading
 
 import studies
-from sizing.ceiling import highest_perpetual_altitude
 from sizing.day.light import SolarModel
 from sizing.day.replay import calendar_run
 from sizing.results.analysis import analyse
@@ -13,7 +12,7 @@ from sizing.validity.extrapolations import replay_extrapolations
 from studies.ceiling import perpetual_ceiling, plot_ceiling
 from studies.maps.plots import plot_map
 from studies.output.cycle_plots import plot_cycle
-from studies.output.gridded import extrapolations_of, to_netcdf_bytes
+from studies.output.gridded import extrapolations_of
 from studies.sweeps.plots import plot_sweep
 
 HEAD = "outside the range of a model:"
@@ -64,18 +63,6 @@ def test_sizings_tell_of_their_designs(run):
     assert again.out.count("outside the range of rib wing, 3 to 8 m") == 1
 
 
-def test_files_keep_what_the_cells_tell(tmp_path):
-    import xarray as xr
-
-    where = mission(wind_m_per_s=50.0)
-    data = studies.feasibility_map(AS2, where, latitudes=[40.0, 50.0], days=[172])
-    path = tmp_path / "map.nc"
-    path.write_bytes(to_netcdf_bytes(data))
-    with xr.open_dataset(path) as read:
-        assert extrapolations_of(read) == extrapolations_of(data)
-    assert [one.quantity for one in extrapolations_of(data)] == ["airspeed_m_per_s"]
-
-
 def test_a_map_tells_of_the_cells_with_too_fast_a_charge():
     small = aircraft("sky-sailor", "battery.mass_kg=0.3")
     data = studies.feasibility_map(small, mission(), latitudes=[-60.0, 45.0], days=[172])
@@ -108,9 +95,3 @@ def test_a_replayed_flight_tells_of_its_own_days():
     assert replay_extrapolations(AS2, where, SolarModel(), run) == ()
     (outside,) = replay_extrapolations(AS2, where, corrected, run)
     assert outside.quantity == "noon_elevation_deg"
-
-
-def test_altitudes_of_the_search_know_where_they_are():
-    found = highest_perpetual_altitude(AS2, mission(), highest_m=10000.0, step_m=5000.0)
-    outside = [any(one.model == "ashrae" for one in f.extrapolations) for f in found.flights]
-    assert outside == [f.altitude_m > 7000.0 for f in found.flights]

@@ -100,28 +100,6 @@ def test_infeasible_sizing_says_why_and_writes_nothing(run, tmp_path, override, 
     assert requirement in [v["requirement"] for v in record["violated_requirements"]]
 
 
-def test_wing_covered_whole_is_written_and_read_again(run):
-    whole = ("--set", "airframe.maximum_module_coverage=1")
-    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan", *whole)
-    outcome = run(*asked, "--out", "whole").good()
-    run("analyse", "whole/aircraft.yaml", "-m", "rafz-july").good()
-    # So is the report of one in a wind too strong for the path.
-    windy = ("--set", "mission.wind_m_per_s=9", "--report", "r.html")
-    outcome = run("size", DESIGN, "-m", "rafz-july", *windy).good()
-    assert outcome.out.endswith("written to r.html\n")
-
-
-def test_reliability_is_kept_in_the_folder(run, tmp_path, monkeypatch):
-    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
-    asked = ("--objective", "min_wingspan", "--required-excess-time", "3", "--reliability", "0.8")
-    folder = tmp_path / "reliable"
-    record = run("size", DESIGN, "-m", "rafz-july", *asked, "--out", str(folder), "--json").json()
-    assert set(record["reliability"]) >= {"required", "achieved", "low", "high", "samples"}
-    again = run("uncertainty", str(folder), "--samples", "1024", "--json").json()
-    reached = record["reliability"]["achieved"]
-    assert again["probability_required"]["value"] == pytest.approx(reached, abs=0.02)
-
-
 def test_a_result_is_printed_and_written_where_figures_and_report_fail(run, tmp_path, monkeypatch):
     def fail(*_, **__):
         raise OSError("cannot be drawn")

@@ -29,11 +29,3 @@ def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     again = run("analyse", str(folder), "--weather", record, "--json").json()
     assert again["weather"]["days_that_close"] >= 3
     assert again["total_mass_kg"] == pytest.approx(written["total_mass_kg"], rel=1e-6)
-
-
-def test_a_record_without_a_day_of_the_season(run, record):
-    dates = ("-m", "rafz-july", *PLACE, "--set", "mission.dates={from: 12-30, to: 01-02}")
-    done = run("size", DESIGN, *dates, "--weather", record, "--survive", "0.5")
-    assert done.code == 2
-    told = " ".join(done.err.split())
-    assert "has no day of the season of the mission rafz-july, 30 Dec to 2 Jan" in told

@@ -48,10 +48,6 @@ def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run, tmp_path)
         assert np.array_equal(data["chosen_altitude"].to_numpy(), chosen)
 
 
-HOLDING = (*GOOD, "--set", "mission.wind.hold_station=true", "--set", "mission.dates.on=07-01")
-CEILING = ("--set", "mission.climb={ceiling_m: 20000, strategy: surplus}")
-
-
 def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(run, tmp_path):
     keys = ("altitude_m=20000", "flight_path.airspeed_m_per_s=25", "flight_path.radius_m=600")
     where = [word for key in keys for word in ("--set", f"mission.{key}")]
@@ -114,29 +110,3 @@ def test_cells_of_designs_too_windy_for_the_path_say_so(run, tmp_path):
     every = run(*sized[:-2], "--latitudes", "40:50:10", "--days", "152:153:1", "--json").good()
     assert every.json()["too_windy_days"] == [2, 2]
     assert every.json()["failed_days"] == [0, 0]
-
-
-@pytest.mark.long
-def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(run, tmp_path):
-    analysed = run("analyse", DESIGN, *HOLDING, "--json").json()
-    drawn = run("uncertainty", DESIGN, *HOLDING, "--samples", "64", "--json").json()
-    assert drawn["nominal_excess_time_h"] == pytest.approx(analysed["excess_time_h"], abs=1e-9)
-    page = tmp_path / "r.html"
-    assert run("report", DESIGN, *HOLDING, "--out", str(page)).code == 0
-    text = page.read_text(encoding="utf-8")
-    assert "flown, to hold its place" in text
-    assert f"{analysed['excess_time_h']:.2f} h" in text.replace("−", "-")
-
-
-@pytest.mark.slow
-def test_an_aircraft_climbs_in_the_winds_that_it_holds(run):
-    unheld = run("analyse", DESIGN, *HOLDING, *CEILING)  # the jet stream at 12 km.good()
-    assert "nowhere" in unheld.out
-    climbs = ("--set", "mission.altitude_m=18000", *CEILING)
-    analysed = run("analyse", DESIGN, *HOLDING, *climbs, "--json").json()
-    assert 18000.0 <= analysed["climb"]["held_up_to_m"] <= 20000.0
-    text = run("analyse", DESIGN, *HOLDING, *climbs).out
-    assert "at all heights" in text
-    assert "wind held up to" in text
-    drawn = run("uncertainty", DESIGN, *HOLDING, *climbs, "--samples", "64", "--json").json()
-    assert drawn["nominal_excess_time_h"] == pytest.approx(analysed["excess_time_h"], abs=0.03)
