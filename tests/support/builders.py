@@ -1,6 +1,9 @@
 """Aircraft and missions that the tests share."""
 
 from functools import cache
+from pathlib import Path
+
+import yaml
 
 from missions.library import load_mission
 from missions.mission import Mission
@@ -31,6 +34,17 @@ def mission(**changes):
     """Return a plain day in July at AtlantikSolar's airfield, changed."""
     plain = {"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}, "altitude_m": 536.0}
     return Mission.model_validate(plain | changes)
+
+
+HARD_CASES = Path(__file__).parents[1] / "sizing" / "program" / "hard_cases.yaml"
+
+
+@cache
+def hard_case(name):
+    """Return aircraft and mission of a case that is hard to size, and the rest of its row."""
+    row = dict(yaml.safe_load(HARD_CASES.read_text("utf-8"))[name])
+    plane = load_aircraft(row.pop("aircraft"), row.pop("changes"))
+    return plane, mission(**row.pop("mission")), row
 
 
 def shipped_mission(name="rafz-july", **changes):

@@ -15,35 +15,7 @@ from sizing.program.size import size_aircraft
 
 pytestmark = pytest.mark.slow
 
-# A battery that is warm at no cost, and modules as cold as the air: as near the ground.
-WARM = "battery.temperature={held_c: 25, heat_loss_w_per_k: 0.000001}"
-# A heavy structure at 8 km: the payload is a fiftieth of the mass.
-HEAVY = builders.aircraft(
-    "sky-sailor",
-    WARM,
-    "airframe.structure={model: power_law_all, coefficient_kg: 0.14200525731361266, "
-    "span_exponent: 2.5462921681818944, aspect_ratio_exponent: -0.5120003039542694}",
-    "airframe.aerodynamics={model: wing_polar, airfoil: sd7037, design_aspect_ratio: 13.2, "
-    "design_reynolds: 120700.26740626043}",
-    "airframe.avionics_mass_kg=0",
-    "modules.efficiency_stc=0.273371014574237",
-    "battery.specific_energy_wh_per_kg=364.16252626394237",
-    "battery.charge_limit={kind: rule, c_rate_per_h: 0.4104685501042074, "
-    "taper_start: 0.21666745401140564, relative_rate_at_full: 0.2563034486614849}",
-    "power={avionics_w: 6, supply_efficiency: 1}",
-    "design_space={wingspan_m: {minimum: 1, maximum: 11}, "
-    "battery_mass_kg: {minimum: 0.3, maximum: 22}, "
-    "module_area_m2: {minimum: 0.01, maximum: 15.125}}",
-)
-HIGH = builders.mission(
-    latitude_deg={"from_deg": -2.402233674540703, "to_deg": 17.390815197845132, "count": 3},
-    dates={"from": "12-19", "to": "01-18"},
-    altitude_m=8130.6177171614645,
-    air={"module_temperature_c": -37.78},
-    clearness=0.7186088060060842,
-    turbulence={"thermal": 0.3},
-    uncertainty_margins={"battery_capacity": 0.8},
-)
+HEAVY, HIGH, _ = builders.hard_case("heavy structure")
 CDM = SolarModel("CDM", "report")
 
 

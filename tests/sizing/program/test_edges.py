@@ -14,62 +14,15 @@ from sizing.program.size import size_aircraft
 
 pytestmark = pytest.mark.slow
 
-# Wings that are sized by strength alone: the lightest ones, for the widest design spaces.
-STRONG = "airframe.structure={model: rib_wing, calibration: 1.188}"
-# A design for high altitude whose optimum lies far inside its wide design space. With 537 Wh/kg a
-# heated battery and modules that balance their heat leave none: a search by simulation misses 3 %.
-HIGH = builders.aircraft(
-    "atlantiksolar-design",
-    STRONG,
-    "design_space.wingspan_m={minimum: 0.3, maximum: 80}",
-    "design_space.battery_mass_kg={minimum: 0.1, maximum: 1500}",
-    "design_space.module_area_m2={minimum: 0.1, maximum: 800}",
-    "battery.charge_limit={kind: none}",
-    "battery.specific_energy_wh_per_kg=700",
-    "modules.efficiency_stc=0.3",
-    "airframe.avionics_mass_kg=5",
-    "power.avionics_w=20",
-)
-STRATOSPHERE = builders.mission(
-    latitude_deg=69.88,
-    dates={"from": "06-24", "to": "08-03"},
-    altitude_m=16900.0,
-    clearness=0.6,
-    payload={"mass_kg": 0.0, "power_w": 20.0},
-    turbulence={"all_day": 0.0, "thermal": 0.3},
-    wind_m_per_s=10.0,
-)
-# Much payload, strong thermals, and two latitudes under the midnight sun.
-THERMALS = builders.aircraft(
-    "atlantiksolar-design",
-    "design_space.wingspan_m={minimum: 0.3, maximum: 30}",
-    "design_space.battery_mass_kg={minimum: 0.2, maximum: 150}",
-    "design_space.module_area_m2={minimum: 0.1, maximum: 112.5}",
-    "battery.charge_limit={kind: rule, c_rate_per_h: 0.336, taper_start: 0.86, "
-    "relative_rate_at_full: 0.0238}",
-    "battery.specific_energy_wh_per_kg=538",
-    "modules.efficiency_stc=0.2256",
-    "airframe.avionics_mass_kg=0.3",
-    "power.avionics_w=100",
-)
-MIDSUMMER = builders.mission(
-    latitude_deg={"from_deg": 72.144, "to_deg": 82.619, "count": 2},
-    dates={"on": "06-20"},
-    altitude_m=985.0,
-    payload={"mass_kg": 0.0, "power_w": 300.0},
-    turbulence={"all_day": 1.0, "thermal": 2.0},
-)
-CASES = {"stratosphere": (HIGH, STRATOSPHERE), "thermals": (THERMALS, MIDSUMMER)}
-
 
 @cache
 def largest(name):
-    plane, flown = CASES[name]
+    plane, flown, _ = builders.hard_case(name)
     return plane, flown, size_aircraft(plane, flown)
 
 
 @pytest.mark.parametrize("objective", [Objective.min_mass, Objective.min_wingspan])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ["stratosphere", "thermals"])
 def test_next_to_the_largest_excess_time_there_is_an_optimum(name, objective):
     plane, flown, best = largest(name)
     # A search aims 5e-4 h above what is required: nearer to the largest there is no design.
@@ -107,7 +60,7 @@ def test_mass_is_not_bounded_unless_the_design_space_says_so(objective):
 def test_map_of_large_payloads_leaves_no_cell_open(objective, size_of):
     plane = builders.aircraft(
         "atlantiksolar-design",
-        STRONG,
+        "airframe.structure={model: rib_wing, calibration: 1.188}",
         "design_space.wingspan_m.maximum=80",
         "design_space.battery_mass_kg.maximum=1500",
         "design_space.module_area_m2.maximum=800",

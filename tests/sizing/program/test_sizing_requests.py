@@ -55,34 +55,7 @@ def test_payload_that_is_held_is_that_of_the_mission_to_the_last_bit(mass_kg):
 
 
 def test_infeasible_verdict_is_held_against_a_grid_of_designs():
-    # From the small aircraft of the file the requirements are least missed at its own size, by
-    # 31 % of the battery; wings of more than 74 m do what is asked.
-    plane = builders.aircraft(
-        "sky-sailor",
-        "airframe.wingspan_m=1.57",
-        "airframe.structure={model: spar, calibration: 0.791668}",
-        "modules.area_m2=0.123",
-        "modules.efficiency_stc=0.295285",
-        "battery.mass_kg=0.2218",
-        "battery.specific_energy_wh_per_kg=275.984",
-        "power.avionics_w=6.15921",
-        "design_space.wingspan_m={minimum: 1.32, maximum: 80}",
-        "design_space.battery_mass_kg={minimum: 0.18, maximum: 500}",
-        "design_space.module_area_m2={minimum: 0.0065, maximum: 300}",
-        "design_space.aspect_ratio={minimum: 7.117, maximum: 21.1713}",
-        "design_space.limits={battery_fraction: {maximum: 0.454096}}",
-    )
-    place = mission(
-        latitude_deg=-14.1316,
-        dates={"from": "07-15", "to": "08-23"},
-        altitude_m=0.0,
-        air={"temperature_offset_k": -18.3835},
-        clearness=0.561631,
-        payload={"mass_kg": 0.0619},
-        turbulence={"all_day": 0.0688416, "thermal": 1.71148},
-        wind_m_per_s=8.19394,
-        uncertainty_margins={"solar_model_sigmas": 1.46364},
-    )
+    plane, place, _ = builders.hard_case("a small first guess")
     found = size_aircraft(plane, place, Objective.min_wingspan, required_excess_time_h=1.0)
     assert found.objective_value == pytest.approx(74.65, rel=0.005)
 
@@ -220,40 +193,7 @@ def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not()
 
 
 def test_limit_is_relaxed_no_further_than_another_aspect_ratio_needs():
-    """A mass limit and a Reynolds number contradict each other.
-
-    Along the aspect ratio there is more than one design from which no small step asks for less.
-    """
-    plane = builders.aircraft(
-        "atlantiksolar-design",
-        "airframe.structure={model: rib_wing, calibration: 1.0847, maximum_tip_deflection: "
-        "0.17634, torsion: {speed_margin: 1.2, aileron_start_fraction: 0.5, "
-        "elastic_axis_offset_chords: 0.1, pitching_moment_coefficient: 0.1}, "
-        "spar_battery_density_kg_per_m3: 2100, "
-        "pod_battery_mount_fraction: 0.05}",
-        "airframe.aerodynamics={model: wing_polar, airfoil: fx60126, design_aspect_ratio: 18.5, "
-        "design_reynolds: 123257}",
-        "airframe.avionics_mass_kg=0.3",
-        "airframe.other_mass_kg=0.322",
-        "airframe.distributed_battery_fraction=0.0",
-        "battery.specific_energy_wh_per_kg=476.455",
-        "battery.charge_limit={kind: none}",
-        "battery.ageing={seasons_flown: 2.0}",
-        "modules.efficiency_stc=0.2814",
-        "power.avionics_w=1.0",
-        "design_space={wingspan_m: {minimum: 0.25, maximum: 11}, battery_mass_kg: {minimum: 0.1, "
-        "maximum: 22}, module_area_m2: {minimum: 0.1, maximum: 15.125}, aspect_ratio: {minimum: 8, "
-        "maximum: 45}, maximum_total_mass_kg: 4.78154, "
-        "limits: {reynolds_number: {minimum: 215713}}}",
-    )
-    south = builders.mission(
-        latitude_deg={"from_deg": -60.2, "to_deg": -38.2, "count": 3},
-        dates={"from": "12-22", "to": "01-31"},
-        altitude_m=500.0,
-        clearness=1.0,
-        turbulence={"all_day": 0.0, "thermal": 0.0},
-        payload={"mass_kg": 0.0, "power_w": 0.0},
-    )
+    plane, south, _ = builders.hard_case("limits that contradict each other")
     given = (south, Objective.min_mass, SolarModel("CDM", "none"))
 
     def sized(lowest):
