@@ -164,21 +164,6 @@ def test_light_on_level_ground_grows_with_altitude(lowest_m, highest_m, day, lat
     assert np.all(np.diff(light) >= -1e-9 * light[1:])  # rounding where the bound holds
 
 
-@given(days, latitudes, cosines, st.floats(-500.0, 9000.0))
-def test_up_to_9_km_the_sky_is_that_of_the_ground_to_the_digit(day, latitude, cosine, altitude):
-    # Together with a place high up, so that a batch does not matter either.
-    dni, dhi = clear_sky(day, latitude, cosine, [altitude, 20000.0])
-    sky = coefficients(day, latitude)
-    above = max(cosine, 0.0)
-    direct = sky.a * np.exp(-(sky.b * pressure_ratio(altitude) * air_mass(cosine)))
-    direct = direct if cosine > 0.0 else 0.0
-    assert dni[0] == clear_sky(day, latitude, cosine, altitude).dni
-    # Powers of single numbers and of arrays differ in the last digit in some versions of NumPy.
-    assert dni[0] == pytest.approx(direct, rel=1e-15, abs=0.0)
-    diffuse = min(sky.c * direct, (sky.extraterrestrial - direct) * above)
-    assert dhi[0] == pytest.approx(diffuse, rel=1e-14, abs=0.0)
-
-
 @given(days, cosines, st.floats(9000.0, 32000.0))
 def test_light_in_thin_air_is_that_of_another_program(day, cosine, altitude):
     outside, pressure = extraterrestrial_irradiance(day), pressure_ratio(altitude)
@@ -209,11 +194,6 @@ def test_the_sky_of_the_ground_passes_smoothly_into_thin_air(altitude_m, cosine)
     for light in clear_sky(172.5, 47.6, cosine, around):
         slope = np.diff(light) / step  # of 0.05 W/m2 per metre at most
         assert slope == pytest.approx(slope[0], abs=1e-4)
-
-
-def test_a_sun_below_the_horizon_adds_no_direct_light_to_level_ground():
-    light = Irradiance(np.asarray(900.0), np.asarray(50.0))
-    assert global_horizontal(light, [0.5, -0.1]) == pytest.approx([500.0, 50.0])
 
 
 def test_published_daily_energy_at_the_summer_solstice():

@@ -27,14 +27,6 @@ def test_normal_is_the_rotated_level_one(roll, pitch):
     assert surface_normal(roll, pitch) == pytest.approx(expected, abs=1e-12)  # rounding
 
 
-def test_dihedral_turns_the_outer_surfaces_inwards():
-    geometry = ModuleGeometry(surfaces=(surface("left", 6.0), surface("right", 6.0)))
-    left, right = geometry.normals()
-    # The left wing's upper side faces right (y positive), the right wing's faces left.
-    assert left[1] == pytest.approx(np.sin(np.radians(6.0)))
-    assert right == pytest.approx(left * [1.0, -1.0, 1.0])
-
-
 def test_incidence_turns_the_whole_wing():
     geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(surface("left", 6.0, 9.4),))
     # Module pitch about y, dihedral about x, incidence about y: rotations of an independent tool.
@@ -78,10 +70,3 @@ def test_angle_of_incidence_is_that_of_the_chord_between_unit_vectors(roll, pitc
     sun = direction_cosines(dip, turn, 1.0) @ [0.0, 0.0, -1.0]
     chord = np.linalg.norm(normal - sun)
     assert cos_angle_of_incidence(normal, sun) == pytest.approx(1.0 - chord**2 / 2.0, abs=1e-12)
-
-
-def test_angles_broadcast():
-    roll, yaw = np.linspace(-1.0, 1.0, 4), np.linspace(0.0, 6.0, 5)
-    matrices = direction_cosines(roll[:, None], 0.1, yaw)
-    assert matrices.shape == (4, 5, 3, 3)
-    assert np.array_equal(matrices[2, 3], direction_cosines(roll[2], 0.1, yaw[3]))

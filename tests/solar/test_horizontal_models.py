@@ -27,7 +27,6 @@ days = st.floats(1.0, 367.0)
 hours = st.floats(0.0, 24.0)
 altitudes = st.floats(-500.0, 32000.0)
 temperatures = st.floats(-100.0, 100.0)
-irradiances = st.floats(0.0, 1400.0)
 models = st.sampled_from(HORIZONTAL_MODEL_NAMES)
 
 
@@ -75,13 +74,6 @@ def test_analysis_model_by_hand(table, at_60_deg):
     expected = 0.237 * 0.964 * 0.95 * (800.0 * 0.5 * at_60_deg * 0.97 + 100.0 * 0.83)
     cell = CELL.model_copy(update={"incidence": table})
     assert conceptual_analysis_model(light(800.0, 100.0), 0.5, cell, 37) == pytest.approx(expected)
-
-
-@given(models, irradiances, irradiances, st.floats(-1.0, 0.0), temperatures)
-def test_direct_light_from_behind_adds_nothing(model, dni, dhi, cosine, temperature):
-    function = {"CDM": conceptual_design_model, "CAM": conceptual_analysis_model}[model]
-    with_direct = function(light(dni, dhi), cosine, CELL, temperature)
-    assert with_direct == pytest.approx(float(function(light(0.0, dhi), cosine, CELL, temperature)))
 
 
 @given(models, latitudes, days, hours, altitudes, temperatures, st.floats(0.0, 1.0))
@@ -143,16 +135,6 @@ def test_layout_changes_no_more_than_rounding_and_blocks_not_a_digit(model):
     for i in range(len(latitude)):
         alone = power_at(latitude[i], day[i], NODES, model=model)
         np.testing.assert_array_equal(alone, time_last[i])
-
-
-def test_every_argument_may_have_the_axis_of_time():
-    # Nothing is mirrored then: the afternoon differs from the morning.
-    clearness = np.where(NODES < 12.0, 1.0, 0.5)
-    power = power_at(47.6, 172.5, NODES, clearness=clearness)
-    clear = power_at(47.6, 172.5, NODES)
-    np.testing.assert_allclose(power, clear * clearness, rtol=1e-12)
-    passing = power_at(47.6, 172.0 + NODES / 24.0, NODES)
-    assert not np.array_equal(passing, passing[::-1])
 
 
 MAP = {

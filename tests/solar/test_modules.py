@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.interpolate import PchipInterpolator
 
 from solar.modules import Curve, IncidenceTable, SolarCell, shipped_curve
-
-SHIPPED = ("incidence_sunpower_glass", "low_light_sunpower_c60")
 
 
 @st.composite
@@ -83,14 +81,6 @@ def test_tables_and_cells_that_cannot_be_are_refused(kind, keys, message):
         shipped_curve("no_such_curve")
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_curves_are_relative_efficiencies(name):
-    curve = shipped_curve(name)
-    assert all(0.0 <= value <= 1.0 for value in curve.y)
-    steps = np.diff(curve(np.linspace(curve.x[0], curve.x[-1], 500)))
-    assert np.all(steps >= 0.0) or np.all(steps <= 0.0)
-
-
 @pytest.mark.parametrize(
     ("name", "published"),
     [
@@ -110,17 +100,6 @@ def test_temperature_efficiency_of_the_verification_flight():
     assert SolarCell().temperature_efficiency([358.0, 359.0, 1000.0])[1:] == pytest.approx(0.0)
 
 
-@given(st.floats(0.0, 0.01), st.floats(-100.0, 200.0))
-def test_temperature_efficiency_falls_linearly_and_never_below_zero(coefficient, temperature):
-    cell = SolarCell(temperature_coefficient_per_k=coefficient)
-    here = float(cell.temperature_efficiency(temperature))
-    hotter = float(cell.temperature_efficiency(temperature + 10.0))
-    assert here >= hotter >= 0.0
-    assume(hotter > 0.0)
-    # Rounding only: values near one, subtracted.
-    assert here - hotter == pytest.approx(10.0 * coefficient, abs=1e-12)
-
-
 def test_incidence_efficiency_takes_the_angle_of_its_cosine():
     aoi_deg = np.array([0.0, 15.0, 45.0, 70.0, 87.0])
     published = np.array([1.0, 0.997, 0.97, 0.76, 0.34])
@@ -128,10 +107,3 @@ def test_incidence_efficiency_takes_the_angle_of_its_cosine():
     assert efficiency == pytest.approx(published)
     # Products of unit vectors exceed one by rounding.
     assert SolarCell().incidence_efficiency(1.0 + 1e-12) == 1.0
-
-
-def test_incidence_efficiency_follows_the_table_of_the_user():
-    table = IncidenceTable(aoi_deg=(0.0, 60.0, 90.0), relative_efficiency=(1.0, 0.5, 0.0))
-    cell = SolarCell(incidence=table)
-    assert cell.incidence_efficiency(0.5) == pytest.approx(0.5)
-    assert SolarCell().incidence_efficiency(0.5) == pytest.approx(0.915)

@@ -193,15 +193,6 @@ def test_agrees_with_ray_casting_for_odd_tails(seed):
     assert result == pytest.approx(np.array(expected), abs=0.01)
 
 
-@pytest.mark.parametrize("shape", [(), (0,), (1,), (4, 5)])
-def test_shape_of_the_result(shape):
-    suns = np.broadcast_to(sun_from(10.0), (*shape, 3))
-    result = shaded_area(ATLANTIKSOLAR, TAIL, suns)
-    assert result.shape == (*shape, 6)
-    one = shaded_area(ATLANTIKSOLAR, TAIL, sun_from(10.0))
-    assert np.array_equal(result, np.broadcast_to(one, result.shape))
-
-
 def test_no_tail_shades_nothing_and_needs_no_outlines():
     bare = ModuleGeometry(surfaces=(ModuleSurface(name="wing", area_m2=1.0, side="centre"),))
     assert np.array_equal(shaded_area(bare, None, np.ones((7, 3))), np.zeros((7, 1)))
