@@ -302,13 +302,6 @@ def variables_of(aircraft: Aircraft) -> DesignVariables:
     )
 
 
-def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
-    """Return the voltages of the bus with an empty and with a full battery [V]."""
-    ends_v = aircraft.battery.ends_v
-    assert ends_v is not None  # refused at validation
-    return ends_v
-
-
 def polar_at(
     aerodynamics: DragPolar | UserDragPolar | WingPolar, lift_coefficient: Value | None
 ) -> Polar:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sizing.aircraft import Aircraft
-from sizing.design import Design, bus_voltage_v
+from sizing.design import Design
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
 from sizing.smooth import Value
@@ -80,7 +80,7 @@ def _propulsion_margins(aircraft: Aircraft, design: Design) -> dict[str, Value]:
     sized = parts.sized(*design.variables.of_propulsion)
     speed_m_per_s, air = design.airspeed_m_per_s, design.conditions.air
     shaft = sized.shaft(design.thrust_power_w, speed_m_per_s, air)
-    empty_v, _ = bus_voltage_v(aircraft)
+    empty_v = aircraft.battery.bus_voltage_v(np.zeros(()))
     used = sized.shares_of_limits(shaft, speed_m_per_s, air, empty_v)
     return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 

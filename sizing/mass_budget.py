@@ -29,7 +29,6 @@ from sizing.design import (
     DesignVariables,
     FlightConditions,
     Masses,
-    bus_voltage_v,
     each,
     polar_at,
     variables_of,
@@ -364,10 +363,9 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     assert propulsion is not None
     usual, mass_kg = propulsion.first_chain(), design.total_mass_kg
     flight = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
-    power_w = flight.propulsion_power_w * usual.efficiency
-    air = FlightConditions.of(mission, aircraft).air
+    speed, air = flight.airspeed_m_per_s, flight.conditions.air
     parts = propulsion.sized(*design.variables.mapped(float).of_propulsion)
-    return parts.point(power_w, flight.airspeed_m_per_s, air, bus_voltage_v(aircraft))
+    return parts.point(flight.thrust_power_w, speed, air, aircraft.battery.ends_v)
 
 
 def design_of_total_mass(

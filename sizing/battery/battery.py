@@ -293,17 +293,9 @@ class Battery(CatalogueRecord):
         return fixed + at_1_kg * mass ** (2.0 / 3.0)
 
     def heater_parts_w(self, air_c: Value, altitude_m: Value) -> tuple[Value, Value]:
-        """Return the heater's power independent of the mass, and for an insulated pack of 1 kg.
+        """Return the heater's power independent of the mass, and for an insulated pack of 1 kg [W].
 
-        Parameters
-        ----------
-        air_c, altitude_m : float or array_like
-            Air temperature [C] and altitude [m].
-
-        Returns
-        -------
-        tuple of float or ndarray
-            Both [W]; the second scales with the mass to the power of 2/3.
+        The second scales with the mass to the power of 2/3.
         """
         held, share = self.temperature_at(altitude_m)
         if held is None:

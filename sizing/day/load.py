@@ -69,7 +69,7 @@ def part_load_of(aircraft: Aircraft, mission: Mission, design: Design) -> PartLo
     most = float(loads[1])
     part = _single_part_load(propulsion, numbers, float(level_w), (float(loads[0]), most), bus_v)
     if part.beyond:
-        reason = propulsion.point(flight.thrust_w * most, *flight[1:], (bus_v, bus_v)).reason
+        reason = propulsion.point(flight.thrust_w * most, *flight[1:], (bus_v,)).reason
         raise ImpossibleDesignError(
             f"the propulsion of {aircraft.name} cannot do {most:.3g} times the power of level "
             f"flight, in turbulence and thermals of {mission.name}: {reason}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from math import prod
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -307,19 +307,20 @@ class OperatingPointPropulsion(Record):
         thrust_power_w: Value,
         airspeed_m_per_s: Value,
         air: Air,
-        bus_voltage_v: tuple[float, float],
+        bus_voltage_v: Sequence[float] | None,
     ) -> OperatingPoint:
         """Return the operating point of one propulsor in level flight, of the arguments' shape.
 
-        The thrust power [W] is that of the whole aircraft. ``bus_voltage_v`` holds the voltages of
-        the empty and the full battery [V]: the point must be feasible at both, and the one with
-        more bus power is returned.
+        The thrust power [W] is that of the whole aircraft. ``bus_voltage_v``: such as those of the
+        empty and the full battery [V]; the point must be feasible at all of them, and the one with
+        most bus power is returned.
         """
         power_w, speed, *state = (
             np.asarray(array, float)
             for array in np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
         )
-        bus_v = np.reshape(bus_voltage_v, (2,) + (1,) * power_w.ndim)
+        assert bus_voltage_v is not None  # refused at validation
+        bus_v = np.reshape(bus_voltage_v, (-1,) + (1,) * power_w.ndim)
         # Invalid designs get a placeholder thrust; their efficiencies are masked elsewhere.
         flies = np.isfinite(power_w) & np.isfinite(speed) & (power_w > 0.0) & (speed > 0.0)
         power_w, speed = np.where(flies, power_w, 1.0), np.where(flies, speed, 1.0)
@@ -362,7 +363,6 @@ class OperatingPointPropulsion(Record):
         bus_voltage_v: tuple[float, float] | None,
     ) -> Propulsion:
         """Return the chain of efficiencies at :meth:`point`; NaN where it is infeasible."""
-        assert bus_voltage_v is not None  # refused at validation
         point = self.point(thrust_power_w, airspeed_m_per_s, air, bus_voltage_v)
         links = {name: getattr(point, f"{link}_efficiency") for name, link in LINKS.items()}
         return self.with_links(links, point.propeller_torque_nm, thrust_power_w / point.efficiency)

@@ -16,7 +16,7 @@ from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.load import flight_of, load_shape
-from sizing.design import Design, bus_voltage_v
+from sizing.design import Design
 from sizing.limits import QUANTITIES
 from sizing.mass_budget import level_point, parametric_design
 from sizing.parameters import label, unit, unit_text
@@ -352,7 +352,7 @@ def beyond_parts(aircraft: Aircraft, performance: Performance) -> str | None:
     shape = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
     propulsion, flight = flight_of(aircraft, mission, performance.design)
     bus_v = aircraft.battery.nominal_voltage_v
-    point = propulsion.point(flight.thrust_w * np.max(shape), *flight[1:], (bus_v, bus_v))
+    point = propulsion.point(flight.thrust_w * np.max(shape), *flight[1:], (bus_v,))
     return str(point.reason) or None
 
 
@@ -454,10 +454,10 @@ def _of_propulsion(
     thrust_w = float(level.thrust_power_w)
     speed, air = float(level.airspeed_m_per_s), level.conditions.air
     chosen = propulsion.sized(*design.variables.mapped(float).of_propulsion)
-    empty_v, _ = bus_voltage_v(aircraft)
+    empty_v = float(aircraft.battery.bus_voltage_v(np.zeros(())))
     most, thrusts = np.nan, _THRUSTS[::_COARSE]
     for _ in range(2):
-        points = chosen.point(thrust_w * thrusts, speed, air, (empty_v, empty_v))
+        points = chosen.point(thrust_w * thrusts, speed, air, (empty_v,))
         able = np.flatnonzero(np.asarray(points.reason) == "")
         if not able.size:
             break
@@ -469,7 +469,7 @@ def _of_propulsion(
     yield _absolute(name, text, climb, 0.0, "m/s")._replace(recommended=True)
     thrust_w = float(design.thrust_power_w)
     speed, air = float(design.airspeed_m_per_s), design.conditions.air
-    point = chosen.point(thrust_w, speed, air, (empty_v, empty_v))
+    point = chosen.point(thrust_w, speed, air, (empty_v,))
     yield _at_most("duty", "duty of the controller, empty battery", float(point.duty), 1.0, "")
     mach = chosen.maximum_tip_mach
     yield _at_most("tip_mach", "Mach number of the tips", float(point.tip_mach), mach, "")
