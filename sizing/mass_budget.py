@@ -8,7 +8,6 @@ aircraft is scaled instead.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from operator import itemgetter
 from typing import TYPE_CHECKING, cast
 
@@ -229,24 +228,9 @@ def closed_design(
 
     if not aircraft.propulsion.is_exact:
         return closed(None)
+    # Mass and efficiencies settle in rounds. An operating point that does not exist leaves NaN.
     chain = aircraft.propulsion.first_chain()
-    return _settled(closed, chain.mapped(lambda value: np.full(np.shape(arrays[0]), value)))
-
-
-def _impossible_where(design: Design, missing: BoolArray) -> Design:
-    """Return a design of arrays with infinite mass and power where something is missing."""
-    return design._replace(
-        total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
-        masses=Masses(*(np.where(missing, np.inf, mass_kg) for mass_kg in design.masses)),
-        propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
-    )
-
-
-def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -> Design:
-    """Return the design whose mass closes with the efficiencies of its level flight.
-
-    An operating point that does not exist leaves NaN, and with it an infinite mass.
-    """
+    chain = chain.mapped(lambda value: np.full(np.shape(arrays[0]), value))
     for _ in range(_ROUNDS):
         design = closed(chain)
         assert design.chain is not None
@@ -256,6 +240,15 @@ def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -
         if not np.any(open_share > _SETTLED):
             break
     return _impossible_where(design, ~np.isfinite(np.asarray(chain.efficiency)))
+
+
+def _impossible_where(design: Design, missing: BoolArray) -> Design:
+    """Return a design of arrays with infinite mass and power where something is missing."""
+    return design._replace(
+        total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
+        masses=Masses(*(np.where(missing, np.inf, mass_kg) for mass_kg in design.masses)),
+        propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
+    )
 
 
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.

@@ -10,7 +10,6 @@ from sizing.balance.in_design import structure_with_tail
 from sizing.design import Design, polar_at
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
-from sizing.structures.loads import StructureInputs
 from sizing.structures.models import other_model
 from sizing.structures.rib_wing import RibWingStructure, StructureParts
 from solar.schema import spell
@@ -21,16 +20,15 @@ def structure_parts(aircraft: Aircraft, design: Design) -> StructureParts | None
 
     None for models of the structure without parts.
     """
-    sized = _sized_rib_wing(aircraft, design)
-    return None if sized is None else sized[0].breakdown(sized[1])
+    model, inputs = _sized_structure(aircraft, design)
+    return model.breakdown(inputs) if isinstance(model, RibWingStructure) else None
 
 
 def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessment | None:
     """Return sizing criteria, deflections and twist of a rib wing; None for other models."""
-    sized = _sized_rib_wing(aircraft, design)
-    if sized is None:
+    model, inputs = _sized_structure(aircraft, design)
+    if not isinstance(model, RibWingStructure):
         return None
-    model, inputs = sized
     tail, remarks = aircraft.modules.tail, []
     excluded = {
         "T-tails": tail is not None and tail.is_t_tail,
@@ -48,9 +46,9 @@ def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessm
         )
     polar = polar_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
     return replace(
-        assess(*sized),
+        assess(model, inputs),
         remarks=tuple(remarks),
-        flight_envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
+        flight_envelope=flight_envelope(model, inputs, float(polar.maximum_lift_coefficient)),
     )
 
 
@@ -60,28 +58,16 @@ def structure_masses_by_model(aircraft: Aircraft, design: Design) -> dict[str, V
     Without mass growth; None where there is no second opinion. The other model has the file's
     calibration and build factor, relative to those of AtlantikSolar.
     """
-    sized = _sized_structure(aircraft, design)
-    other = None if sized is None else other_model(sized[0])
-    if sized is None or other is None:
+    structure, inputs = _sized_structure(aircraft, design)
+    other = other_model(structure)
+    if other is None:
         return None
-    structure, inputs = sized
     factor = structure.mass_factor / structure.atlantiksolar_calibration
     return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
 
 
-def _sized_rib_wing(
-    aircraft: Aircraft, design: Design
-) -> tuple[RibWingStructure, StructureInputs] | None:
-    """Return the rib wing of an aircraft and its inputs; None for other structures."""
-    sized = _sized_structure(aircraft, design)
-    if sized is None or not isinstance(sized[0], RibWingStructure):
-        return None
-    return sized[0], sized[1]
-
-
-def _sized_structure(aircraft: Aircraft, design: Design) -> tuple[Any, StructureInputs] | None:
-    """Return the structural model of an aircraft and its inputs; None if measured."""
-    inputs = design.sized_from
-    if inputs is None:
-        return None
+def _sized_structure(aircraft: Aircraft, design: Design) -> tuple[Any, Any]:
+    """Return the structural model of an aircraft and its inputs; None of both if measured."""
+    if (inputs := design.sized_from) is None:
+        return None, None
     return structure_with_tail(aircraft.parametric, inputs.wingspan_m, inputs.aspect_ratio), inputs

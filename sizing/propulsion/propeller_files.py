@@ -77,6 +77,11 @@ class _Read:
     def refuse(self, file: str, line: int | None, message: str) -> None:
         self.problems.append(Problem(file, line, None, "", message))
 
+    def check(self) -> None:
+        """Raise the problems, if any."""
+        if self.problems:
+            raise InputError(self.problems[:20])
+
 
 def read_propeller(
     files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
@@ -130,28 +135,25 @@ def read_propeller(
             trouble += " are an efficiency J CT / CP above 1"
         if trouble:
             read.refuse(point.file, point.line, trouble)
-    speeds = [] if read.problems else _by_speed(read.points)
-    if read.problems:
-        pass
-    elif not read.points:
-        read.refuse(names, None, "holds no row of J, CT and CP")
-    elif read.diameter_m is None:
-        read.refuse(names, None, "does not tell the diameter: give diameter_m")
-    elif trouble := Allowed(0.0, 100.0, above=True).trouble("", read.diameter_m):
-        read.refuse("diameter_m", None, trouble)
-    elif len({math.isnan(point.speed_rpm) for point in read.points}) > 1:
-        read.refuse(names, None, "names a speed of rotation for some rows alone")
-    elif len(speeds) < 2 and not any_speed:
+    read.check()
+    if not read.points:
+        raise file_error(names, "holds no row of J, CT and CP")
+    if read.diameter_m is None:
+        raise file_error(names, "does not tell the diameter: give diameter_m")
+    if trouble := Allowed(0.0, 100.0, above=True).trouble("", read.diameter_m):
+        raise file_error("diameter_m", trouble)
+    if len({math.isnan(point.speed_rpm) for point in read.points}) > 1:
+        raise file_error(names, "names a speed of rotation for some rows alone")
+    speeds = _by_speed(read.points)
+    if len(speeds) < 2 and not any_speed:
         rpm = speeds[0][0].speed_rpm
         have = "names no speed of rotation" if math.isnan(rpm) else f"has {spell(rpm)} rpm alone"
-        read.refuse(names, None, f"{have}: {_MANY_SPEEDS}")
-    for first, *others in speeds if not read.problems else ():
+        raise file_error(names, f"{have}: {_MANY_SPEEDS}")
+    for first, *others in speeds:
         if all(point.advance == first.advance for point in others):
             message = "the only advance ratio at this speed; two are needed"
             read.refuse(first.file, first.line, message)
-    if read.problems:
-        raise InputError(read.problems[:20])
-    assert read.diameter_m is not None
+    read.check()
     curves = tuple(_curve(points, read.static) for points in speeds)
     return PropellerTable(read.diameter_m, curves, names, any_speed, left_out_note(read.left_out))
 
