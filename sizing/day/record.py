@@ -22,9 +22,8 @@ from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S, DayAxis
 from missions.weather.record import Weather, longest_run
 from sizing.aircraft import Aircraft
-from sizing.day.balance import crossing_fraction, running_sum
+from sizing.day.balance import PowerBalance, crossing_fraction, running_sum
 from sizing.day.battery import Store
-from sizing.day.flight import Launches
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.march import ChargingDay, DayRun
 from sizing.day.record_conditions import WeatherDays
@@ -109,11 +108,10 @@ def weather_run(
     axis, store = record.axis, record.store(design.battery_energy_wh)
     solar_w = record.aircraft.modules.area_m2 * record.specific_power_w_per_m2(sky)
     energy_wh, days = store.battery_energy_wh, np.arange(len(axis))
-    flights = Launches.of(axis.time_h, solar_w, load_w, store, follow=True)
-    day = flights.day
+    day = ChargingDay.of(PowerBalance.of(axis.time_h, (solar_w - load_w).T))
     run = carried_over(day, store, energy_wh[0])
     dawns = dawns_of(day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
-    hours = flights.hours(days, dawns.hour)
+    hours = flight_hours(day, store, run, dawns.hour)
     outlasts = np.isinf(hours)
     to_the_end_h = (len(axis) - days) * HOURS_PER_DAY - dawns.hour
     return WeatherRun(
@@ -200,3 +198,32 @@ def carried_over(day: ChargingDay, store: Store, start_wh: float) -> DayRun:
         others = 1 + np.flatnonzero(carried != start[1:])
         start[1:] = carried
     return day.run(store, start)
+
+
+def flight_hours(day: ChargingDay, store: Store, run: DayRun, launch_h: FloatArray) -> FloatArray:
+    """Return the flight time of launches with a full battery on every day [h].
+
+    ``run``: charge that is carried over: a flight that begins a day with as much ends with it.
+    ``launch_h``: hours after the start of each day. Infinite where the days end before the flight.
+    """
+    days, full_wh = np.arange(len(launch_h)), store.battery_energy_wh
+    level, _, _ = day.flight(store, run.start_wh, np.zeros(len(days)))
+    empty_h = day.hour_of_deficit(np.nan_to_num(level), days) + HOURS_PER_DAY * days
+    empty_h = np.where(np.isnan(level), np.inf, empty_h)
+    empty_h = np.minimum.accumulate(empty_h[::-1])[::-1]  # first on a day or later
+    end_h, flights, today = np.full(len(days), np.inf), days, days
+    energy_wh, settled_wh = np.array(full_wh), day.deficit_until_wh(launch_h, days)
+    while len(flights):
+        begin = store.select(today), energy_wh, settled_wh
+        level, midnight_wh, _ = day.select(today).flight(*begin)
+        empty = ~np.isnan(level)
+        hour = day.hour_of_deficit(level[empty], today[empty])
+        end_h[flights[empty]] = HOURS_PER_DAY * today[empty] + hour
+        goes_on = ~empty & (today + 1 < len(days))
+        flights, today = flights[goes_on], today[goes_on] + 1
+        energy_wh = midnight_wh[goes_on] * (full_wh[today] / full_wh[today - 1])
+        known = energy_wh == run.start_wh[today]
+        end_h[flights[known]] = empty_h[today[known]]
+        flights, today, energy_wh = flights[~known], today[~known], energy_wh[~known]
+        settled_wh = np.zeros(len(flights))
+    return np.asarray(end_h - HOURS_PER_DAY * days - launch_h)

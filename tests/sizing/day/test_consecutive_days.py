@@ -6,9 +6,15 @@ from step_by_step import balance_of, march
 
 from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
-from sizing.day.flight import Launches
 from sizing.day.march import ChargingDay
-from sizing.day.record import Dawns, carried_over, dawns_of, days_that_close, runs_empty
+from sizing.day.record import (
+    Dawns,
+    carried_over,
+    dawns_of,
+    days_that_close,
+    flight_hours,
+    runs_empty,
+)
 
 TIME_H = np.linspace(0.0, 24.0, 49)
 
@@ -149,8 +155,8 @@ def test_flights_end_when_a_battery_marched_alone_is_empty(clearness, energy, la
     days = len(clearness)
     balance, its_store = days_of(clearness), store(energy, days)
     launches = np.full(days, np.round(launch * 2.0) / 2.0)  # on a node, for the march alone
-    flights = Launches.of(TIME_H, balance.net_w.T, 0.0, its_store, follow=True)
-    hours = flights.hours(np.arange(days), launches)
+    run = carried_from(balance, its_store, energy)
+    hours = flight_hours(run.day, its_store, run, launches)
     first = int(launches[0] * 2.0)
     for begin in range(days):
         left, flown = energy, None
