@@ -101,8 +101,8 @@ class Launches:
         flights, full_wh = np.arange(len(cells)), self.store.battery_energy_wh[cells]
         end_h, energy_wh = np.full(len(cells), np.inf), np.asarray(full_wh, float)
         settled_wh = self.day.deficit_until_wh(launch_h, cells)
-        days, lost_wh = np.zeros(len(cells)), np.full(len(cells), np.nan)
-        like = flights.copy()
+        days, like = np.zeros(len(cells)), flights.copy()
+        lost_wh = np.full(len(cells), np.nan)
         for number in range(MAXIMUM_DAYS + 1):
             if not len(flights):
                 break
@@ -110,8 +110,8 @@ class Launches:
                 keys = cells[flights] + 1j * energy_wh
                 _, first, same = np.unique(keys, return_index=True, return_inverse=True)
                 like[flights] = flights[first[same]]
-                rows = flights, energy_wh, lost_wh, days
-                flights, energy_wh, lost_wh, days = (values[first] for values in rows)
+                flights, energy_wh, days = flights[first], energy_wh[first], days[first]
+                lost_wh = lost_wh[first]
             of, full = cells[flights], full_wh[flights]
             begin = self.store.select(of), energy_wh, settled_wh[: len(of)]
             level, midnight_wh, lowest_wh = self.day.select(of).flight(*begin)
@@ -127,10 +127,9 @@ class Launches:
             skipped = np.floor(lowest_wh / np.where(alike, loss_wh, 1.0)) - 1.0
             skipped = np.where(alike, np.clip(skipped, 0.0, MAXIMUM_DAYS), 0.0)
             days, energy_wh = days + 1.0 + skipped, midnight_wh - skipped * loss_wh
-            lost_wh = loss_wh if number else lost_wh
-            flights, energy_wh, lost_wh, days = (
-                values[goes_on] for values in (flights, energy_wh, lost_wh, days)
-            )
+            lost_wh = loss_wh if number else lost_wh  # the day of the launch says nothing
+            flights, energy_wh, days = flights[goes_on], energy_wh[goes_on], days[goes_on]
+            lost_wh = lost_wh[goes_on]
             settled_wh = np.zeros(len(cells))
         return np.asarray(end_h[like[like]] - launch_h)
 
