@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -25,8 +25,8 @@ def reference_model(aircraft: Aircraft, mission: Mission) -> SolarModel:
 
 
 def combinations(
-    models: Iterable[ModelName | SolarModel] | None = None,
-    corrections: Iterable[CorrectionName] | None = None,
+    models: Sequence[ModelName | SolarModel] | None = None,
+    corrections: Sequence[CorrectionName] | None = None,
     *,
     attitude: bool = True,
 ) -> list[SolarModel]:
@@ -36,23 +36,18 @@ def combinations(
     a :class:`SolarModel` with its correction. ``attitude``: False leaves out models that need it,
     and refuses them if named.
     """
-    models = None if models is None else list(models)
-    corrections = None if corrections is None else list(corrections)
-    pairs = []
-    for model in MODEL_NAMES if models is None else models:
-        if isinstance(model, SolarModel):
-            pairs.append(model)
-            continue
-        for correction in CORRECTION_NAMES if corrections is None else corrections:
-            by_report = (model, correction) == ("FM", "loiter")
-            pairs.append(SolarModel(model, "report" if by_report else correction))
+    named = [*(models or ()), *(corrections or ())]
+    pairs = [
+        model
+        if isinstance(model, SolarModel)
+        else SolarModel(model, "report" if (model, by) == ("FM", "loiter") else by)
+        for model in (MODEL_NAMES if models is None else models)
+        for by in (CORRECTION_NAMES if corrections is None else corrections)
+    ]
     if not attitude:
-        named = [*(models or ()), *(corrections or ())]
-        words = [
-            w for n in named for w in (vars(n).values() if isinstance(n, SolarModel) else (n,))
-        ]
-        for word in words:
-            if word in (*ATTITUDE_MODELS, "loiter"):
+        for pair in pairs:
+            word = pair.model if pair.model in ATTITUDE_MODELS else pair.correction
+            if pair.needs_path and (word in named or pair in named):
                 needed = "modules.geometry of the aircraft and flight_path of the mission"
                 raise ValueError(f"{word} needs {needed}")
         pairs = [pair for pair in pairs if not pair.needs_path]
