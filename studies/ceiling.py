@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -35,17 +35,6 @@ if TYPE_CHECKING:
 _ROWS = {1: 11, 2: 21}  # of the table, by level
 
 
-class _Words(NamedTuple):
-    """What the altitudes of a search are called, in level flight unless said otherwise."""
-
-    altitude: str = "altitude"
-    highest: str = "ceiling"
-    floors: str = ""
-    from_floors: str = ""
-    climbs: str = ""
-    note: str = ""
-
-
 @dataclass(frozen=True, repr=False)
 class Ceiling(Result):
     """Highest altitude of perpetual flight, and the flights at all altitudes of the search."""
@@ -56,18 +45,14 @@ class Ceiling(Result):
     search: PerpetualCeiling
 
     @property
-    def words(self) -> _Words:
+    def climbs(self) -> str:
+        """Climbs of all flights in words; empty in level flight."""
+        return "" if self.mission.climb is None else f"climbs to {spell(self.mission.ceiling_m)} m"
+
+    @property
+    def altitude(self) -> str:
         """What its altitudes are called."""
-        if self.mission.climb is None:
-            return _Words()
-        return _Words(
-            altitude="night's floor",
-            highest="highest floor",
-            floors="night floors ",
-            from_floors=" from night floors",
-            climbs=f"climbs to {spell(self.mission.ceiling_m)} m",
-            note="; power and airspeed at the night's floor",
-        )
+        return "night's floor" if self.climbs else "altitude"
 
     @property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -81,7 +66,7 @@ class Ceiling(Result):
 
     def table(self, most: int = _ROWS[2]) -> Table:
         """Return a table from the lowest altitude to the first without power, with the ceiling."""
-        search, scenarios, words = self.search, self.mission.scenarios(), self.words
+        search, scenarios = self.search, self.mission.scenarios()
         ends = (search.flights[0], search.flights[-1])
         ends = (*ends, *(() if search.highest is None else (search.highest,)))
         between = search.flights[1:-1]
@@ -91,16 +76,14 @@ class Ceiling(Result):
         # Multiples of a round step, not every n-th from the first.
         at_round = [f for f in between if round(f.altitude_m / step) % stride == 0]
         each = {flight.altitude_m: flight for flight in (*at_round, *ends)}
-        shown, climbs = [each[altitude_m] for altitude_m in sorted(each)], bool(words.climbs)
+        shown = [each[altitude_m] for altitude_m in sorted(each)]
         while len(shown) > 1 and all(flight.excess_time_h <= HOPELESS_H for flight in shown[-2:]):
             shown.pop()  # nothing changes from there up
-        several, reasons = len(scenarios) > 1, any(flight.reason for flight in shown)
-        altitude, *others = group(
-            "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh "
-            f"airspeed_m_per_s {'maximum_altitude_m' * climbs} {'worst_scenario' * several} "
-            f"{'reason' * reasons}"
-        )
-        altitude = replace(altitude, label=words.altitude)
+        keys = "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh"
+        keys += " airspeed_m_per_s" + " maximum_altitude_m" * bool(self.climbs)
+        keys += " worst_scenario" * (len(scenarios) > 1)
+        altitude, *others = group(keys + " reason" * any(flight.reason for flight in shown))
+        altitude = replace(altitude, label=self.altitude)
         rows = (
             vars(flight) | {"worst_scenario": scenarios.label(flight.worst_scenario)}
             for flight in shown
@@ -115,21 +98,21 @@ class Ceiling(Result):
 def headline(ceiling: Ceiling) -> str:
     """Return ceiling and best altitude in one line."""
     search, required = ceiling.search, ceiling.search.required_excess_time_h
-    words = ceiling.words
-    more = [words.climbs] if words.climbs else []
+    more = [ceiling.climbs] if ceiling.climbs else []
     more += [f"more than {spell(required)} h of excess time"] if required > 0.0 else []
     how = f" with {' and '.join(more)}" if more else ""
     best = f"; largest excess time {hours(search.best.excess_time_h)}"
     best += f" at {text_of('altitude_m', search.best.altitude_m)}"
     ends = [search.flights[end].altitude_m for end in (0, -1)]
-    between = f"{words.floors}{ends[0]:.0f} to {text_of('altitude_m', ends[1])}"
+    floors = "night floors " if ceiling.climbs else ""
+    between = f"{floors}{ends[0]:.0f} to {text_of('altitude_m', ends[1])}"
     said = f"no perpetual flight{how} from {between}"
     if search.highest is not None:
         beyond = " and beyond the search" if search.at_search_limit else ""
         if search.highest.altitude_m >= ceiling.mission.highest_floor_m:
             beyond = ", the ceiling itself"
         up_to = f"{text_of('altitude_m', search.highest.altitude_m)}{beyond}"
-        said = f"perpetual flight{how}{words.from_floors} up to {up_to}"
+        said = f"perpetual flight{how}{floors and ' from night floors'} up to {up_to}"
         if search.highest.altitude_m < ceiling.mission.altitude_m:
             # Altitudes below were not tried, where the excess time may be larger.
             said, best = f"{said}, below the mission's {spell(ceiling.mission.altitude_m)} m", ""
@@ -138,7 +121,8 @@ def headline(ceiling: Ceiling) -> str:
 
 def blocks(ceiling: Ceiling, level: int) -> list[Any]:
     """Return headline, a table of altitudes, extrapolations and conditions."""
-    note = f"{ceiling.solar.label}; solar energy: electric, of one day{ceiling.words.note}"
+    note = f"{ceiling.solar.label}; solar energy: electric, of one day"
+    note += "; power and airspeed at the night's floor" if ceiling.climbs else ""
     outside = extrapolation_blocks(ceiling.extrapolations, level)
     table = ceiling.table(_ROWS[level])
     return [Line(headline(ceiling), "strong"), table, *outside, Line(note, "faint")]
@@ -196,7 +180,7 @@ def plot_ceiling(result: Ceiling, *, figure: drawing.Canvas = DEFAULT) -> Figure
     ----------
     result : Ceiling
     """
-    ceiling, words, mark = result.search, result.words, drawing.DARK_GREY
+    ceiling, mark = result.search, drawing.DARK_GREY
     drawn, panels = drawing.new_figure(
         1,
         3,
@@ -204,7 +188,7 @@ def plot_ceiling(result: Ceiling, *, figure: drawing.Canvas = DEFAULT) -> Figure
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
         notes=(
             result.solar.label,
-            words.climbs,
+            result.climbs,
             extrapolation_caption(result.extrapolations),
         ),
         size_in=(9.0, 5.2),
@@ -214,7 +198,7 @@ def plot_ceiling(result: Ceiling, *, figure: drawing.Canvas = DEFAULT) -> Figure
     altitude_km = ceiling.column("altitude_m") / 1000.0
     excess.plot(ceiling.column(EXCESS_TIME.name), altitude_km, color=drawing.CHARGE)
     excess.axvline(ceiling.required_excess_time_h, color=mark, linewidth=0.8)
-    excess.set(xlabel=EXCESS_TIME.heading, ylabel=f"{words.altitude} [km]")
+    excess.set(xlabel=EXCESS_TIME.heading, ylabel=f"{result.altitude} [km]")
     power.plot(ceiling.column("propulsion_power_w"), altitude_km, color=drawing.LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
     energy.plot(
@@ -231,7 +215,8 @@ def plot_ceiling(result: Ceiling, *, figure: drawing.Canvas = DEFAULT) -> Figure
     if not ceiling.at_search_limit:
         for axes in panels:
             axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
-    name = f"{words.highest} {text_of('altitude_m', ceiling.highest.altitude_m)}"
+    name = "highest floor" if result.climbs else "ceiling"
+    name = f"{name} {text_of('altitude_m', ceiling.highest.altitude_m)}"
     drawing.note(
         excess, name, (0.96, highest_km), (0, 4), across=True, ha="right", fontsize="medium"
     )
