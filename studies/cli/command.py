@@ -11,7 +11,7 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from inspect import get_annotations
 from pathlib import Path
-from typing import Any, TypeVar, dataclass_transform
+from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 import click
 
@@ -86,6 +86,7 @@ class CommandOptions:
     """Options and arguments of a command: those of its fields that :func:`option` declares.
 
     What does not go together is refused by the ``refuse`` of each class, those of the bases first.
+    ``run`` does what the command is for, with the loaded case of one that ``has_case``.
     """
 
     def __init__(self, **values: Any) -> None:
@@ -94,8 +95,8 @@ class CommandOptions:
             if "refuse" in vars(kind):
                 kind.refuse(self)  # type: ignore[attr-defined]  # looked up a line above
 
-    def run(self) -> None:
-        """Do what the command is for."""
+    has_case = False
+    run: ClassVar[Callable[..., None]]
 
     @classmethod
     def parameters(cls) -> list[click.Parameter]:
@@ -125,7 +126,8 @@ class Command(click.Command):
         )
 
     def _perform(self, **values: Any) -> None:
-        options, files = self.options(**values), {}
+        options: Any = self.options(**values)
+        files: dict[str, str | None] = {}
         for parameter in self.params:
             path = values[str(parameter.name)]
             if isinstance(parameter.type, OutputFile):
@@ -138,8 +140,13 @@ class Command(click.Command):
                     raise click.BadParameter("needs the name of a folder", param_hint=hint)
                 check_writable_folder(Path(path))
         check_outputs(files)
+        case = []
+        if self.options.has_case:
+            from studies.cli.files import load  # not for help
+
+            case = [load(options)]
         try:
-            options.run()
+            options.run(*case)
         except TooManyDotsError as error:  # of a figure whose height is that of its content
             raise click.BadParameter(str(error), param_hint="--dpi") from None
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -46,6 +46,7 @@ def json_option(text: str = "Print JSON instead of tables.") -> Any:
 class Case(CommandOptions):
     """What a command is asked about: an aircraft on a mission."""
 
+    has_case = True
     aircraft: str = argument(required=True, type=click.Path(), metavar="AIRCRAFT")
     mission: str | None = mission_option("rafz-july")
     overrides: tuple[str, ...] = option(
@@ -169,8 +170,12 @@ class Requirement(Case):
 
 
 class Work(CommandOptions):
-    """Where a command computes in chunks, and what it keeps of them."""
+    """Where a command computes in chunks, and what it keeps of them.
 
+    ``module``: of the function that workers call.
+    """
+
+    module: ClassVar[str]
     out_file: str | None
     workers: int | None = option(
         "Processes that compute; 1 starts none.  [default: as many as there are cores, "
@@ -202,13 +207,10 @@ class Work(CommandOptions):
                 )
         if self.keep_parts and self.work_dir is None and self.out_file is None:
             raise click.UsageError("--keep-parts needs --out or --work")
-
-    def fork_workers(self, module: str) -> None:
-        """Start what workers are forked from while this process imports the same module."""
         if (self.workers or 1) > 1 and not self.scheduler:
             from studies.engine.workers import fork_from
 
-            fork_from(module)
+            fork_from(self.module)  # while this process imports the same
 
     @contextmanager
     def completed(self, study: Study) -> Iterator[Gridded]:

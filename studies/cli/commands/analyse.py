@@ -43,15 +43,14 @@ class Analyse(options.Model, options.Level, options.Mass, options.Place, options
             return
         self.refuse_with_weather()
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Fly the mission, and tell what became of it."""
         from sizing.results import analysis
-        from studies.cli.files import load
         from studies.cli.outputs import call, deliver, refuse_to_overwrite
 
         for name, path in (("--table", self.table_file), ("--table-years", self.table_years)):
             refuse_to_overwrite(name, path, self.weather_file)
-        case = load(self).flyable()
+        case.flyable()
         if self.weather_file is not None:
             self._run_in_weather(case, self.weather_file)
             return
@@ -123,6 +122,7 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
         "[default: 1:365:1; where --latitudes has steps of 2 by itself 1:365:4]",
         type=grid(1.0, 365.0, whole=True),
     )
+    module = "studies.maps.study"
     endurance: bool = option("Also the longest flight of each cell (slow); not with --resize.")
     objective: str | None = options.resize("Size the aircraft anew in every cell for it.")
     out_file: str | None = options.grid("all cells")
@@ -133,16 +133,14 @@ class Map(options.Model, options.Level, options.Mass, options.Work, options.Draw
         if self.objective is not None and self.endurance:
             raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Compute the cells of a map, write it, and tell it."""
-        self.fork_workers("studies.maps.study")
-        from studies.cli.files import load
         from studies.cli.outputs import call, deliver, grid_of
         from studies.maps.results import MapResult
         from studies.maps.study import prepare
 
         sized = self.objective is not None
-        case = load(self).flyable(sized=sized, in_winds_of_cells=True)
+        case.flyable(sized=sized, in_winds_of_cells=True)
         if sized:
             case.require_parametric("--resize needs a parametric aircraft, this one is measured")
         study = prepare(
@@ -186,16 +184,14 @@ class Ceiling(options.Model, options.Level, options.Drawn):
     table_file: str | None = options.table("the altitudes")
     plot_file: str | None = options.plot("Draw them")
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Find the highest altitude of perpetual flight, and tell it."""
         from solar.schema import refusal, spell
         from studies.ceiling import perpetual_ceiling
-        from studies.cli.files import load
         from studies.cli.outputs import deliver
         from studies.cli.telling import progress_of
 
-        case = load(self).flyable()
-        case.refuse_polar_night()
+        case.flyable().refuse_polar_night()
         lowest_m, most_m = case.mission.altitude_m, case.mission.highest_floor_m
         if most_m <= lowest_m:
             message = f"must be above the night's floor of {spell(lowest_m)}"
@@ -229,6 +225,7 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
         "Latitudes [deg], north positive. [default: -70:70:5]",
         type=grid(-90.0, 90.0, read=degrees),
     )
+    module = "studies.station"
     altitudes: list[float] | None = option(
         "Altitudes [m] in place of latitudes; with --latitudes too, that of the largest share "
         "is flown in each month.",
@@ -237,17 +234,14 @@ class Station(options.Model, options.Level, options.Work, options.Drawn):
     out_file: str | None = options.grid("all cells")
     plot_file: str | None = options.plot("Draw them")
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Compute the time on station of each month, and tell it."""
-        self.fork_workers("studies.station")
-        from studies.cli.files import load
         from studies.cli.outputs import deliver
         from studies.output.formats import GRID_FORMATS, format_of, table_bytes
         from studies.output.gridded import to_netcdf_bytes
         from studies.station import prepare
 
-        case = load(self).flyable()
-        if case.mission.climb is not None:
+        if case.flyable().mission.climb is not None:
             why = "the percentiles of the winds at several heights have none in common"
             message = f"station flies at constant altitude, as {why}; remove climb"
             case.refuse("mission.climb", message)
@@ -288,14 +282,13 @@ class Uncertainty(options.Model, options.Level, options.Drawn):
     table_file: str | None = options.table("the draws")
     plot_file: str | None = options.plot("Draw them")
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Draw uncertain inputs, and tell what becomes of the flight."""
         from sizing.results.uncertainty import analyse_uncertainty
-        from studies.cli.files import load, uncertain_inputs
+        from studies.cli.files import uncertain_inputs
         from studies.cli.outputs import deliver
 
-        case = load(self).flyable()
-        with uncertain_inputs(case):
+        with uncertain_inputs(case.flyable()):
             result = analyse_uncertainty(
                 **case.arguments,
                 samples=self.samples,
@@ -327,15 +320,14 @@ class Report(options.Model, options.Json, options.Mass):
         default=None,
     )
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Write a report on an aircraft and a mission."""
         from missions.weather.files import load_weather
-        from studies.cli.files import load
         from studies.cli.outputs import check_report, name_written
         from studies.output.terminal import print_json
 
         check_report(self.out_file, with_pdf=self.with_pdf)
-        case = load(self).flyable()
+        case.flyable()
         from studies.cli.reports import sizing_of_folder, write_report  # takes a second
 
         weather = self.weather_file

@@ -132,12 +132,12 @@ class Size(
         """Objective of the optimiser."""
         return Objective(self.objective)
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Find the best design, write it, and tell it."""
         from missions.mission import Mission
         from sizing.program.reliability import check_reliability
         from sizing.program.survival import check_survival
-        from studies.cli.files import load, uncertain_inputs
+        from studies.cli.files import uncertain_inputs
         from studies.cli.outputs import check_report, deliver, figure_of
         from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -146,7 +146,6 @@ class Size(
                 check_survival(self.goal, self.survive)
             except ValueError as error:
                 raise click.UsageError(str(error)) from error
-        case = load(self)
         if self.hold_station is not None:
             wind = case.mission_file.document.data.get("wind")
             file = {"file": wind["file"]} if isinstance(wind, dict) and "file" in wind else {}
@@ -285,6 +284,7 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
     objective: str | None = options.resize(
         "Size each point for it; varied design variables are held."
     )
+    module = "studies.sweeps.study"
     cover: bool | None = option(
         "Fill the wing with modules, to maximum_module_coverage.  [default: where a "
         "parametric wing is varied and the module area is not]",
@@ -324,16 +324,14 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
         if self.pareto is not None and self.sort is not None:
             raise click.UsageError("a front has its own order: give --pareto or --sort")
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Compute the points of a trade study, write them, and tell them."""
-        self.fork_workers("studies.sweeps.study")
         from missions.files.errors import InputError
-        from studies.cli.files import load
         from studies.cli.outputs import call, deliver, grid_of
         from studies.cli.telling import tell_error
         from studies.sweeps.study import prepare
 
-        case = load(self).flyable(sized=self.objective is not None)
+        case.flyable(sized=self.objective is not None)
         try:
             study = prepare(
                 case.aircraft,
@@ -409,14 +407,12 @@ class Explore(options.Model):
                 f"explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
             )
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Serve the page of a design."""
-        from studies.cli.files import load
         from studies.cli.telling import tell_error
         from studies.explorer.session import Session
 
-        case = load(self).flyable()
-        mission = case.mission_file.document
+        mission = case.flyable().mission_file.document
         words = [self.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
         words += [word for override in self.overrides for word in ("--set", override)]
         session = Session(case, command=words)
@@ -450,11 +446,10 @@ class Export(options.Model):
         required=True,
     )
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Write a design for other tools: of several files those that can be written."""
         from missions.files.writing import write_bytes_atomically
         from sizing.results.analysis import analyse
-        from studies.cli.files import load
         from studies.cli.telling import tell_error
         from studies.exchange import files
         from studies.output.formats import wrong_ending
@@ -474,7 +469,7 @@ class Export(options.Model):
                 troubles[path] = click.BadParameter(missing, param_hint="--out")
         if len(troubles) == len(set(self.out_files)):
             raise next(iter(troubles.values()))
-        analysis = analyse(**load(self).flyable().arguments, replay=False)
+        analysis = analyse(**case.flyable().arguments, replay=False)
         for path in self.out_files:
             if path not in troubles:
                 try:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import datetime
 
     from missions.logs.clock import Span
+    from studies.case import Case
     from studies.cli.outputs import Folder
     from studies.flight_logs.errors import Window
 
@@ -58,17 +59,15 @@ class Compare(options.Level, options.Requirement, options.Drawn):
         if self.out_dir is not None and files != (None, None):
             raise click.UsageError("give --out, or --table and --plot, not both")
 
-    def run(self) -> None:
+    def run(self, case: Case) -> None:
         """Run all solar power models, and tell what each says."""
-        from studies.cli.files import load
         from studies.cli.outputs import deliver, figure_of
         from studies.cli.telling import progress_of
         from studies.models.comparison import compare
         from studies.models.solar_models import attitude_is_known
         from studies.output.formats import csv_bytes
 
-        case = load(self).flyable()
-        case.refuse_polar_night()
+        case.flyable().refuse_polar_night()
         paths = [f"--models {model}" for model in self.models or () if model in ATTITUDE_MODELS]
         paths += ["--corrections loiter"] if "loiter" in (self.corrections or ()) else []
         if paths or attitude_is_known(case.aircraft, case.mission):
@@ -158,23 +157,26 @@ class Verify(options.Level, options.Drawn):
     out_dir: str | None = options.out("samples and figures")
     report_file: str | None = options.report()
 
-    def run(self) -> None:
+    def refuse(self) -> None:
+        """Refuse a log in place of an aircraft."""
+        from missions.files.shipped import shipped_names  # not for help
+
+        aircraft, log = self.aircraft, self.log_file
+        named = log in shipped_names("aircraft") and not Path(log).exists()
+        if aircraft.lower().endswith(_LOGS) and (named or log.lower().endswith(_YAML)):
+            raise click.UsageError(f"the aircraft comes first: verify {log} {aircraft}")
+
+    def run(self, case: Case) -> None:
         """Compare the models with a flight, write what was found, and tell it."""
-        from missions.files.shipped import shipped_names
         from missions.logs.columns import ColumnMap, read_column_map
         from missions.logs.csv import read_flight_log
-        from studies.cli.files import load
         from studies.cli.outputs import check_report, deliver, figure_of, refuse_to_overwrite
         from studies.flight_logs.verification import verify
 
-        aircraft, log_file, folder_name = self.aircraft, self.log_file, self.out_dir
-        if folder_name is not None:
-            refuse_to_overwrite("--out", str(Path(folder_name) / _SAMPLES), log_file)
+        log_file = self.log_file
+        if self.out_dir is not None:
+            refuse_to_overwrite("--out", str(Path(self.out_dir) / _SAMPLES), log_file)
         check_report(self.report_file, option="--report")
-        named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
-        if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
-            raise click.UsageError(f"the aircraft comes first: verify {log_file} {aircraft}")
-        case = load(self)
         columns = self.columns_file
         layout = ColumnMap() if columns is None else read_column_map(columns)
         said = (self.timezone, self.start, self.ignore, self.exclude)
