@@ -24,7 +24,7 @@ from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.schema import spell
 from solar.types import FloatArray
-from studies.engine.run import Progress
+from studies.engine.run import Progress, Study
 from studies.output import gridded
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
 from studies.output.figures.drawing import Canvas, new_figure, styled
@@ -32,7 +32,6 @@ from studies.output.figures.options import DEFAULT
 from studies.quantities import described, text_of
 from studies.render.tables import Column, Line, Table
 from studies.render.words import extrapolation_blocks, percent
-from studies.study import Study
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -23,8 +23,8 @@ from studies.output import formats
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 
 if TYPE_CHECKING:
+    from studies.engine.run import Study
     from studies.output.gridded import Gridded
-    from studies.study import Study
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 

@@ -20,9 +20,9 @@ from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity import checks as validity
 from sizing.validity.extrapolations import cell_texts
 from solar.types import FloatArray
+from studies.engine.run import merged
 from studies.output.gridded import SIZED, TOO_WINDY
 from studies.quantities import DESIGN_COLUMNS, LOAD, REACHED
-from studies.study import merged
 
 # Aircraft, mission, model and objective of all cells.
 Sized: TypeAlias = tuple[Aircraft, Mission, SolarModel, Objective]

@@ -28,9 +28,9 @@ from sizing.validity.ranges import Check, Extrapolation
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.schema import spell
 from solar.types import FloatArray
+from studies.engine.run import Study, merged
 from studies.output import gridded
 from studies.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE, described
-from studies.study import Study, merged
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -29,6 +29,7 @@ from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import spell
 from solar.types import FloatArray
+from studies.engine.run import blanks_of
 from studies.output import gridded
 from studies.quantities import (
     CHOSEN,
@@ -43,7 +44,6 @@ from studies.quantities import (
     described,
 )
 from studies.render.words import percent
-from studies.study import blanks_of
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
 
 _DESCRIBED = gridded.DESCRIBED | {

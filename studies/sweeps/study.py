@@ -27,9 +27,9 @@ from sizing.validity.checks import check_user_models
 from solar.names import CorrectionName, ModelName
 from solar.schema import refusal, spell_ends
 from solar.types import FloatArray, IntArray
+from studies.engine.run import VARIED, Study
 from studies.output import gridded
 from studies.quantities import ASPECT_RATIO, WINGSPAN
-from studies.study import VARIED, Study
 from studies.sweeps.axes import (
     DESIGN_KEYS,
     SAMPLE_NAMES,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sizing.results.sizing_study import SizingStudy
     from studies.case import Case
     from studies.cli.outputs import Folder
-    from studies.study import Study
+    from studies.engine.run import Study
     from studies.sweeps.axes import Axis, SampleName
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
@@ -370,7 +370,7 @@ class Sweep(options.Model, options.Level, options.Mass, options.Work, options.Dr
 
     def _check_shown(self, study: Study) -> None:
         """Refuse names that no result will have, before the work starts."""
-        from studies.study import VARIED, blanks_of
+        from studies.engine.run import VARIED, blanks_of
 
         varied = {n: c.values.dtype.kind for n, c in study.coordinates.items() if n != VARIED}
         numbers = [name for name, kind in varied.items() if kind == "f"]

@@ -28,7 +28,7 @@ def started(monkeypatch):
     monkeypatch.setattr("studies.engine.workers._PAYS_S", 0.0)
     monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 2)
     # Chunks so small that a few cells make enough of them for all processes.
-    monkeypatch.setattr("studies.study._LEAST_CHUNK_S", 0.06)
+    monkeypatch.setattr("studies.engine.run._LEAST_CHUNK_S", 0.06)
     return names
 
 

@@ -22,12 +22,12 @@ from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
+from studies.engine.run import ComputationError
 from studies.maps import study as map_study
 from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.sized import sized_cells
 from studies.maps.study import feasibility_map, prepare, resized_map
 from studies.output.gridded import SizingStatus, to_netcdf_bytes
-from studies.study import ComputationError
 
 pytestmark = pytest.mark.slow
 
