@@ -19,8 +19,8 @@ from pydantic import (
 from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
 from missions.uncertainty import Uncertainty
-from sizing.aerodynamics.parabolic import DragPolar, UserDragPolar
-from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aerodynamics.parabolic import UserDragPolar
+from sizing.aerodynamics.wing_polar import Polar, WingPolar
 from sizing.balance.checks import (
     cells_on_planform,
     check_balance,
@@ -122,7 +122,7 @@ class MeasuredAirframe(Record):
 
 
 Aerodynamics = Annotated[
-    DragPolar | WingPolar | UserDragPolar,
+    Polar,
     Field(discriminator="model"),
     kind_by_default("model", "parabolic"),
 ]

@@ -14,8 +14,7 @@ import numpy as np
 
 from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air, gust_speed_fraction, plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import DragPolar, Polar, UserDragPolar
-from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aerodynamics.wing_polar import Polar
 from sizing.aircraft import Aircraft
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.parameters import catalogue, replaced
@@ -302,9 +301,7 @@ def variables_of(aircraft: Aircraft) -> DesignVariables:
     )
 
 
-def polar_at(
-    aerodynamics: DragPolar | UserDragPolar | WingPolar, lift_coefficient: Value | None
-) -> Polar:
+def polar_at(aerodynamics: Polar, lift_coefficient: Value | None) -> Polar:
     """Return the polar in level flight at a chosen lift coefficient.
 
     ``lift_coefficient``: lift coefficient of level flight [-]; None leaves the polar's own. Not

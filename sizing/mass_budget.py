@@ -15,10 +15,10 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2, plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import level_airspeed_m_per_s, level_flight_power_w
+from sizing.aerodynamics.parabolic import level_airspeed_m_per_s
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.in_design import (
-    polar_with_tail,
+    drag_coefficient,
     polar_with_wires,
     structure_inputs,
     structure_with_tail,
@@ -109,21 +109,12 @@ def level_flight(
     airframe, density = aircraft.parametric, air.density_kg_per_m3
     span_m, aspect_ratio = variables.wingspan_m, variables.aspect_ratio
     polar = polar_at(airframe.aerodynamics, variables.lift_coefficient)
-    airspeed = level_airspeed_m_per_s(
-        polar,
-        mass_kg=total_mass_kg,
-        wing_area_m2=span_m**2 / aspect_ratio,
-        density_kg_per_m3=density,
-    )
+    area_m2, lift = span_m**2 / aspect_ratio, polar.flight_lift_coefficient
+    airspeed = level_airspeed_m_per_s(lift, total_mass_kg / area_m2, density)
     polar = polar_with_wires(aircraft, polar, variables, air, total_mass_kg, airspeed)
-    thrust_w = level_flight_power_w(
-        polar_with_tail(airframe, polar, span_m, aspect_ratio),
-        airspeed_m_per_s=airspeed,
-        wingspan_m=span_m,
-        aspect_ratio=aspect_ratio,
-        density_kg_per_m3=density,
-        dynamic_viscosity=air.dynamic_viscosity,
-    )
+    reynolds = density * airspeed * (span_m / aspect_ratio) / air.dynamic_viscosity
+    drag = drag_coefficient(airframe, polar, span_m, aspect_ratio, reynolds)
+    thrust_w = 0.5 * density * airspeed**3 * (area_m2 * drag)
     propulsion = (chain or airframe.propulsion).sized(*variables.of_propulsion)
     links = propulsion.in_flight(thrust_w, airspeed, air.air, aircraft.battery.ends_v)
     return links, thrust_w / links.efficiency, airspeed

@@ -192,14 +192,9 @@ def check_level_flight() -> list[LevelFlightCheck]:
 
 def _level_flight(airfoil: str) -> LevelFlightCheck:
     polar = wing_polar(airfoil, AS2)
-    speed = level_airspeed_m_per_s(
-        polar,
-        mass_kg=AS2.mass_kg,
-        wing_area_m2=AS2.wing_area_m2,
-        density_kg_per_m3=AS2.density_kg_per_m3,
-    )
+    lift, loading = polar.flight_lift_coefficient, AS2.mass_kg / AS2.wing_area_m2
+    speed = level_airspeed_m_per_s(lift, loading, AS2.density_kg_per_m3)
     power = AS2.electric_power_w(polar, speed)
-    lift = polar.flight_lift_coefficient
     return LevelFlightCheck(airfoil, lift, speed, power, AS2_POWER_W / power)
 
 
@@ -278,14 +273,8 @@ def power_curve_figure(
 
 
 def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
-    flight_speed = level_airspeed_m_per_s(
-        polar,
-        mass_kg=case.mass_kg,
-        wing_area_m2=case.wing_area_m2,
-        density_kg_per_m3=case.density_kg_per_m3,
-    )
-    ratio = polar.flight_lift_coefficient / polar.maximum_lift_coefficient
-    return float(flight_speed * ratio**0.5)
+    highest, loading = polar.maximum_lift_coefficient, case.mass_kg / case.wing_area_m2
+    return float(level_airspeed_m_per_s(highest, loading, case.density_kg_per_m3))
 
 
 def power_curve_image(image_format: str = "png", figure: FigureOptions = DEFAULT) -> bytes:

@@ -1,4 +1,4 @@
-"""Lift, drag and power of level flight.
+"""Lift and drag of level flight.
 
 The formulas use arithmetic alone, for floats, arrays and symbolic expressions.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from typing import Annotated, ClassVar, Literal, Protocol
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator
 
@@ -15,27 +15,6 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
 from sizing.user_models import user_function
 from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
-
-
-class Polar(Protocol):
-    """Interface of an aerodynamic model to level flight."""
-
-    @property
-    def flight_lift_coefficient(self) -> Value:
-        """Lift coefficient of level flight [-]."""
-        ...
-
-    @property
-    def maximum_lift_coefficient(self) -> Value:
-        """Lift coefficient at the stall [-]."""
-        ...
-
-    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Return the drag coefficient on the wing area in level flight [-].
-
-        ``reynolds`` is that of the mean chord.
-        """
-        ...
 
 
 class AtLiftCoefficient(Record):
@@ -95,24 +74,8 @@ class UserDragPolar(AtLiftCoefficient):
 
 
 def level_airspeed_m_per_s(
-    polar: Polar, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    lift_coefficient: Value, wing_loading_kg_per_m2: Value, density_kg_per_m3: Value
 ) -> Value:
     """Return the airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
-    weight, lift = mass_kg * GRAVITY_M_PER_S2, polar.flight_lift_coefficient
-    return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * lift)) ** 0.5
-
-
-def level_flight_power_w(
-    polar: Polar,
-    *,
-    airspeed_m_per_s: Value,
-    wingspan_m: Value,
-    aspect_ratio: Value,
-    density_kg_per_m3: Value,
-    dynamic_viscosity: Value,
-) -> Value:
-    """Return the aerodynamic power of level flight, ``0.5 rho V^3 S C_D`` with S = b^2/AR [W]."""
-    chord = wingspan_m / aspect_ratio
-    reynolds = density_kg_per_m3 * airspeed_m_per_s * chord / dynamic_viscosity
-    drag_area = wingspan_m**2 / aspect_ratio * polar.drag_coefficient(aspect_ratio, reynolds)
-    return 0.5 * density_kg_per_m3 * airspeed_m_per_s**3 * drag_area
+    weight = 2.0 * GRAVITY_M_PER_S2 * wing_loading_kg_per_m2
+    return (weight / (density_kg_per_m3 * lift_coefficient)) ** 0.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 from math import pi
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from pydantic import Field, PrivateAttr, Strict, model_validator
@@ -14,6 +14,7 @@ from missions.files.errors import InputError
 from missions.files.texts import read_text
 from missions.files.validation import wrong_file
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
+from sizing.aerodynamics.parabolic import DragPolar, UserDragPolar
 from sizing.aerodynamics.polar_table import (
     OF_A_SECTION,
     POLAR_SUFFIXES,
@@ -221,3 +222,7 @@ class WingPolar(CompletedRecord):
         profile = self.polar.profile_drag(self.section_lift_ratio * lift, reynolds)
         induced = lift**2 / (pi * self.span_efficiency * aspect_ratio)
         return self.calibration * profile, self.calibration * induced, self.calibration * other
+
+
+# Drag models of an aircraft's file.
+Polar: TypeAlias = DragPolar | WingPolar | UserDragPolar

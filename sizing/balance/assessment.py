@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees, sin
-from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import DragShares
 from sizing.balance.in_design import (
     balance_items,
     body_volume_m3,
-    polar_with_tail,
+    drag_by_parts,
+    drag_coefficient,
     volume_for_margin,
 )
 from sizing.balance.masses import Item, centre_of_gravity
@@ -96,19 +96,11 @@ def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
-    polar = _polar(airframe, design, design.lift_coefficient)
-    return DragShares(*(float(share) for share in polar.shares(design.reynolds_number)))
-
-
-def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
-    """Return the polar of a design at a lift coefficient, with its drag build-up if any."""
-    variables = design.variables
-    return polar_with_tail(
-        airframe,
-        polar_at(airframe.aerodynamics, lift),
-        variables.wingspan_m,
-        variables.aspect_ratio,
-    )
+    polar = polar_at(airframe.aerodynamics, design.lift_coefficient)
+    size = design.variables.wingspan_m, design.variables.aspect_ratio
+    shares = drag_by_parts(airframe, polar, *size, design.reynolds_number)
+    assert shares is not None
+    return DragShares(*(float(share) for share in shares))
 
 
 def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment | None:
@@ -141,13 +133,14 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
         return trim(wing, tail, planes, lift=lift, moment=moment, gravity_x_m=gravity_m,
                     span_efficiency=efficiency)  # fmt: skip
 
-    def drag_coefficient(lift: float, reynolds: Value) -> float:
-        return float(_polar(airframe, design, lift).drag_coefficient(wing.aspect_ratio, reynolds))
+    def drag_at(lift: float, reynolds: Value) -> float:
+        polar, size = polar_at(airframe.aerodynamics, lift), (wing.wingspan_m, wing.aspect_ratio)
+        return float(drag_coefficient(airframe, polar, *size, reynolds))
 
     level, slow, stall = trimmed(lift), trimmed(slow_lift), trimmed(stall_lift)
     slow_ratio = (lift / slow_lift) ** 0.5
     yaw, rudder = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
-    slow_drag = drag_coefficient(slow_lift, design.reynolds_number * slow_ratio)
+    slow_drag = drag_at(slow_lift, design.reynolds_number * slow_ratio)
     elevator = elevator_deflection(tail, neutral, level, slow, slow_lift - lift)
     elevator_at_stall = elevator_deflection(tail, neutral, level, stall, stall_lift - lift)
     sideslip = float(rudder / yaw)
@@ -165,7 +158,7 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
         neutral_point=neutral,
         gravity_m=gravity_m,
         level=level,
-        drag_coefficient=drag_coefficient(lift, design.reynolds_number),
+        drag_coefficient=drag_at(lift, design.reynolds_number),
         elevator_deg=degrees(elevator),
         elevator_at_stall_deg=degrees(elevator_at_stall),
         elevator_limit_deg=tail.elevator_deflection_deg,

@@ -7,16 +7,14 @@ A Conceptual Approach, eq. 12.24). Arithmetic alone, for floats, arrays and symb
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from math import asin, pi
 from typing import ClassVar, NamedTuple
 
 from pydantic import model_validator
 
-from sizing.aerodynamics.parabolic import DragPolar
-from sizing.aerodynamics.wing_polar import WingPolar, plane_form_factor
-from sizing.balance.surfaces import Tail, Wing, neutral_point, trim
+from sizing.aerodynamics.wing_polar import plane_form_factor
+from sizing.balance.surfaces import Tail, Wing
 from sizing.roots import bisect
 from sizing.smooth import Value
 from sizing.structures.rib_wing import RibWingStructure
@@ -130,6 +128,33 @@ class DragComponents(Record):
         is_given = any(pod.wetted_area_m2 is not None for pod in self.pods)
         return sum(pod.wetted_m2 for pod in self.pods) if is_given else None
 
+    def coefficients(
+        self, wing: Wing, tail: Tail, structure: RibWingStructure, reynolds: Value
+    ) -> dict[str, Value]:
+        """Return the drag coefficients of tail planes, booms and pods on the wing area [-]."""
+        planes, per_m, area_m2 = tail.planes(wing), reynolds / wing.mean_chord_m, wing.area_m2
+        wetted = 1.977 + 0.52 * tail.thickness_ratio  # over the plane's area: Raymer, eq. 7.11
+        plane = plane_form_factor(tail.thickness_ratio) * wetted
+        plane = plane * self.tail_interference / area_m2
+        sizes = {
+            "horizontal_tail": (planes.horizontal_m2, planes.horizontal_chord_m),
+            "vertical_tail": (planes.vertical_m2, planes.fin_chord_m),
+        }
+        parts = {
+            name: plane * m2 * skin_friction(per_m * chord_m, self.tail_laminar_fraction)
+            for name, (m2, chord_m) in sizes.items()
+        }
+        thick_m = structure.boom_diameter_chords * wing.mean_chord_m
+        booms = structure.booms * pi * thick_m * planes.boom_m / area_m2
+        booms = booms * self.boom_interference * _body_form(planes.boom_m / thick_m)
+        booms = booms * skin_friction(per_m * planes.boom_m, self.boom_laminar_fraction)
+        pods: Value = 0.0
+        for pod in self.pods:
+            factor = _body_form(pod.length_m / pod.thick_m) * pod.interference
+            friction = skin_friction(per_m * pod.length_m, pod.laminar_fraction)
+            pods = pods + friction * factor * pod.wetted_m2 / area_m2
+        return parts | {"booms": booms, "pods": pods}
+
 
 class DragShares(NamedTuple):
     """Drag coefficients of the parts on the wing area; their sum is the aircraft's [-].
@@ -139,13 +164,13 @@ class DragShares(NamedTuple):
 
     wing_profile: Value
     wing_induced: Value
-    horizontal_tail: Value
-    vertical_tail: Value
-    booms: Value
-    pods: Value
-    gaps: Value
-    other: Value
-    trim: Value
+    horizontal_tail: Value = 0.0
+    vertical_tail: Value = 0.0
+    booms: Value = 0.0
+    pods: Value = 0.0
+    gaps: Value = 0.0
+    other: Value = 0.0
+    trim: Value = 0.0
 
     @property
     def total(self) -> Value:
@@ -156,80 +181,3 @@ class DragShares(NamedTuple):
     def parasitic(self) -> Value:
         """Drag of all parts but wing and trim [-]."""
         return sum(self[3:-1], self[2])
-
-
-@dataclass(frozen=True)
-class BuiltUpPolar:
-    """Polar of an aircraft of given size, with the drag of its components and of trim.
-
-    ``base``: polar of the file at the lift coefficient of level flight. ``structure``: has the
-    booms, tubes between wing and tail. ``static_margin``: over the
-    mean aerodynamic chord, None without trim drag [-]. ``moment``: pitching moment coefficient of
-    the wing about its aerodynamic centre [-].
-    """
-
-    base: DragPolar | WingPolar
-    wing: Wing
-    tail: Tail
-    structure: RibWingStructure
-    components: DragComponents | None = None
-    static_margin: float | None = None
-    moment: float = 0.0
-
-    @property
-    def flight_lift_coefficient(self) -> Value:
-        """Lift coefficient of level flight [-]."""
-        return self.base.flight_lift_coefficient
-
-    @property
-    def maximum_lift_coefficient(self) -> Value:
-        """Lift coefficient at the stall [-]."""
-        return self.base.maximum_lift_coefficient
-
-    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Return the drag coefficient of the aircraft in level flight, with its own wing [-]."""
-        return self.shares(reynolds).total
-
-    def shares(self, reynolds: Value) -> DragShares:
-        """Return the drag of the parts."""
-        it, tail, wing, area_m2 = self.components, self.tail, self.wing, self.wing.area_m2
-        profile, induced, other = self.base.parts(wing.aspect_ratio, reynolds)
-        planes = tail.planes(wing)
-        horizontal = vertical = booms = pods = gaps = trim_drag = 0.0
-        if it is not None:
-            per_m = reynolds / wing.mean_chord_m
-            wetted = 1.977 + 0.52 * tail.thickness_ratio  # over the plane's area: Raymer, eq. 7.11
-            plane = plane_form_factor(tail.thickness_ratio) * wetted
-            plane = plane * it.tail_interference / area_m2
-            sizes = (
-                (planes.horizontal_m2, planes.horizontal_chord_m),
-                (planes.vertical_m2, planes.fin_chord_m),
-            )
-            horizontal, vertical = (
-                plane * m2 * skin_friction(per_m * chord_m, it.tail_laminar_fraction)
-                for m2, chord_m in sizes
-            )
-            thick_m = self.structure.boom_diameter_chords * wing.mean_chord_m
-            booms = self.structure.booms * pi * thick_m * planes.boom_m / area_m2
-            booms = booms * it.boom_interference * _body_form(planes.boom_m / thick_m)
-            booms = booms * skin_friction(per_m * planes.boom_m, it.boom_laminar_fraction)
-            for pod in it.pods:
-                factor = _body_form(pod.length_m / pod.thick_m) * pod.interference
-                friction = skin_friction(per_m * pod.length_m, pod.laminar_fraction)
-                pods = pods + friction * factor * pod.wetted_m2 / area_m2
-            gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)
-        if self.static_margin is not None:
-            body_m3 = 0.0 if it is None else it.volume_m3
-            neutral_m = neutral_point(wing, tail, planes, body_m3).x_m
-            trim_drag = trim(
-                wing,
-                tail,
-                planes,
-                lift=self.flight_lift_coefficient,
-                moment=self.moment,
-                gravity_x_m=neutral_m - self.static_margin * wing.aerodynamic_chord_m,
-                span_efficiency=self.base.span_efficiency,
-            ).drag
-        return DragShares(
-            profile, induced, horizontal, vertical, booms, pods, gaps, other, trim_drag
-        )

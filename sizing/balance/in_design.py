@@ -10,12 +10,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from sizing.aerodynamics.parabolic import DragPolar, Polar
-from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aerodynamics.wing_polar import Polar, WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.balance.drag import BuiltUpPolar
+from sizing.balance.drag import DragShares
 from sizing.balance.masses import SPAR, TAIL_MASS, WING_PARTS, Item, centre_of_gravity
-from sizing.balance.surfaces import neutral_point, wing_of
+from sizing.balance.surfaces import neutral_point, trim, wing_of
 from sizing.design import DesignVariables, FlightConditions
 from sizing.parameters import all_replaced, replaced
 from sizing.roots import bracketed_root
@@ -42,29 +42,58 @@ def structure_with_tail(
     return cast(StructureModel, changed)
 
 
-def polar_with_tail(
-    airframe: ParametricAirframe, polar: Polar, wingspan_m: Value, aspect_ratio: Value
-) -> Polar:
-    """Return the file's polar with the drag of tail, booms and pods, and of trim, if required.
+def drag_by_parts(
+    airframe: ParametricAirframe,
+    polar: Polar,
+    wingspan_m: Value,
+    aspect_ratio: Value,
+    reynolds: Value,
+) -> DragShares | None:
+    """Return the drag of wing, tail, booms and pods, and of trim, if required.
 
-    ``polar`` is that of the file at the lift coefficient of level flight.
+    ``polar`` is that of the file at the lift coefficient of level flight, ``reynolds`` that of the
+    mean chord. None where the file's polar has all of the drag.
     """
-    balance, tail, structure = airframe.balance, airframe.tail, airframe.structure
-    margin = None if balance is None else balance.static_margin
-    if tail is None or (airframe.drag is None and margin is None):
-        return polar
-    assert isinstance(polar, DragPolar | WingPolar)  # others are refused at validation
-    assert isinstance(structure, RibWingStructure)
-    wing = wing_of(airframe.planform, wingspan_m, aspect_ratio)
-    return BuiltUpPolar(
-        base=polar,
-        wing=wing,
-        tail=tail,
-        structure=structure,
-        components=airframe.drag,
-        static_margin=margin,
-        moment=0.0 if balance is None else balance.pitching_moment_coefficient,
+    it, tail, structure, balance = (
+        getattr(airframe, key) for key in ("drag", "tail", "structure", "balance")
     )
+    margin = None if balance is None else balance.static_margin
+    if tail is None or (it is None and margin is None):
+        return None
+    assert isinstance(polar, DragPolar | WingPolar)  # others are refused at validation
+    wing = wing_of(airframe.planform, wingspan_m, aspect_ratio)
+    profile, induced, other = polar.parts(aspect_ratio, reynolds)
+    shares = DragShares(profile, induced, other=other)
+    if it is not None:
+        parts = it.coefficients(wing, tail, structure, reynolds)
+        gaps = it.gaps_fraction * sum(parts.values(), profile)
+        shares = shares._replace(**parts, gaps=gaps)
+    if margin is not None:
+        planes = tail.planes(wing)
+        neutral_m = neutral_point(wing, tail, planes, body_volume_m3(airframe)).x_m
+        trimmed = trim(
+            wing,
+            tail,
+            planes,
+            lift=polar.flight_lift_coefficient,
+            moment=balance.pitching_moment_coefficient,
+            gravity_x_m=neutral_m - margin * wing.aerodynamic_chord_m,
+            span_efficiency=polar.span_efficiency,
+        )
+        shares = shares._replace(trim=trimmed.drag)
+    return shares
+
+
+def drag_coefficient(
+    airframe: ParametricAirframe,
+    polar: Polar,
+    wingspan_m: Value,
+    aspect_ratio: Value,
+    reynolds: Value,
+) -> Value:
+    """Return the drag coefficient of the aircraft in level flight; see :func:`drag_by_parts`."""
+    shares = drag_by_parts(airframe, polar, wingspan_m, aspect_ratio, reynolds)
+    return polar.drag_coefficient(aspect_ratio, reynolds) if shares is None else shares.total
 
 
 def polar_with_wires(

@@ -20,8 +20,7 @@ import numpy as np
 from sizing.aerodynamics.parabolic import UserDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.balance.drag import BuiltUpPolar
-from sizing.balance.in_design import polar_with_tail
+from sizing.balance.in_design import drag_by_parts
 from sizing.balance.surfaces import QUARTER, wing_of
 from solar.schema import spell
 from studies.report.geometry import Drawing
@@ -98,9 +97,10 @@ def _drag(aircraft: Aircraft) -> tuple[ProfileDrag | None, float]:
         drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
         profile = ((-highest, 0.0, highest), (drag, drag, drag))
     if airframe.drag is not None:
-        built = polar_with_tail(airframe, polar, airframe.wingspan_m, airframe.aspect_ratio)
-        assert isinstance(built, BuiltUpPolar)
-        other = built.shares(reynolds).parasitic
+        size = airframe.wingspan_m, airframe.aspect_ratio
+        shares = drag_by_parts(airframe, polar, *size, reynolds)
+        assert shares is not None
+        other = shares.parasitic
     return profile, float(other)
 
 
