@@ -17,7 +17,7 @@ from missions.mission import Mission
 from sizing.aerodynamics.wing_polar import Polar
 from sizing.aircraft import Aircraft
 from sizing.design_space import PROPULSION_VARIABLES
-from sizing.parameters import catalogue, replaced
+from sizing.parameters import all_replaced, catalogue
 from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
@@ -309,4 +309,4 @@ def polar_at(aerodynamics: Polar, lift_coefficient: Value | None) -> Polar:
     """
     if lift_coefficient is None:
         return aerodynamics
-    return replaced(aerodynamics, ["lift_coefficient"], lift_coefficient)
+    return all_replaced(aerodynamics, {"lift_coefficient": lift_coefficient})

@@ -7,7 +7,7 @@ A parameter is a number named by its key in the aircraft's file; keys of the mis
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -126,24 +126,18 @@ def value_at(node: Any, key: str) -> Any:
 
 
 def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[M, Mission]:
-    """Return aircraft and mission with a parameter replaced, unchecked; see :func:`replaced`."""
-    parts = key.removeprefix(MISSION_PREFIX).split(".")
+    """Return aircraft and mission with a parameter replaced; see :func:`all_replaced`."""
     if key.startswith(MISSION_PREFIX):
-        return owner, replaced(mission, parts, value)
-    return replaced(owner, parts, value), mission
-
-
-def replaced(node: M, parts: Sequence[str], value: Value) -> M:
-    """Return a copy of a record with a value replaced, without validation.
-
-    The copy does not share cached properties with the original. ``parts`` is the path of fields to
-    the value, which may be a number, an array or a symbol.
-    """
-    return all_replaced(node, {".".join(parts): value})
+        return owner, all_replaced(mission, {key.removeprefix(MISSION_PREFIX): value})
+    return all_replaced(owner, {key: value}), mission
 
 
 def all_replaced(node: M, values: Mapping[str, Value]) -> M:
-    """Return a copy with values replaced by their keys with dots; see :func:`replaced`."""
+    """Return a copy of a record with values replaced by their keys with dots, not validated.
+
+    The copy does not share cached properties with the original. Values may be numbers, arrays or
+    symbols.
+    """
     inner: dict[str, dict[str, Value]] = {}
     names = getattr(type(node), "model_fields", None)  # None for a mapping of records
     fields = dict(node) if names is None else {name: getattr(node, name) for name in names}

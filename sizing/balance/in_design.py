@@ -17,7 +17,7 @@ from sizing.balance.drag import DragShares
 from sizing.balance.masses import SPAR, TAIL_MASS, WING_PARTS, Item, centre_of_gravity
 from sizing.balance.surfaces import neutral_point, trim, wing_of
 from sizing.design import DesignVariables, FlightConditions
-from sizing.parameters import all_replaced, replaced
+from sizing.parameters import all_replaced
 from sizing.roots import bracketed_root
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
@@ -112,7 +112,8 @@ def polar_with_wires(
     inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s, 0.0)
     wing = structure.wing(inputs)
     added = structure.wires(wing).drag_area_m2 / wing.wing_area_m2
-    return replaced(polar, ["parasitic_drag_coefficient"], polar.parasitic_drag_coefficient + added)
+    parasitic = polar.parasitic_drag_coefficient + added
+    return all_replaced(polar, {"parasitic_drag_coefficient": parasitic})
 
 
 def structure_inputs(

@@ -23,7 +23,7 @@ from sizing.design import Design, Masses, variables_of
 from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, Requirement, design_requirements
 from sizing.mass_budget import closed_design, parametric_design
-from sizing.parameters import replaced
+from sizing.parameters import all_replaced
 from sizing.performance import Performance
 from sizing.program.variables import TOTAL_OVER_BATTERY_MASS, USER_OBJECTIVE
 from sizing.smooth import Value
@@ -154,7 +154,7 @@ def with_own_terms(
     fields: dict[str, Any] = {name: getattr(space, name) for name in DesignSpace.model_fields}
     fields |= {"own_objective": user_objective, "own_constraints": rows}
     changed = _OwnDesignSpace.model_construct(set(space.model_fields_set), **fields)
-    return replaced(aircraft, ["design_space"], changed), user_objective
+    return all_replaced(aircraft, {"design_space": changed}), user_objective
 
 
 def _objective(function: OwnFunction, start: Design) -> OwnObjective:

@@ -25,7 +25,7 @@ from sizing.catalogues.choice import (
     catalogue_values,
     entry_of_key,
 )
-from sizing.parameters import all_replaced, replaced
+from sizing.parameters import all_replaced
 from sizing.propulsion import part_masses
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.propulsion.operating_point import (
@@ -244,7 +244,7 @@ class OperatingPointPropulsion(Record):
             sizes["propeller.mass_kg"] = self.propeller.mass_kg * grown
         if speed_constant_rpm_per_v is not None:
             wound = self.motor_constants.rewound(speed_constant_rpm_per_v)
-            sizes["motor"] = replaced(wound, ["mass_kg"], self.motor_mass_kg)
+            sizes["motor"] = all_replaced(wound, {"mass_kg": self.motor_mass_kg})
         chosen: dict[str, Any] = {k: value for k, value in sizes.items() if value is not None}
         if diameter_m is not None or pitch_m is not None:
             chosen["propeller.product"] = None  # the product has another size
