@@ -182,8 +182,8 @@ def gust_table() -> Table:
             full = falling.model_copy(update={"gusts_fall_with_altitude": False})
             full_kg, falling_kg = float(full.mass_kg(wing)), float(falling.mass_kg(wing))
             row += [
-                float(full.wing(wing).factors.up),
-                float(falling.wing(wing).factors.up),
+                float(full.wing(wing).factor_up),
+                float(falling.wing(wing).factor_up),
                 100.0 * (full_kg / falling_kg - 1.0),
             ]
         rows.append(tuple(row))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,8 +20,7 @@ from sizing.structures.loads import (
     StructureInputs,
     gust_load_increment,
 )
-from sizing.structures.rib_wing import RibWingStructure, Wing
-from sizing.structures.stiffening import WingTorsion
+from sizing.structures.rib_wing import RibWingStructure
 from solar.types import FloatArray
 
 
@@ -86,8 +84,8 @@ def flight_envelope(
         negative_manoeuvre_load_factor=model.negative_load_ratio * pull_up,
         cruise_gust_increment=increments[0],
         dive_gust_increment=increments[1],
-        limit_load_factor=float(wing.factors.up),
-        negative_limit_load_factor=float(wing.factors.down),
+        limit_load_factor=float(wing.factor_up),
+        negative_limit_load_factor=float(wing.factor_down),
     )
 
 
@@ -182,7 +180,7 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     station, integral = model.along_the_span(wing.wingspan_m)
     forces = model.cap_forces(wing, station)
     needs = model.cap_needs_m2(wing, forces)
-    up, down = (float(factor) for factor in wing.factors)
+    up, down = float(wing.factor_up), float(wing.factor_down)
     pull_up = float(model.pull_up(wing.total_mass_kg))
     gust_up, gust_down = up > 1.01 * pull_up, down > 1.01 * model.negative_load_ratio * pull_up
     cases = {
@@ -195,10 +193,10 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     if torsion is not None:
         needed = {k: float(v) for k, v in model.torsional_needs_nm2(wing).items()}
         largest_need = max(needed, key=lambda name: needed[name])
-        if _at_gauge_nm2(model, torsion, wing) < needed[largest_need]:
+        if model.torsional_stiffness_nm2(wing, wing.sheet_m) < needed[largest_need]:
             nose = largest_need
-        stiff = wing._replace(sheet_m=wing.sheet_m + model.stiffening_sheet_m(wing))
-        stiffness = _at_gauge_nm2(model, torsion, stiff)
+        sheet_m = wing.sheet_m + model.stiffening_sheet_m(wing)
+        stiffness = float(model.torsional_stiffness_nm2(wing, sheet_m))
         diverging = needed["divergence"] / torsion.speed_margin**2
         twist = torsion.maximum_twist_deg * needed["twist_at_limit_load"] / stiffness
         twisted = Torsion(
@@ -210,8 +208,16 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         )
     level = GRAVITY_M_PER_S2 * model.net_moment(wing, station, station.wire)
     landing = GRAVITY_M_PER_S2 * wing.relief_kg * station.landed_moment
-    bent_1g, turned_1g = _tip_bending(model, wing, station, integral, load=level, needs=needs)
-    bent_landing, _ = _tip_bending(model, wing, station, integral, load=landing, needs=needs)
+    # Tip deflection over the half-span and slope of the tip, by beam theory.
+    upper_m2, lower_m2 = (largest(each) for each in needs)
+    half_span = wing.wingspan_m / 2.0
+    section = upper_m2 * lower_m2 / (upper_m2 + lower_m2)
+    compliance = half_span / 2.0 / (model.modulus_pa * wing.depth_m**2 * section)
+    bent_1g, bent_landing = (
+        float(integral(load * compliance * (1.0 - station.fraction)) * half_span)
+        for load in (level, landing)
+    )
+    turned_1g = degrees(float(integral(level * compliance) * half_span))
     return StructureAssessment(
         limit_load_factor=up,
         load_case="gust" if gust_up else "manoeuvre",
@@ -265,30 +271,3 @@ def _case(
         for case, part in zip(case_at, size * station.weight, strict=True):
             sized[names[case]] += float(part)
     return max(sized, key=lambda name: sized[name])
-
-
-def _tip_bending(
-    model: RibWingStructure,
-    wing: Wing,
-    station: Station,
-    integral: Any,
-    *,
-    load: Value,
-    needs: tuple[dict[str, Value], ...],
-) -> tuple[float, float]:
-    """Return tip deflection over the half-span [-] and slope of the tip [deg], by beam theory.
-
-    ``load`` is the moment of both wings over the half-span at 1 g [N].
-    """
-    upper_m2, lower_m2 = (largest(each) for each in needs)
-    half_span = wing.wingspan_m / 2.0
-    section = upper_m2 * lower_m2 / (upper_m2 + lower_m2)
-    curvature = load / 2.0 * half_span / (model.modulus_pa * wing.depth_m**2 * section)
-    deflection = integral(curvature * (1.0 - station.fraction)) * half_span
-    return float(deflection), degrees(float(integral(curvature) * half_span))
-
-
-def _at_gauge_nm2(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> float:
-    """Return the torsional stiffness with the nose's sheet at its gauge [N m2]."""
-    wall = torsion.sheet_shear_modulus_pa * wing.sheet_m
-    return float(wall * model.nose_m3(wing.chord_m) + model.box_torsional_stiffness_nm2(wing))

@@ -72,17 +72,12 @@ class StructureParts(NamedTuple):
         return sum(self[1:], self[0])
 
 
-class LoadFactors(NamedTuple):
-    """Limit load factors, both positive: pull-up or up-gust, push-over or down-gust [-]."""
-
-    up: Value
-    down: Value
-
-
 class Wing(NamedTuple):
     """Geometry, masses and load factors of the wing, for the sizing of its parts.
 
-    ``sheet_m`` is the minimum gauge. Covering, ribs (or core) and edges are the shell.
+    ``factor_up``, ``factor_down``: limit load factors of pull-up or up-gust, and of push-over or
+    down-gust, both positive [-]. ``sheet_m`` is the minimum gauge. Covering, ribs (or core) and
+    edges are the shell.
     """
 
     wingspan_m: Value
@@ -93,7 +88,8 @@ class Wing(NamedTuple):
     total_mass_kg: Value
     relief_kg: Value
     pod_battery_kg: Value
-    factors: LoadFactors
+    factor_up: Value
+    factor_down: Value
     sheet_m: Value
     covering_kg: Value = 0.0
     ribs_kg: Value = 0.0
@@ -226,9 +222,7 @@ class RibWingStructure(BuiltStructure):
         wing = self.wing(inputs)
         area_m2, chord_m = wing.wing_area_m2, wing.chord_m
         # Caps and webs, integrated over both half-spans.
-        station, integral = self.along_the_span(
-            wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
-        )
+        station, integral = self.along_the_span(*wing)
         forces, shear_n = self.cap_forces(wing, station), self.shear_n(wing, station)
         upper_m2, lower_m2 = (largest(needs) for needs in self.cap_needs_m2(wing, forces))
         caps = self.cap_density_kg_per_m3 * wing.wingspan_m * integral(upper_m2 + lower_m2)
@@ -264,6 +258,7 @@ class RibWingStructure(BuiltStructure):
         sheet_m = smooth_maximum(
             self.minimum_sheet_thickness_m, self.sheet_thickness_ratio * chord_m
         )
+        factor_up, factor_down = self.load_factors(inputs, equivalent_airspeed)
         outside_kg: Value = 0.0
         if self.spar_battery_density_kg_per_m3 is not None:
             section = self.cap_width_fraction * self.spar_depth_fraction * self.thickness_ratio
@@ -279,7 +274,8 @@ class RibWingStructure(BuiltStructure):
             total_mass_kg=inputs.total_mass_kg,
             relief_kg=inputs.span_load_kg - outside_kg,
             pod_battery_kg=inputs.pod_battery_kg + outside_kg,
-            factors=self.load_factors(inputs, equivalent_airspeed),
+            factor_up=factor_up,
+            factor_down=factor_down,
             sheet_m=sheet_m,
         )
         nose_m = sheet_m
@@ -315,7 +311,7 @@ class RibWingStructure(BuiltStructure):
             half_span_m=wing.wingspan_m / 2.0,
             lift_slope=lift_curve_slope(wing.wingspan_m / wing.chord_m),
             dive_pressure_pa=0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * dive * dive,
-            limit_loading_pa=wing.factors.up * loading,
+            limit_loading_pa=wing.factor_up * loading,
         )
 
     def nose_m3(self, chord_m: Value) -> Value:
@@ -336,16 +332,23 @@ class RibWingStructure(BuiltStructure):
         flexibility = 2.0 * (wing.depth_m / web_n_per_m + width_m / cap_n_per_m)
         return closed_cell_nm2(width_m * wing.depth_m, flexibility)
 
+    def torsional_stiffness_nm2(self, wing: Wing, sheet_m: Value) -> Value:
+        """Return the torsional stiffness GJ of the nose, by its sheet, and of the box [N m2]."""
+        assert self.torsion is not None
+        nose = self.nose_m3(wing.chord_m) * self.torsion.sheet_shear_modulus_pa * sheet_m
+        return nose + self.box_torsional_stiffness_nm2(wing)
+
     def stiffening_sheet_m(self, wing: Wing) -> Value:
         """Return the additional sheet of the nose for the required torsional stiffness [m]."""
         assert self.torsion is not None
-        needed, nose_m3 = largest(self.torsional_needs_nm2(wing)), self.nose_m3(wing.chord_m)
-        modulus_pa = self.torsion.sheet_shear_modulus_pa
-        missing = needed - self.box_torsional_stiffness_nm2(wing)
-        missing = missing - nose_m3 * modulus_pa * wing.sheet_m
-        return (missing + smooth_absolute(missing, needed)) / 2.0 / nose_m3 / modulus_pa
+        needed = largest(self.torsional_needs_nm2(wing))
+        missing = needed - self.torsional_stiffness_nm2(wing, wing.sheet_m)
+        missing = (missing + smooth_absolute(missing, needed)) / 2.0
+        return missing / self.nose_m3(wing.chord_m) / self.torsion.sheet_shear_modulus_pa
 
-    def load_factors(self, inputs: StructureInputs, equivalent_airspeed: Value) -> LoadFactors:
+    def load_factors(
+        self, inputs: StructureInputs, equivalent_airspeed: Value
+    ) -> tuple[Value, Value]:
         """Return limit load factors: the larger of manoeuvre and gust, upwards and downwards [-].
 
         ``max(n, 1 + dn)`` up and ``max(r n, dn - 1)`` down as smooth maxima, with the manoeuvre
@@ -356,9 +359,9 @@ class RibWingStructure(BuiltStructure):
         gust_fraction = inputs.gust_fraction if self.gusts_fall_with_altitude else 1.0
         increment = gust_load_increment(gust_fraction * gust * equivalent_airspeed, inputs)
         pull_up = self.pull_up(inputs.total_mass_kg)
-        return LoadFactors(
-            up=smooth_maximum(pull_up, 1.0 + increment),
-            down=smooth_maximum(1.0 + self.negative_load_ratio * pull_up, increment) - 1.0,
+        return (
+            smooth_maximum(pull_up, 1.0 + increment),
+            smooth_maximum(1.0 + self.negative_load_ratio * pull_up, increment) - 1.0,
         )
 
     def pull_up(self, total_mass_kg: Value) -> Value:
@@ -398,7 +401,7 @@ class RibWingStructure(BuiltStructure):
         Where mass outweighs lift, an up-load bends the wing downwards. Wires from below relieve it
         of moments upwards, wires from above of moments downwards and in landing.
         """
-        up, down = wing.factors
+        up, down = wing.factor_up, wing.factor_down
         level = GRAVITY_M_PER_S2 / 2.0 * (wing.wingspan_m / 2.0) / wing.depth_m
         wires = self.bracing
         below = self._bending(wing, station, station.wire)
@@ -442,7 +445,7 @@ class RibWingStructure(BuiltStructure):
         if self.bracing is None:
             return Wires(0.0, 0.0)
         root_nm = self.safety_factor * self._root_moment_nm(wing)
-        up, down = (factor * root_nm for factor in wing.factors)
+        up, down = (factor * root_nm for factor in (wing.factor_up, wing.factor_down))
         return self.bracing.wires(up, down, wing.wingspan_m / 2.0)
 
     def shear_n(self, wing: Wing, station: Station) -> Value:
@@ -456,7 +459,7 @@ class RibWingStructure(BuiltStructure):
         landed = carried
         if self.landing_gear_span_fraction:
             landed = wing.relief_kg * smooth_absolute(station.landed_shear, station.mass_shear)
-        flight = wing.factors.up * smooth_absolute(lifted - carried, lifted)
+        flight = wing.factor_up * smooth_absolute(lifted - carried, lifted)
         return half_n * smooth_maximum(flight, self.landing_load_factor * landed)
 
     def cap_needs_m2(

@@ -121,7 +121,7 @@ def test_wires_press_the_spar_inboard_of_their_ends_alone():
     along_n = root_nm / (0.4 * 12.5) * (1.0 / tan(radians(15.0)) - 1.0)
     of_a_cap = np.where(place.fraction < 0.4, along_n / 2.0, 0.0)
     # The smooth absolute of the moment is above it by (0.02 of the lift's)^2.
-    expected = 1.5 * wing.factors.up * of_a_cap
+    expected = 1.5 * wing.factor_up * of_a_cap
     assert pressed[0] - pressed[1] == pytest.approx(expected, rel=5e-3, abs=1e-6)
 
 
@@ -150,8 +150,8 @@ def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints():
 
 def test_the_load_factor_of_manoeuvres_of_the_file_counts():
     model = rib_wing(manoeuvre_load_factor=3.1, **CALM)
-    assert model.wing(INPUTS).factors.up == pytest.approx(3.1, rel=0.01)
-    assert model.wing(INPUTS).factors.down == pytest.approx(0.4 * 3.1, rel=0.01)
+    assert model.wing(INPUTS).factor_up == pytest.approx(3.1, rel=0.01)
+    assert model.wing(INPUTS).factor_down == pytest.approx(0.4 * 3.1, rel=0.01)
     assessment = assess(model, INPUTS)
     assert (assessment.load_case, assessment.negative_load_case) == ("manoeuvre", "manoeuvre")
 
