@@ -19,6 +19,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.module_power import (
     FASTER,
+    SLOWER,
     Cooling,
     balances_heat,
     convection_in_flight,
@@ -262,23 +263,17 @@ class Sunlight:
         return powers[0][np.newaxis] if len(powers) == 1 else np.stack(powers)
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
-        """Return the change of the power with the flow; of VM and FM in the proportions of CAM."""
+        """Return the change of the power with the flow; None where it is that of one flow."""
         convection = self._convection
         if convection is None or self._design is not None:
             return None
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
-        if model not in self._cooling and model in ATTITUDE_MODELS:
-            known = self._power_of(model)
-            faster = self._at_levels(model, FASTER * convection)
-            like = self._cooling_of("CAM")
-            assert like is not None
-            self._cooling[model] = like.scaled_to(faster / np.where(known > 0.0, known, np.inf))
-        elif model not in self._cooling:
-            powers = self._at_levels(model, None), self._power_of(model)
-            air_c = np.array([float(m.air_state().temperature_c) for m in self._levels])
-            cooling = Cooling.of(*powers, self.aircraft.modules, air_c, convection)
-            self._cooling[model] = cooling
+        if model not in self._cooling:
+            others = (self._at_levels(model, flow * convection) for flow in (SLOWER, FASTER))
+            transition = self.aircraft.modules.thermal.transition_reynolds
+            powers = (self._power_of(model), *others)
+            self._cooling[model] = Cooling.of(*powers, convection, transition)
         return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:

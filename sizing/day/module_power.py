@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -18,27 +19,26 @@ from sizing.mass_budget import airspeed_in_flight
 from solar.clearsky import pressure_ratio
 from solar.heat_balance import (
     EARTH_ALBEDO,
-    STEFAN_BOLTZMANN,
-    ZERO_CELSIUS_K,
     Surroundings,
 )
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
-from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.types import FloatArray
 
-# Flow over that of the known power, for models without a single temperature of the modules.
-FASTER = 2.0
+# Flow over that of the known power, and its inverse, at which power is computed as well.
+FASTER = math.sqrt(2.0)
+SLOWER = 1.0 / FASTER
+_LEAST_GAIN = 1e-6  # of the power, by a faster flow; less is rounding
 
 
 class Cooling(NamedTuple):
     """Change of the power of modules with the flow that cools them.
 
-    The power that warmth takes, relative to the known power, is ``d`` with ``d (h + g + s d) = q``
-    in a convection ``h``: radiation carries away ``g + s d`` for each part of it, as the fourth
-    power of the temperature does nearly. ``convection``: that of the known power, of every level
-    [W/(m2 K)]. ``terms``: ``d`` there, ``q``, ``g`` and ``s``, each of the shape of the power.
-    ``transition_reynolds``: of the modules' flow.
+    In a convection ``h`` the power is ``a - b / (h + g)`` of the known one: as much heat as modules
+    are warmer than the air is carried away by it, and by radiation.
+
+    ``convection``: that of the known power, of every level [W/(m2 K)]. ``terms``: ``a``, ``b`` and
+    ``g``, each of the shape of the power. ``transition_reynolds``: of the modules' flow.
     """
 
     convection: FloatArray
@@ -48,33 +48,26 @@ class Cooling(NamedTuple):
     @classmethod
     def of(
         cls,
-        cold: FloatArray,
         power: FloatArray,
-        cell: SolarCell,
-        air_c: FloatArray,
+        slower: FloatArray,
+        faster: FloatArray,
         convection: FloatArray,
+        transition_reynolds: float,
     ) -> Cooling:
-        """Return the cooling from the power of modules as cold as the air, and of those in a flow.
+        """Return the cooling from the power in a flow, ``SLOWER`` and ``FASTER``, exact in these.
 
-        Both tell the temperature; around it radiation is a parabola. ``cold``, ``power``: of shape
-        ``(level, scenario, time)``; ``air_c``, ``convection``: of every level.
+        Powers are of shape ``(level, scenario, time)``, ``convection`` of every level.
         """
-        ambient_c, flow = (values.reshape(-1, 1, 1) for values in (air_c, convection))
-        per_k, heat = cell.temperature_coefficient_per_k, cell.thermal
-        known = np.where(power > 0.0, power, np.inf)
-        lost = (cold - power) / known
-        # Component efficiency of the temperature.
-        left = cell.temperature_efficiency(ambient_c) / (1.0 + lost)
-        per_lost = left / per_k if per_k else np.zeros_like(lost)  # [K]
-        kelvin = ambient_c + ZERO_CELSIUS_K + lost * per_lost
-        faces = 1.0 + heat.underside_share
-        radiating = heat.emissivity * STEFAN_BOLTZMANN * kelvin**2
-        growth = 6.0 * radiating * per_lost
-        electric = power / (left * cell.mppt_efficiency)
-        radiation = 4.0 * radiating * kelvin - 2.0 * growth * lost - per_k * electric / faces
-        brought = lost * (flow + radiation + growth * lost)
-        terms = (lost, brought, radiation, growth)
-        return cls(convection, terms, heat.transition_reynolds)
+        flow, known = convection.reshape(-1, 1, 1), np.where(power > 0.0, power, np.inf)
+        gain, loss = (faster - power) / known, (power - slower) / known
+        changes = np.abs(gain) > _LEAST_GAIN
+        # Of (h - h0) / (h + g), which tells g: from 1 over FASTER, all by radiation, to FASTER.
+        ratio = np.clip(loss / np.where(changes, gain, np.inf), 1.01 * SLOWER, FASTER)
+        radiation = flow * (1.0 - SLOWER * ratio) / (ratio - SLOWER)
+        most = gain * (FASTER * flow + radiation) / ((FASTER - 1.0) * flow)
+        most = np.where(changes, most, 0.0)
+        terms = (1.0 + most, most * (flow + radiation), radiation)
+        return cls(convection, terms, transition_reynolds)
 
     @classmethod
     def joined(cls, days: Sequence[Cooling]) -> Cooling:
@@ -86,25 +79,10 @@ class Cooling(NamedTuple):
         """Return the same flow with a function of all arrays of the shape of the power."""
         return self._replace(terms=tuple(map(function, self.terms)))
 
-    def scaled_to(self, faster: FloatArray) -> Cooling:
-        """Return the cooling of another light, from the factor on its power in ``FASTER`` flow."""
-        known = self.factor(FASTER * self.convection.reshape(-1, 1, 1)) - 1.0
-        ratio = np.where(known > _LEAST_LOST, (faster - 1.0) / np.maximum(known, _LEAST_LOST), 1.0)
-        ratio = np.maximum(ratio, _LEAST_LOST)
-        lost, heat, radiation, growth = self.terms
-        return self._replace(terms=(ratio * lost, ratio * heat, radiation, growth / ratio))
-
     def factor(self, convection: ArrayLike) -> FloatArray:
         """Return the factor on the known power in another flow [W/(m2 K)]."""
-        at_known, heat, radiation, growth = self.terms
-        linear = np.asarray(convection, float) + radiation
-        # The root of the quadratic that stays finite without growth.
-        root = np.sqrt(np.maximum(linear**2 + 4.0 * growth * heat, 0.0))
-        return np.asarray(1.0 + at_known - 2.0 * heat / (linear + root))
-
-
-# Part of the power below which the warmth of a module is rounding.
-_LEAST_LOST = 1e-6
+        most, lost, radiation = self.terms
+        return np.asarray(most - lost / (np.asarray(convection, float) + radiation))
 
 
 def balances_heat(mission: Mission) -> bool:

@@ -72,9 +72,7 @@ def test_a_design_of_another_flow_has_its_own_temperature(model, span_m, where):
     airframe = STRATOSPHERE.airframe.model_copy(update={"wingspan_m": span_m})
     own = performance(STRATOSPHERE.model_copy(update={"airframe": airframe}), where, solar)
     found, exact = (float(one.cycle.energy_budget.solar_wh[0]) for one in (batch, own))
-    # Of VM and FM one other flow is known besides the own. With the warmth of CAM, whose horizontal
-    # modules see less of a low sun, their energy was off by 0.18 % there.
-    assert found == pytest.approx(exact, rel=2e-4 if model in ("VM", "FM") else 5e-5)
+    assert found == pytest.approx(exact, rel=5e-5)
 
 
 def test_a_first_guess_that_cannot_fly_has_a_flow():
@@ -126,8 +124,8 @@ def test_a_climbing_design_is_cooled_as_in_its_own_file():
         return found.cycle.energy_budget.solar_wh
 
     expected_wh = performance(own, where).cycle.energy_budget.solar_wh
-    # Around the temperature of the known flow radiation is a parabola.
-    assert energy_wh(day) == pytest.approx(expected_wh, rel=1e-4)
+    # In half of the flow of its file: beyond those that are known, as radiation is not constant.
+    assert energy_wh(day) == pytest.approx(expected_wh, rel=5e-4)
     warm = replace(day, cooling=None)
     assert np.all(energy_wh(warm) > 1.02 * expected_wh)
 
