@@ -270,10 +270,11 @@ class Sunlight:
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
         if model not in self._cooling:
-            others = (self._at_levels(model, flow * convection) for flow in (SLOWER, FASTER))
+            slower, faster = (self._at_levels(model, by * convection) for by in (SLOWER, FASTER))
             transition = self.aircraft.modules.thermal.transition_reynolds
-            powers = (self._power_of(model), *others)
-            self._cooling[model] = Cooling.of(*powers, convection, transition)
+            self._cooling[model] = Cooling.of(
+                self._power_of(model), slower, faster, convection, transition
+            )
         return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:
