@@ -36,6 +36,7 @@ from studies.render.words import (
     extrapolation_blocks,
     given,
     hours,
+    objective_text,
     parameter_words,
     percent,
     required,
@@ -45,9 +46,9 @@ from studies.serialise import serialise
 
 if TYPE_CHECKING:
     from sizing.design import Design
-    from sizing.program.cross_check import CrossCheck
     from sizing.program.objectives import Objective
     from sizing.program.ranges import WidestRange
+    from sizing.results.analysis import Analysis
     from sizing.results.sizing_study import SizingStudy, Survival
 
 
@@ -56,10 +57,9 @@ _FEW, _MOST_VIOLATIONS = 5, 3  # of a summary
 
 def headline(study: SizingStudy) -> str:
     """Return aircraft, mission, status and objective in one line."""
-    objective, value = study.objective, study.result.objective_value
     text = f"{study.aircraft.name} sized for {_sized_for(study)}: {study.status.label}"
     if study.feasible:
-        text += f", {objective.label} {with_unit(value, '.4g', objective)}"
+        text += f", {objective_text(study.objective, study.result.objective_value)}"
     return text
 
 
@@ -83,14 +83,12 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
     assert study.optimum is not None
     shown += in_columns(_sizing_facts(study, level), study.optimum, level)
     shown += _limits(study, level, at_bounds)
-    shown += [*without_climbs(study), *_whole_cells(study, level)]
-    if study.reliability is not None:
-        shown.append(reliability_text(study))
+    shown += [*without_climbs(study), *_whole_cells(study, level), *_reliability(study)]
     shown += _survival(study, level)
     if study.sensitivities is not None and level < ALL:
         shown.append(sensitivities_line(study))
     if study.cross_check is not None:
-        line = cross_check_line(study.cross_check, study.objective)
+        line = cross_check_line(vars(study.cross_check), study.objective)
         passed = study.cross_check.cross_checked and level < ALL
         shown.append(line.partition(",")[0] if passed else line)
     if level >= ALL:
@@ -103,22 +101,20 @@ def blocks(study: SizingStudy, level: int) -> list[Any]:
 
 
 def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
-    optimum = study.optimum
+    optimum, flight, objective = study.optimum, study.mission.flight, study.objective
     assert optimum is not None
-    clear = "clear-sky " if study.survival is not None else ""
-    excess = q.EXCESS_TIME.fact(optimum.excess_time_h)
-    charge = q.MINIMUM_CHARGE.fact(optimum.minimum_state_of_charge)
-    where = f"{clear}{q.EXCESS_TIME.label}, {optimum.worst_scenario.label}"
-    flight, objective = study.mission.flight, study.objective
-    rows, shown = q.facts_of(q.SIZED, study.values, level), [each.name for each in q.SIZED]
-    if objective.variable not in (*shown, "worst_excess_time_h"):
-        value = with_unit(study.result.objective_value, ".4g", objective)
+    rows = q.facts_of(q.SIZED, study.values, level)
+    if objective.variable not in (*(each.name for each in q.SIZED), "worst_excess_time_h"):
+        value = with_unit(study.result.objective_value, objective)
         rows.insert(0, (objective.label, value))
     if flight is not None:
         launched = f"launched {flight.launch}"
         rows.append(("flight", launched if objective.value == "max_endurance" else flight.text))
-    climbs = climb_facts(optimum, level)
-    return [*rows, *wind_rows(study.wind), (where, excess[1]), charge, *climbs]
+    clear = "clear-sky " if study.survival is not None else ""
+    label, excess = q.EXCESS_TIME.fact(optimum.excess_time_h)
+    charge = q.MINIMUM_CHARGE.fact(optimum.minimum_state_of_charge)
+    where = f"{clear}{label}, {optimum.worst_scenario.label}"
+    return [*rows, *wind_rows(study.wind), (where, excess), charge, *climb_facts(optimum, level)]
 
 
 def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
@@ -143,60 +139,57 @@ def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
 
 def _survival(study: SizingStudy, level: int) -> list[Any]:
     """Return the season's days that close, year by year, beside the design for a clear sky."""
-    survival = study.survival
-    if survival is None:
+    if (survival := study.survival) is None:
         return []
     shown: list[Any] = [survival_text(survival, study)]
-    if survival.by_year and level >= ALL:
-        years = (year | {"year": str(year["year"])} for year in survival.by_year)
-        shown.append(q.table_of("year by year", "year days days_that_close share", years))
     if level >= ALL:
+        if survival.by_year:
+            years = (year | {"year": str(year["year"])} for year in survival.by_year)
+            shown.append(q.table_of("year by year", "year days days_that_close share", years))
         shown += [Line(f"record: {text}", "faint") for text in survival.weather.repairs]
     return shown + [Line(text, "faint") for text in survival.notes]
 
 
 def _without_design(study: SizingStudy, level: int) -> list[Any]:
     """Return the violated requirements, what limits the nearest design, and what would help."""
-    violations = study.result.violations
-    most = len(violations) if level >= ALL else _MOST_VIOLATIONS
-    shown: list[Any] = [f"  {violation.text}" for violation in violations[:most]]
-    if len(violations) > most:
-        shown.append(f"  and {len(violations) - most} more")
-    shown += _limits(study, level)
-    shown += [*nearest_lines(study), *(f"{a}: {b}" for a, b in wind_rows(study.wind))]
-    if level >= ALL:
-        shown += structure_lines(study)
-    shown += extrapolation_blocks(study.extrapolations, level)
+    violations, cells, everything = study.result.violations, study.whole_cells, level >= ALL
+    most = len(violations) if everything else _MOST_VIOLATIONS
+    left = len(violations) - most
+    shown: list[Any] = [
+        *(f"  {violation.text}" for violation in violations[:most]),
+        *([f"  and {left} more"] if left > 0 else []),
+        *_limits(study, level),
+        *nearest_lines(study),
+        *(f"{label}: {wind}" for label, wind in wind_rows(study.wind)),
+        *(structure_lines(study) if everything else []),
+        *extrapolation_blocks(study.extrapolations, level),
+    ]
     if study.reliability is not None:
-        return [*shown, reliability_text(study)]
-    shown += _survival(study, level)
-    if study.whole_cells is not None:
-        tried = neighbour_table(serialise(study.whole_cells), study.objective)
-        return [*shown, *_whole_cells(study, level), *([tried] if level >= ALL else [])]
+        return [*shown, *_reliability(study)]
+    shown += [*_survival(study, level), *_whole_cells(study, level)]
+    if cells is not None:
+        return [*shown, *([neighbour_table(serialise(cells), study.objective)] * everything)]
     if study.status.name != "infeasible" or study.coverage is not None:
         return shown
     if not study.relaxations:
         return [*shown, NONE_ALONE.format(study.objective.value)]
-    few = study.relaxations if level >= ALL else study.relaxations[:_FEW]
-    return [*shown, relaxation_table(few)]
+    return [*shown, relaxation_table(study.relaxations[: None if everything else _FEW])]
 
 
 def record_blocks(sizing: Mapping[str, Any], objective: Objective) -> list[Any]:
     """Return the tables of what was requested of an optimum besides, from a sizing's record."""
-    cells, guarded = sizing.get("whole_cells"), sizing.get("with_margin")
-    sensitivities, multipliers = sizing.get("sensitivities"), sizing.get("constraint_multipliers")
-    builds = sizing.get("builds")
-    return [
-        *([] if cells is None else [neighbour_table(cells, objective)]),
-        *([] if sensitivities is None else [sensitivity_table(sensitivities, objective)]),
-        *([multiplier_table(multipliers, objective)] if multipliers else []),
-        *(
-            [margin_table(objective, sizing, guarded)]
-            if guarded is not None and guarded["status"] == "optimal"
-            else []
-        ),
-        *([build_table(builds, objective)] if builds else []),
-    ]
+    tables: list[Any] = []
+    if (cells := sizing.get("whole_cells")) is not None:
+        tables.append(neighbour_table(cells, objective))
+    if (sensitivities := sizing.get("sensitivities")) is not None:
+        tables.append(sensitivity_table(sensitivities, objective))
+    if multipliers := sizing.get("constraint_multipliers"):
+        tables.append(multiplier_table(multipliers, objective))
+    if (guarded := sizing.get("with_margin")) is not None and guarded["status"] == "optimal":
+        tables.append(margin_table(objective, sizing, guarded))
+    if builds := sizing.get("builds"):
+        tables.append(build_table(builds, objective))
+    return tables
 
 
 def _builds(study: SizingStudy, level: int) -> list[Any]:
@@ -212,15 +205,14 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
     optimum = study.optimum
     shown: list[Any] = [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
     if optimum is not None:
-        error = uncertainty_line(optimum)
-        shown.append(Line(error, "faint"))
-        required = max(study.result.required_excess_time_h, 0.0)
+        shown.append(Line(uncertainty_line(optimum), "faint"))
+        required_h, low_h = study.result.required_excess_time_h, optimum.low.least_excess_time_h
         guarded = study.mission.uncertainty_margins.is_set or study.reliability is not None
         guarded = guarded or study.survival is not None
         if study.with_margin is not None:
-            shown += _margin_blocks(study, study.with_margin, level)
-        elif (low_h := optimum.low.least_excess_time_h) < required and not guarded:
-            missed = f"misses the required {given(required, 'h')}"
+            shown.append(_margin_line(optimum, study.with_margin, level))
+        elif low_h < max(required_h, 0.0) and not guarded:
+            missed = f"misses the required {given(required_h, 'h')}"
             what = "ends perpetual flight" if low_h <= 0.0 else missed
             measured = model_error_note(study.mission.altitude_m)
             text = f"on the edge: one RMS error{measured} less solar power {what}; {_TO_GUARD}"
@@ -234,14 +226,15 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
 _TO_GUARD = "to size with that margin: --set mission.uncertainty_margins.solar_model_sigmas=1"
 
 
-def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list[Any]:
-    """Return the optimum beside the one with a margin, and what the margin costs."""
-    if study.optimum is None or guarded.design is None:
-        return [Line(f"{_with_error(study.solar)} no design was found", "warning")]
+def _margin_line(optimum: Analysis, guarded: SizingStudy, level: int) -> Line:
+    """Return what a margin costs, which level 2 has as a table."""
+    with_error = _with_error(optimum.performance.solar)
+    if guarded.design is None:
+        return Line(f"{with_error} no design was found", "warning")
     if level >= ALL:
-        return [Line(_TO_GUARD, "faint")]
-    changes = ", ".join(_changes(study.optimum.design, guarded.design))
-    return [Line(f"{_with_error(study.solar)}: {changes}; {_TO_GUARD.split(': ')[1]}", "faint")]
+        return Line(_TO_GUARD, "faint")
+    changes = ", ".join(_changes(optimum.design, guarded.design))
+    return Line(f"{with_error}: {changes}; {_TO_GUARD.split(': ')[1]}", "faint")
 
 
 def _with_error(solar: SolarModel) -> str:
@@ -252,28 +245,25 @@ def margin_table(
     objective: Objective, sizing: Mapping[str, Any], guarded: Mapping[str, Any]
 ) -> Table:
     """Return an optimum beside the one with a margin of one RMS error, by their records."""
+    name, excess = objective.variable, q.EXCESS_TIME
     was = dict(sizing) | {
-        objective.variable: sizing["objective"]["value"],
-        q.EXCESS_TIME.name: sizing["simulated"][q.EXCESS_TIME.name],
+        name: sizing["objective"]["value"],
+        excess.name: sizing["simulated"][excess.name],
         "least_excess_time_h": sizing["uncertainty"]["excess_time_low_h"],
     }
-    now = dict(guarded) | {objective.variable: guarded["objective_value"]}
+    now = dict(guarded) | {name: guarded["objective_value"]}
     shown = (*q.CHOSEN, q.TOTAL_MASS)
-    rows: list[tuple[str, ...]] = [
-        (
-            quantity.label,
-            *(quantity.fact(e[quantity.name])[1] for e in (was, now)),
-            change_text(was[quantity.name], now[quantity.name]),
-        )
-        for quantity in shown
-    ]
-    name = objective.variable
-    if objective.label not in (q.EXCESS_TIME.label, *(quantity.label for quantity in shown)):
-        texts = (with_unit(record[name], ".4g", objective) for record in (was, now))
+    rows = [
+        (each.label, *(each.fact(record[each.name])[1] for record in (was, now)),
+         change_text(was[each.name], now[each.name]))
+        for each in shown
+    ]  # fmt: skip
+    if objective.label not in (excess.label, *(each.label for each in shown)):
+        texts = (with_unit(record[name], objective) for record in (was, now))
         rows.insert(0, (objective.label, *texts, change_text(was[name], now[name])))
-    for key, what in ((q.EXCESS_TIME.name, ""), ("least_excess_time_h", ", that error less")):
+    for key, what in ((excess.name, ""), ("least_excess_time_h", ", that error less")):
         ends = (np.inf if record[key] is None else record[key] for record in (was, now))
-        rows.append((f"{q.EXCESS_TIME.label}{what}", *map(hours, ends), ""))
+        rows.append((f"{excess.label}{what}", *map(hours, ends), ""))
     columns = (
         Column("quantity", ""),
         Column("optimum", "as requested", to_right=True),
@@ -325,8 +315,7 @@ def limits_line(active: Iterable[str], aircraft: Aircraft, *, keys: bool) -> str
 
 def nearest_lines(study: SizingStudy) -> list[str]:
     """Return what the nearest design is, and how much of it is structure."""
-    nearest = study.result.nearest
-    if nearest is None:
+    if (nearest := study.result.nearest) is None:
         return []
     design = nearest.design
     known = q.facts_of((*q.CHOSEN, q.AIRSPEED), design)
@@ -334,18 +323,17 @@ def nearest_lines(study: SizingStudy) -> list[str]:
     if study.structure is not None:
         structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
         of_mass, whole = (amount(mass_kg, "kg", ".3g") for mass_kg in (structure_kg, total_kg))
-        share = (
-            f"{of_mass} of its {whole} are structure ({percent(structure_kg / total_kg, '.0f')})"
-            if math.isfinite(total_kg)
-            else "its structure outgrows every mass that it could have"
-        )
+        share = "its structure outgrows every mass that it could have"
+        if math.isfinite(total_kg):
+            relative = percent(structure_kg / total_kg, ".0f")
+            share = f"{of_mass} of its {whole} are structure ({relative})"
         lines.append(f"nearest design: {share}")
     return lines
 
 
 def without_climbs(study: SizingStudy) -> list[str]:
     """Return the optimum of level flight, and how much larger it is; nothing without climbs."""
-    level, objective = study.without_climbs, study.objective
+    level, objective, value = study.without_climbs, study.objective, study.result.objective_value
     if level is None or study.design is None:
         return []
     where = f"in level flight at {q.text_of('altitude_m', study.mission.altitude_m)}"
@@ -353,37 +341,34 @@ def without_climbs(study: SizingStudy) -> list[str]:
         return [f"{where} no design was found ({level.status.label})"]
     parts = _changes(study.design, level.design)
     if objective.variable not in (q.WINGSPAN.name, q.TOTAL_MASS.name):
-        value = with_unit(level.objective_value, ".4g", objective)
         assert level.objective_value is not None
-        assert study.result.objective_value is not None
-        change = change_text(study.result.objective_value, level.objective_value)
-        parts.insert(0, f"{objective.label} {value} ({change})")
+        assert value is not None
+        change = change_text(value, level.objective_value)
+        parts.insert(0, f"{objective_text(objective, level.objective_value)} ({change})")
     return [f"{where}: {', '.join(parts)}"]
 
 
 def _changes(before: Design, after: Design) -> list[str]:
     """Return span and mass of a design, each with its change."""
     return [
-        f"{each.label} {each.fact(each.of(after))[1]} "
+        f"{' '.join(each.fact(each.of(after)))} "
         f"({change_text(float(each.of(before)), float(each.of(after)))})"
         for each in (q.WINGSPAN, q.TOTAL_MASS)
     ]
 
 
-def reliability_text(study: SizingStudy) -> str:
+def _reliability(study: SizingStudy) -> list[str]:
     """Return how reliable the design is, and what the optimum without uncertainty is."""
-    reliability, objective = study.reliability, study.objective
-    assert reliability is not None
-    what = required(study.result.required_excess_time_h)
-    reached = reliability.achieved.text()
-    if not study.feasible:
-        reached = f"of the nearest design {reached}"
-    return (
-        f"reliability ({what} in every scenario): {reached} of {reliability.samples} draws; "
-        f"required {percent(reliability.required, 'g')}. The optimum without uncertainty, "
-        f"{objective.label} {with_unit(reliability.nominal_objective, '.4g', objective)}, has "
-        f"{percent(reliability.nominal.value)}"
-    )
+    if (reliability := study.reliability) is None:
+        return []
+    what, reached = required(study.result.required_excess_time_h), reliability.achieved.text()
+    of_nearest = "" if study.feasible else "of the nearest design "
+    nominal = objective_text(study.objective, reliability.nominal_objective)
+    return [
+        f"reliability ({what} in every scenario): {of_nearest}{reached} of {reliability.samples} "
+        f"draws; required {percent(reliability.required, 'g')}. The optimum without uncertainty, "
+        f"{nominal}, has {percent(reliability.nominal.value)}"
+    ]
 
 
 def survival_text(survival: Survival, study: SizingStudy) -> str:
@@ -399,11 +384,11 @@ def survival_text(survival: Survival, study: SizingStudy) -> str:
     value, clear = survival.clear_sky.objective_value, survival.clear_sky_days
     if value is None or clear is None:
         return f"{close} No design flies perpetually on all of these dates under a clear sky"
-    objective, sized = study.objective, study.result.objective_value
     text = (
-        f"{close} The design for a clear sky, {objective.label} "
-        f"{with_unit(value, '.4g', objective)}, closes {clear.that_close}, {percent(clear.share)}"
+        f"{close} The design for a clear sky, {objective_text(study.objective, value)}, closes "
+        f"{clear.that_close}, {percent(clear.share)}"
     )
+    sized = study.result.objective_value
     if sized is None or value <= 0.0:
         return text
     more = sized / value - 1.0
@@ -425,91 +410,84 @@ def sensitivities_line(study: SizingStudy) -> str:
     return text
 
 
-def cross_check_line(check: CrossCheck, objective: Objective) -> str:
+def cross_check_line(record: Mapping[str, Any], objective: Objective) -> str:
     """Return whether a search by simulation found a better design; a search is no proof."""
     from sizing.program.result import RELATIVE_TOLERANCE  # with CasADi, which analyses do without
 
-    better = check.advantage > RELATIVE_TOLERANCE * abs(check.objective_value)
-    text = (
-        f"the best of them has {with_unit(check.best_found, '.5g', objective)}, better by "
-        f"{with_unit(check.advantage, '.2g', objective)}"
-        if better
-        else "none is better by more than the tolerance"
+    best, fine, ours, gained = (
+        math.nan if record[key] is None else record[key]
+        for key in ("best_found", "fine_step_value", "objective_value", "advantage")
     )
-    fine = f"has {with_unit(check.fine_step_value, '.5g', objective)}"
-    if math.isnan(check.fine_step_value):
-        fine = "misses its requirement"
-    elif math.isinf(check.fine_step_value):
-        fine = f"has unlimited {objective.label}"
-    verdict = "passed" if check.cross_checked else "NOT passed"
+    text = "none is better by more than the tolerance"
+    if gained > RELATIVE_TOLERANCE * abs(ours):
+        better = with_unit(gained, objective, ".2g")
+        text = f"the best of them has {with_unit(best, objective, '.5g')}, better by {better}"
+    reached = f"has {with_unit(fine, objective, '.5g')}"
+    if math.isnan(fine):
+        reached = "misses its requirement"
+    elif math.isinf(fine):
+        reached = f"has unlimited {objective.label}"
+    passed, tried = "" if record["cross_checked"] else "NOT ", record["designs_tried"]
     return (
-        f"optimality cross-check {verdict}: {check.designs_tried} designs tried, {text}; with a "
-        f"time step of one minute the optimum {fine}"
+        f"optimality cross-check {passed}passed: {tried} designs tried, {text}; with a time step "
+        f"of one minute the optimum {reached}"
     )
 
 
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
-    """Return what whole cells cost, from the record of a sizing."""
+    """Return what whole cells cost, from the record of a sizing; null is unlimited."""
     chosen, loss = record["chosen"], record["loss"]
-    relaxed = f"the relaxed optimum's {_value(record['relaxed'], objective)}"
+    values = (each and each["value"] for each in (record["relaxed"], chosen))
+    best, value = (with_unit(math.inf if each is None else each, objective) for each in values)
+    relaxed, text = f"the relaxed optimum's {best}", f"{objective.label} {value}"
     if chosen is None:
         return f"no whole cells beside {relaxed}"
-    text = f"{objective.label} {_value(chosen, objective)}"
     if loss is None:
         return f"whole cells: {text}, beside {relaxed}"
     return f"loss by whole cells: {text}, {percent(loss)} worse than {relaxed}"
 
 
-def _value(design: Mapping[str, Any], objective: Objective) -> str:
-    """Return the objective of a design with its unit; JSON has null for an unlimited one."""
-    value = design["value"]
-    return with_unit(math.inf if value is None else value, ".4g", objective)
-
-
 # ---- Tables
 
 _SENSITIVITIES = 15  # of the whole; JSON and CSV have them all
+_LEAST_GAIN = 1e-3  # of the largest: a constraint that gains less is left out
+_DESIGNS = 10  # of whole cells; JSON has all
 
 
 def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
     """Return the margins as a table."""
-    columns = q.group("requirement value limit margin")
     rows = []
     for row in margins:
-        margin = amount(row.margin, row.unit, "+.2f")
-        if row.relative and np.isfinite(row.margin):
-            margin = percent(row.margin, "+.1f")
+        relative = row.relative and np.isfinite(row.margin)
+        margin = percent(row.margin, "+.1f") if relative else amount(row.margin, row.unit, "+.2f")
         missed = not row.recommended and row.margin < -ROW_TOLERANCE
         rows.append(
-            (
-                f"{row.label}{' (recommended)' if row.recommended else ''}",
-                amount(round(row.value, 3), row.unit, ".4g"),
-                amount(row.limit, row.unit, ".5g"),
-                f"{margin}, violated" if missed else margin,
-            )
+            {
+                "requirement": f"{row.label}{' (recommended)' if row.recommended else ''}",
+                "value": amount(round(row.value, 3), row.unit, ".4g"),
+                "limit": amount(row.limit, row.unit, ".5g"),
+                "margin": f"{margin}, violated" if missed else margin,
+            }
         )
-    return Table("margins of the requirements", columns, tuple(rows))
+    return q.table_of("margins of the requirements", "requirement value limit margin", rows)
 
 
 def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
     """Return a row for every build quality, of its record."""
-    shown = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
-    others = objective.variable not in {quantity.name for quantity in shown}
-    of_design = (replace(quantity, to_right=True) for quantity in shown)
-    columns: list[Column] = [*q.group("build factor"), *of_design]
-    if others:
-        columns.append(Column("objective", objective.label, to_right=True))
-    rows = []
+    of_design = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
+    shown: list[Column] = [replace(quantity, to_right=True) for quantity in of_design]
+    if objective.variable not in {quantity.name for quantity in of_design}:
+        shown.append(Column("objective_value", objective.label, to_right=True))
+    rows: list[tuple[Any, ...]] = []
     for record in records:
         name = f"{record['build']} (this file)" if record["of_file"] else record["build"]
-        row: list[Any] = [name, record["factor"], *(record[column.name] for column in shown)]
-        if others:
-            row.append(with_unit(record["objective_value"], ".4g", objective))
+        written = {**record, "objective_value": with_unit(record["objective_value"], objective)}
+        values = [written[column.name] for column in shown]
         if record[q.WINGSPAN.name] is None:
-            row[2:] = ["no design", *("" for _ in row[3:])]
-        rows.append(tuple(row))
+            values = ["no design", *("" for _ in values[1:])]
+        rows.append((name, record["factor"], *values))
     title = "the same by how well the structure is built (airframe.structure.build)"
-    return Table(title, tuple(columns), tuple(rows))
+    return Table(title, (*q.group("build factor"), *shown), tuple(rows))
 
 
 def sensitivity_table(sensitivities: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
@@ -518,43 +496,31 @@ def sensitivity_table(sensitivities: Sequence[Mapping[str, Any]], objective: Obj
     per_percent = Column("per_percent", f"{objective.unit} per +1 %", form="+.4f")
     columns = (parameter, replace(value, to_right=True), per_percent, elasticity)
     rows = [
-        (
-            parameter_words(row["parameter"]),
-            amount(row["value"], row["unit"], ".4g"),
-            row["per_percent"],
-            row["elasticity"],
-        )
+        {**row, "parameter": parameter_words(row["parameter"]),
+         "value": amount(row["value"], row["unit"], ".4g")}
         for row in sensitivities[:_SENSITIVITIES]
-    ]
-    if rows:
-        left = len(sensitivities) - len(rows)
-        more = f"{left} more parameters matter less; the record of the sizing has all"
-        notes = (more,) if left > 0 else ()
-    else:
-        notes = (f"none: {objective.label} is unlimited",)
+    ]  # fmt: skip
+    left, notes = len(sensitivities) - len(rows), []
+    if left > 0:
+        notes = [f"{left} more parameters matter less; the record of the sizing has all"]
+    if not rows:
+        notes = [f"none: {objective.label} is unlimited"]
     title = f"sensitivities of the {objective.label} ({objective.value})"
-    return Table(title, columns, tuple(rows), notes)
-
-
-# Of the largest gain: a constraint that gains less is left out.
-_LEAST_GAIN = 1e-3
+    return q.table_of(title, columns, rows, notes)
 
 
 def multiplier_table(multipliers: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
     """Return what relaxing each constraint gains, without those that gain next to nothing."""
     constraint, gain, step = q.group("constraint gain step")
-    columns = (constraint, replace(gain, label=f"gain in {objective.unit}"), step)
-    multipliers = [row for row in multipliers if row["gain"] is not None]
-    least = _LEAST_GAIN * max((abs(row["gain"]) for row in multipliers), default=0.0)
+    known = [row for row in multipliers if row["gain"] is not None]
+    least = _LEAST_GAIN * max((abs(row["gain"]) for row in known), default=0.0)
     rows = [
-        (constraint_words(row["constraint"]).without_key, row["gain"], row["step"])
-        for row in multipliers
+        {**row, "constraint": constraint_words(row["constraint"]).without_key}
+        for row in known
         if abs(row["gain"]) >= least
     ]
-    return Table("what relaxing a constraint gains", columns, tuple(rows))
-
-
-_DESIGNS = 10  # in the table; JSON has all
+    columns = (constraint, replace(gain, label=f"gain in {objective.unit}"), step)
+    return q.table_of("what relaxing a constraint gains", columns, rows)
 
 
 def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:

@@ -38,11 +38,16 @@ def change_text(before: float, after: float) -> str:
     return percent(shown, "+.1f") if shown else percent(0.0)  # too small to show, it has no sign
 
 
-def with_unit(value: float | None, digits: str, objective: Objective) -> str:
+def with_unit(value: float | None, objective: Objective, form: str = ".4g") -> str:
     """Return the value of an objective with its unit; an excess time may be unlimited."""
     if value is None or math.isnan(value):
         return MISSING
-    return amount(value, objective.unit, digits)
+    return amount(value, objective.unit, form)
+
+
+def objective_text(objective: Objective, value: float | None) -> str:
+    """Return an objective in words, with its value."""
+    return f"{objective.label} {with_unit(value, objective)}"
 
 
 # How numbers with a unit are written in sentences.

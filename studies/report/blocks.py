@@ -26,14 +26,6 @@ if TYPE_CHECKING:
     from studies.render.tables import Block as SummaryBlock
 
 
-def sentence(line: Line) -> Line:
-    """Return a line of a summary as a paragraph; strong ones begin with a name."""
-    if line.emphasis == "strong":
-        return line
-    end = "" if line.text.endswith((".", ":")) else "."
-    return replace(line, text=f"{line.text[:1].upper()}{line.text[1:]}{end}")
-
-
 @dataclass(frozen=True)
 class Figure:
     """A drawing as markup, which scrolls on a telephone, and its caption."""
@@ -42,15 +34,20 @@ class Figure:
     caption: str
 
 
-class Bar(NamedTuple):
-    """Row of a table with bars: its texts, and begin and width of its bar [%]."""
+class Fact(NamedTuple):
+    """A key number: its label, value with its unit, and what it is measured by."""
 
     label: str
-    amount: str
-    share: str
-    begin: float
-    width: float
-    is_sum: bool
+    value: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A text file as it stands."""
+
+    title: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,6 @@ class Bars:
     form: str
     rows: tuple[tuple[str, float], ...]
     total: str = ""
-    note: str = ""
     sums: frozenset[str] = frozenset()
 
     @property
@@ -74,39 +70,20 @@ class Bars:
         """Sum of all amounts, or the first of a chain."""
         return self.rows[0][1] if self.sums else sum(amount for _, amount in self.rows)
 
-    def bars(self) -> Iterator[Bar]:
-        """Yield the rows; a loss begins where the step before it has arrived."""
-        whole, level = self.sum or 1.0, 0.0
+    def bars(self) -> Iterator[tuple[str, str, str, float, float, bool]]:
+        """Yield label, amount, share, begin and width of its bar [%], and whether it is a sum.
+
+        A loss begins where the step before it has arrived.
+        """
+        whole, level, digits = self.sum or 1.0, 0.0, 1 if self.sums else 0
         for label, amount in self.rows:
             is_sum = label in self.sums
-            low, high = (0.0, amount) if is_sum or not self.sums else (level + amount, level)
-            level = amount if is_sum else level + amount
-            ends = sorted(min(max(100.0 * end / whole, 0.0), 100.0) for end in (low, high))
-            yield Bar(
-                label,
-                format(amount, self.form),
-                f"{100.0 * amount / whole:.{1 if self.sums else 0}f}",
-                round(ends[0], 2),
-                round(ends[1] - ends[0], 2),
-                is_sum,
-            )
-
-
-@dataclass(frozen=True)
-class Fact:
-    """A key number: its label, value with its unit, and what it is measured by."""
-
-    label: str
-    value: str
-    note: str = ""
-
-
-@dataclass(frozen=True)
-class Listing:
-    """A text file as it stands."""
-
-    title: str
-    text: str
+            before = level if self.sums and not is_sum else 0.0
+            level = before + amount
+            shares = (100.0 * end / whole for end in sorted((before, level)))
+            low, high = (min(max(share, 0.0), 100.0) for share in shares)
+            texts = label, format(amount, self.form), f"{100.0 * amount / whole:.{digits}f}"
+            yield *texts, round(low, 2), round(high - low, 2), is_sum
 
 
 Block: TypeAlias = "SummaryBlock | Figure | Bars | Listing"
@@ -124,19 +101,23 @@ class Section:
         """Return kind and content of what is shown: items and indented lines are one list."""
         shown: list[tuple[str, Any]] = []
         for block in self.blocks:
-            if isinstance(block, Table | tuple):
+            if isinstance(block, Figure | Bars | Listing):
+                shown.append((type(block).__name__.lower(), block))
+            elif isinstance(block, Table | tuple):
                 tables = (block,) if isinstance(block, Table) else block
                 shown.append(("tables", [replace(t, title=t.title or self.title) for t in tables]))
-            elif not isinstance(block, str | Line):
-                shown.append((type(block).__name__.lower(), block))
             else:
                 line = Line(block) if isinstance(block, str) else block
-                if not line.text.startswith(("- ", "  ")):
-                    shown.append(("text", sentence(line)))
+                text = line.text
+                if text.startswith(("- ", "  ")):
+                    if not shown or shown[-1][0] != "items":
+                        shown.append(("items", []))
+                    shown[-1][1].append(text[2:])
                     continue
-                if not shown or shown[-1][0] != "items":
-                    shown.append(("items", []))
-                shown[-1][1].append(line.text[2:])
+                if line.emphasis != "strong":  # which begin with a name
+                    end = "" if text.endswith((".", ":")) else "."
+                    text = f"{text[:1].upper()}{text[1:]}{end}"
+                shown.append(("text", replace(line, text=text)))
         return shown
 
 

@@ -84,18 +84,17 @@ def make_report(
         For uncertain inputs that contradict the files' rules.
     """
     check_subjects(aircraft, mission)
-    solar = SolarModel(model, correction)
-    here = InputFile("given in Python", None)
-    as_files = [
+    solar, here = SolarModel(model, correction), InputFile("given in Python", None)
+    as_files = (
         described.model_dump(mode="json", by_alias=True, exclude_unset=True)
         for described in (aircraft, mission)
-    ]
+    )
     return render(
         Subject(
             aircraft,
             mission,
             solar,
-            RunInputs(as_files[0], as_files[1], solar, {"aircraft": here, "mission": here}),
+            RunInputs(*as_files, solar, {"aircraft": here, "mission": here}),
             sizing=sizing.to_dict() if isinstance(sizing, SizingStudy) else sizing,
             verification=verification,
             weather_record=weather,
@@ -175,8 +174,7 @@ def verdict(subject: Subject) -> Verdict:
     if not errors:
         text = f"{verification.log.source} has no sample to compare with."
         return Verdict("edge", text, "No comparison")
-    model = min(errors, key=lambda model: errors[model][1])
-    average, rms = errors[model]
+    model, (average, rms) = min(errors.items(), key=lambda of_model: of_model[1][1])
     text = (
         f"{model} comes closest to the flight of {verification.aircraft}: it errs by "
         f"{percent(average, '+.1f')} on average, RMS {percent(rms)}."
@@ -187,52 +185,43 @@ def verdict(subject: Subject) -> Verdict:
 def _judged(subject: Subject) -> tuple[str, str]:
     """Return the state and the sentence of a flight."""
     analysis, mission = subject.analysis, subject.mission
-    lows, highs = analysis.low.least_excess_time_h, analysis.high.least_excess_time_h
+    low_h, high_h = (end.least_excess_time_h for end in (analysis.low, analysis.high))
     required, excess = mission.required_excess_time_h, analysis.excess_time_h
-    several = len(analysis.scenarios) > 1
     where = analysis.worst_scenario.label
-    weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
-    who = f"{subject.aircraft.name} on {mission.name}"
-    measured = model_error_note(mission.altitude_m)
-    relative = percent(subject.solar.rms_relative, ".0f")
-    error = f"one RMS error of the solar model ({relative}{measured})"
+    at = f"in its weakest scenario, {where}," if len(analysis.scenarios) > 1 else f"at {where},"
+    who, what = f"{subject.aircraft.name} on {mission.name}", "ends perpetual flight"
+    relative, measured = percent(subject.solar.rms_relative, ".0f"), model_error_note
+    error = f"one RMS error of the solar model ({relative}{measured(mission.altitude_m)})"
     if mission.flight is not None:
-        return _of_landing(subject, f"{who}, {weakest}", lows, error)
-    fails = f"{who} does not fly perpetually: {weakest}"
-    if not analysis.is_perpetual:
+        text, what = landing(analysis).rstrip(".").replace("It flies", "it flies"), "ends it early"
+        text = f"{who}, {at} {text}"
+        if excess <= 0.0:
+            return "bad", f"{text}."
+    elif not analysis.is_perpetual:
         hold_h = float(analysis.endurance_h)
         longest = "more than a year" if np.isinf(hold_h) else f"{hours(hold_h)} at most"
-        without = hours(max(-float(excess), 0.0))
-        text = f"{fails} it flies for {longest}, {without} of every day are without power"
-        if highs > 0.0:
+        text = (
+            f"{who} does not fly perpetually: {at} it flies for {longest}, "
+            f"{hours(max(-float(excess), 0.0))} of every day are without power"
+        )
+        if high_h > 0.0:
             return "edge", f"{text}; with {error} more sun it would fly perpetually."
         return "bad", f"{text}; {error} more sun would not change that."
-    remain = "the sun always carries it" if np.isinf(excess) else f"{hours(excess)} of excess time"
-    text = f"{who} flies perpetually: {weakest} {remain}{'' if np.isinf(excess) else ' remain'}"
+    elif np.isinf(excess):
+        text = f"{who} flies perpetually: {at} the sun always carries it"
+    else:
+        text = f"{who} flies perpetually: {at} {hours(excess)} of excess time remain"
     if excess < required:
         return "bad", f"{text}, less than the required {given(required, 'h')}."
     if required > 0.0 and np.isfinite(excess):
         text += f", {hours(excess - required)} more than required"
-    if lows <= 0.0:
-        return "edge", f"{text}, but {error} less sun ends perpetual flight."
-    if lows < required:
-        return "edge", f"{text}, but {error} less sun leaves {hours(lows)}, too little."
-    if np.isinf(lows):
+    if low_h <= 0.0:
+        return "edge", f"{text}, but {error} less sun {what}."
+    if low_h < required:
+        return "edge", f"{text}, but {error} less sun leaves {hours(low_h)}, too little."
+    if np.isinf(low_h):
         return "good", f"{text}, also with {error} less sun."
-    return "good", f"{text}, and {hours(lows)} with {error} less sun."
-
-
-def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> tuple[str, str]:
-    """Return whether the flight lands with its reserve."""
-    text = f"{where} {landing(subject.analysis).rstrip('.')}".replace("It flies", "it flies")
-    excess, required = subject.analysis.excess_time_h, subject.mission.required_excess_time_h
-    if excess <= 0.0:
-        return "bad", f"{text}."
-    if excess < required:
-        return "bad", f"{text}, less than the required {given(required, 'h')}."
-    if low_h <= 0.0 or low_h < required:
-        return "edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little."
-    return "good", f"{text}, {hours(low_h)} with {error} less sun."
+    return "good", f"{text}, and {hours(low_h)} with {error} less sun."
 
 
 def _errors(verification: Verification) -> dict[str, tuple[float, float]]:
@@ -262,23 +251,23 @@ def key_facts(subject: Subject) -> Iterator[Fact]:
             yield Fact(f"error of {model}", percent(average, "+.1f"), f"RMS {percent(rms)}")
         yield Fact("samples left out", str(int(compared.excluded.sum())))
         return
-    aircraft, analysis = subject.aircraft, subject.analysis
-    battery, required = aircraft.battery, subject.mission.required_excess_time_h
-    values, design = analysis.scenario(), analysis.design
-    ratio = q.ASPECT_RATIO.fact(q.ASPECT_RATIO.of(design))
+    analysis, required = subject.analysis, subject.mission.required_excess_time_h
+    battery, values, design = subject.aircraft.battery, analysis.scenario(), analysis.design
     share = float(design.variables.module_area_m2) / float(design.wing_area_m2)
-    covered = f"{percent(share, '.0f')} of the wing"
-    energy = given(battery.specific_energy_wh_per_kg, "Wh/kg")
     least = f"required: {given(required, 'h')}" if required else ""
     yield Fact(*q.EXCESS_TIME.fact(values["excess_time_h"]), least)
     if (scattered := subject.uncertainty) is not None:
         of = f"of {scattered.samples} draws of the uncertain inputs"
         yield Fact("probability", percent(scattered.probability_required.value), of)
-    charge, sun = values["minimum_state_of_charge"], q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)
-    yield Fact(*q.CHARGE_MARGIN.fact(values["charge_margin_h"]), "how long the battery stays full")
-    yield Fact(*q.MINIMUM_CHARGE.fact(charge), "in the morning")
-    yield Fact(*q.WINGSPAN.fact(q.WINGSPAN.of(design)), " ".join(ratio))
-    yield Fact(*q.TOTAL_MASS.fact(design.total_mass_kg), f"battery {amount(battery.mass_kg, 'kg')}")
-    yield Fact("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh)[1], energy)
-    yield Fact("modules", q.MODULE_AREA.fact(aircraft.modules.area_m2)[1], covered)
-    yield Fact(*q.LOAD.fact(values["power_out_w"]), f"sun: {sun[1]} a day")
+    for quantity, label, note in (
+        (q.CHARGE_MARGIN, "", "how long the battery stays full"),
+        (q.MINIMUM_CHARGE, "", "in the morning"),
+        (q.WINGSPAN, "", " ".join(q.ASPECT_RATIO.fact(q.ASPECT_RATIO.of(design)))),
+        (q.TOTAL_MASS, "", f"battery {amount(battery.mass_kg, 'kg')}"),
+        (q.BATTERY_ENERGY, "battery", given(battery.specific_energy_wh_per_kg, "Wh/kg")),
+        (q.MODULE_AREA, "modules", f"{percent(share, '.0f')} of the wing"),
+        (q.LOAD, "", f"sun: {q.SOLAR_ENERGY.fact(analysis.solar_energy_wh)[1]} a day"),
+    ):
+        value = values[quantity.name] if quantity.name in values else quantity.of(design)
+        words, text = quantity.fact(value)
+        yield Fact(label or words, text, note)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from matplotlib.contour import ContourSet
@@ -27,7 +27,6 @@ from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import performance
-from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.design_result import requirement_margins
@@ -39,6 +38,7 @@ from studies.maps.plots import plot_map
 from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import panel_count, plot_cycle, plot_flight
+from studies.output.figures.drawing import objective_caption
 from studies.quantities import BELOW_ZERO, EXCESS_TIME, MINIMUM_CHARGE, TABLE, group, words
 from studies.render.analysis import power_rows, scenario_table, wind_rows
 from studies.render.design_sheet import design_sheet
@@ -61,7 +61,7 @@ from studies.weather import plot_weather
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
 
-_WIDTH_IN = 7.4
+_WIDTH_IN, _WIDE_IN = 7.4, 7.8
 LIGHT, ELECTRIC, LOAD = (
     "light on a horizontal area as large as the modules",
     "electric energy of the modules",
@@ -89,16 +89,17 @@ def aircraft_section(subject: Subject) -> Section:
     if subject.verification is None:
         required_h = max(subject.mission.required_excess_time_h, 0.0)
         margins = requirement_margins(aircraft, subject.analysis.performance, required_h)
-        groups: dict[str, list[tuple[str, str]]] = {}
-        for entry in design_sheet(subject.analysis).quantities:
-            if entry.group not in ("masses", "balance"):
-                row = entry.quantity.label, " ".join(entry.shown()).strip()
-                groups.setdefault(entry.group, []).append(row)
-        groups.setdefault("flight", []).extend(wind_rows(subject.analysis.wind))
+        rows = [
+            (entry.group, entry.quantity.label, " ".join(entry.shown()).strip())
+            for entry in design_sheet(subject.analysis).quantities
+            if entry.group not in ("masses", "balance")
+        ]
+        rows += [("flight", *row) for row in wind_rows(subject.analysis.wind)]
         if subject.mission.holds_station:
-            groups["flight"].append(("flown, to hold its place", "as fast as the wind at least"))
-        tables = tuple(facts(group, rows) for group, rows in groups.items() if rows)
-        blocks += [tables, requirement_table(margins)]
+            rows.append(("flight", "flown, to hold its place", "as fast as the wind at least"))
+        groups = dict.fromkeys(group for group, *_ in rows)
+        tables = (facts(name, [(a, b) for of, a, b in rows if of == name]) for name in groups)
+        blocks += [tuple(tables), requirement_table(margins)]
     return Section("aircraft", "The aircraft", blocks)
 
 
@@ -131,47 +132,45 @@ def loss_chain(analysis: Analysis) -> tuple[tuple[str, float], ...]:
     """
     cycle, worst = analysis.performance.cycle, analysis.worst
     budget = {
-        key.removesuffix("_wh"): float(np.broadcast_to(values, cycle.status.shape)[worst])
+        key: float(np.broadcast_to(values, cycle.status.shape)[worst])
         for key, values in vars(cycle.energy_budget).items()
     }
-    solar_wh, stored_wh = budget["solar"], budget["stored"]
+    solar_wh, stored_wh = budget["solar_wh"], budget["stored_wh"]
     steps = [
         *(_of_modules(analysis, solar_wh) if solar_wh > 0.0 else ()),
         (ELECTRIC, solar_wh),
-        ("not collected, the battery being full", -budget["curtailed"]),
-        ("lost in charging", -budget["charge_loss"]),
-        ("lost in discharging", -budget["discharge_loss"]),
+        ("not collected, the battery being full", -budget["curtailed_wh"]),
+        ("lost in charging", -budget["charge_loss_wh"]),
+        ("lost in discharging", -budget["discharge_loss_wh"]),
         ("left in the battery" if stored_wh > 0.0 else "drawn from the battery", -stored_wh),
-        (LOAD, budget["load"]),
-        ("of which not met: the battery is empty", -budget["unserved"]),
+        (LOAD, budget["load_wh"]),
+        ("of which not met: the battery is empty", -budget["unserved_wh"]),
     ]
     return tuple((label, wh) for label, wh in steps if label in SUMS or abs(wh) >= _SHOWN_WH)
 
 
+# Modules without losses; one constant after the other becomes that of the file.
+_LOSSLESS = {
+    "efficiency_stc": 1.0,
+    "camber_efficiency": 1.0,
+    "temperature_coefficient_per_k": 0.0,
+    "mppt_efficiency": 1.0,
+}
+
+
 def _of_modules(analysis: Analysis, solar_wh: float) -> list[tuple[str, float]]:
     """Return the steps from the light to the electric energy of the modules."""
-    solar, modules = analysis.performance.solar, analysis.aircraft.modules
-    uncorrected = replace(solar, correction="none")
-    ideal = {"mppt_efficiency": 1.0}
-    cool = ideal | {"temperature_coefficient_per_k": 0.0}
-    flat = cool | {"camber_efficiency": 1.0}
-    cases: tuple[tuple[SolarModel, dict[str, float]], ...] = (
-        (SolarModel("CDM"), flat | {"efficiency_stc": 1.0}),
-        (uncorrected, flat),
-        (uncorrected, cool),
-        (uncorrected, ideal),
-        (uncorrected, {}),
-        (solar, {}),
-    )
-    perf, worst, of = analysis.performance, analysis.worst, analysis.performance.day.scenarios
-    scenarios = Scenarios(of.latitude_deg[[worst]], of.day_of_year[[worst]])
-    each = np.zeros(len(cases))  # energy of a day, in proportion to the others
-    for number, (model, changes) in enumerate(cases):
-        update = {"modules": modules.model_copy(update=changes)}
+    perf, modules = analysis.performance, analysis.aircraft.modules
+    solar, of, worst = perf.solar, perf.day.scenarios, [analysis.worst]
+    scenarios = Scenarios(of.latitude_deg[worst], of.day_of_year[worst])
+    models = [SolarModel("CDM"), *4 * [replace(solar, correction="none")], solar]
+    energies = []  # of a day, in proportion to each other
+    for number, model in enumerate(models):
+        update = {"modules": modules.model_copy(update=dict([*_LOSSLESS.items()][number:]))}
         aircraft = analysis.aircraft.model_copy(update=update)
         day = solar_day(aircraft, analysis.mission, model, scenarios=scenarios, design=perf.design)
-        each[number] = np.trapezoid(day.specific_power_w_per_m2[0], day.time_h)
-    light, *by_model = solar_wh / each[-1] * each
+        energies.append(np.trapezoid(day.specific_power_w_per_m2[0], day.time_h))
+    light, *by_model = solar_wh / energies[-1] * np.array(energies)
     labels = (
         f"not converted: module efficiency {percent(modules.efficiency_stc)}",
         f"angle of incidence, diffuse light, attitude{', MPPT' if solar.model == 'FM' else ''}",
@@ -194,8 +193,7 @@ def sizing_section(subject: Subject) -> Section | None:
         return None
     objective = Objective(sizing["objective"]["name"])
     value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
-    extreme = "largest" if objective.maximised else "smallest"
-    text = f"Sized for the {extreme} {objective.label}: {with_unit(value, '.4g', objective)}"
+    text = f"Sized for the {objective_caption(objective)}: {with_unit(value, objective)}"
     if required_h:
         text += f", with {required(required_h)} required in every scenario"
     blocks: list[Block] = [f"{text} ({sizing['status'].replace('_', ' ')})."]
@@ -205,16 +203,13 @@ def sizing_section(subject: Subject) -> Section | None:
         blocks.append(f"Reliability: {achieved} of {draws}; required {least}.")
     if active := sizing["active_constraints"]:
         blocks.append(limits_line(active, subject.aircraft, keys=True))
-    cells = sizing.get("whole_cells")
-    blocks += [] if cells is None else [loss_line(cells, objective)]
+    if (cells := sizing.get("whole_cells")) is not None:
+        blocks.append(loss_line(cells, objective))
     if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Line("The sensitivities were not computed.", "faint"))
-    record = sizing.get("cross_check")
-    if record is not None:
-        values: dict[str, Any] = {k: math.nan if v is None else v for k, v in record.items()}
-        check = CrossCheck(**values)
-        line = cross_check_line(check, objective)
-        blocks.append(Line(line, "good" if check.cross_checked else "warning"))
+    if (record := sizing.get("cross_check")) is not None:
+        text = cross_check_line(record, objective)
+        blocks.append(Line(text, "good" if record["cross_checked"] else "warning"))
     elif not objective.of_range:
         blocks.append(Line("The optimum was not cross-checked.", "faint"))
     return Section("sizing", "Sizing", [*blocks, *record_blocks(sizing, objective)])
@@ -235,25 +230,25 @@ _ON_CELLS = "#111111"
 def day_section(subject: Subject) -> Section:
     """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
-    where = analysis.worst_scenario.label
-    several = len(analysis.scenarios) > 1
-    height = 1.2 + 2.0 * panel_count(analysis)
+    where, several = analysis.worst_scenario.label, len(analysis.scenarios) > 1
     caption = (
         f"Solar power, load and state of charge over solar time at {where}"
         f"{', the weakest scenario' if several else ''}; bands: the solar model's RMS error. Grey: "
         "night."
     )
-    plot = plot_cycle(analysis, figure=page_options(_WIDTH_IN, height))
+    options = page_options(_WIDTH_IN, 1.2 + 2.0 * panel_count(analysis))
     _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
     charge, title = f"The charge is least, {least}, in the morning.", f"Day cycle at {where}"
+    plot = plot_cycle(analysis, figure=options)
     blocks: list[Block] = [page_figure(plot, caption, title=title, words=charge, key="cycle")]
     if several:
         excess_h = analysis.performance.cycle.excess_time_h
-        weakest, notes = None, []
-        if len(excess_h) > _MOST_SCENARIOS:
-            weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
-            notes = [f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"]
-        blocks.append(replace(scenario_table(analysis, weakest), notes=tuple(notes)))
+        weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
+        if len(weakest) == len(excess_h):
+            blocks.append(scenario_table(analysis))
+        else:
+            note = f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"
+            blocks.append(replace(scenario_table(analysis, weakest), notes=(note,)))
     if analysis.flight is not None:
         plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
         caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
@@ -267,40 +262,39 @@ def day_section(subject: Subject) -> Section:
 
 def season_section(subject: Subject) -> Section:
     """Return where and when the flight is perpetual, and the months."""
-    solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
-    rows, columns = SLOW_CELLS if solar.needs_path else CELLS
-    if subject.mission.climb is not None and not solar.needs_path:
-        rows, columns = CLIMBING_CELLS
+    analysis, mission, solar = subject.analysis, subject.mission, subject.solar
+    scenarios = analysis.performance.day.scenarios
+    climbing = CLIMBING_CELLS if mission.climb is not None else CELLS
+    rows, columns = SLOW_CELLS if solar.needs_path else climbing
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
-    south, north = solar.latitudes_with_wind_deg(subject.mission)
+    south, north = solar.latitudes_with_wind_deg(mission)
     latitudes = np.unique(np.linspace(max(-farthest, south), min(farthest, north), rows))
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
-    data = prepare(subject.aircraft, subject.mission, latitudes, days, solar).computed()
+    data = prepare(subject.aircraft, mission, latitudes, days, solar).computed()
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
-    texts = [season] if season else []
-    caption = (
-        "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
-        "line: edge of perpetual flight; ring: the mission's scenarios."
-    )
-    if subject.mission.holds_station:
-        caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
-    if subject.mission.climb is not None:
-        caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
+    conditions = [
+        "Excess time of this aircraft on every day at every latitude, in the mission's air",
+        "black line: edge of perpetual flight",
+        "ring: the mission's scenarios",
+        "flown as fast as the wind, at the latitudes where it is known" * mission.holds_station,
+        f"with {mission.climb_label}" if mission.climb is not None else "",
+    ]
+    caption = f"{'; '.join(filter(None, conditions))}."
     drawing = page_figure(plot, caption, title="Season map", words=season, key="season")
-    return Section("season", "The season", [*texts, drawing, _months(subject)])
+    blocks: list[Block] = [season] if season else []
+    return Section("season", "The season", [*blocks, drawing, _months(subject)])
 
 
 def _months(subject: Subject) -> Table:
     """Return the repeated day in the middle of every month, at the latitude of the worst one."""
-    scenarios, worst = subject.analysis.performance.day.scenarios, subject.analysis.worst
-    latitude = float(scenarios.latitude_deg[worst])
+    latitude = float(subject.analysis.worst_scenario.latitude_deg)
     days = np.array(MONTH_STARTS) + _MIDDLE_OF_MONTH
     data = prepare(subject.aircraft, subject.mission, [latitude], days, subject.solar).computed()
     columns = group("month day_length_h solar_energy_wh load_energy_wh excess_time_h "
                     "charge_margin_h minimum_state_of_charge")  # fmt: skip
-    values = (data[column.variable].to_numpy()[0] for column in columns[1:])
+    values = [data[column.variable].to_numpy()[0] for column in columns[1:]]
     rows = tuple(zip(MONTH_NAMES, *values, strict=True))
     title = f"the months at {latitude_label(latitude)}, each on its {_MIDDLE_OF_MONTH + 1}th"
     short = bool(np.any(data[EXCESS_TIME.variable].to_numpy() < 0.0))
@@ -323,21 +317,18 @@ def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
 
 def _season_text(subject: Subject) -> str:
     """Return the days of the year with perpetual flight at all latitudes, in words."""
-    comparison = subject.comparison
-    cases = () if comparison is None else comparison.cases
-    latitudes = () if comparison is None else comparison.mission.latitudes()
-    season = next((case.season for case in cases if case.solar == subject.solar), None)
-    if season is None:
+    if (comparison := subject.comparison) is None:
         return ""
-    where = _places(latitudes)
+    cases = (case.season for case in comparison.cases if case.solar == subject.solar)
+    if (season := next(cases, None)) is None:
+        return ""
+    text = f"At {_places(comparison.mission.latitudes())}, flight is perpetual on"
     if season.days in (0, DAYS_PER_YEAR):
-        day = "no day" if season.days == 0 else "every day"
-        return f"At {where}, flight is perpetual on {day} of the year."
-    text = f"At {where}, flight is perpetual on {season.days} days of the year"
+        return f"{text} {'every' if season.days else 'no'} day of the year."
     if season.first is None or season.last is None:
-        return f"{text}, none of them at midsummer."
+        return f"{text} {season.days} days of the year, none of them at midsummer."
     window = f"{date_label(season.first)} to {date_label(season.last)}"
-    return f"{text}, {window} without a break."
+    return f"{text} {season.days} days of the year, {window} without a break."
 
 
 def _places(latitudes: Sequence[float]) -> str:
@@ -351,14 +342,11 @@ def _places(latitudes: Sequence[float]) -> str:
 
 def models_section(subject: Subject) -> Section:
     """Return all solar power models side by side."""
-    title = "Solar power models"
-    if subject.path_trouble is not None:
+    title, comparison = "Solar power models", subject.comparison
+    if comparison is None:
         text = f"The solar power models are not compared: {subject.path_trouble}."
         return Section("models", title, [text])
-    comparison = subject.comparison
-    assert comparison is not None  # the path has no trouble
-    height = 1.9 + 0.26 * len(comparison.cases)
-    plot = plot_comparison(comparison, figure=page_options(_WIDTH_IN + 0.4, height))
+    options = page_options(_WIDE_IN, 1.9 + 0.26 * len(comparison.cases))
     at = comparison.mission.latitudes()
     where = "" if len(at) == len(subject.mission.latitudes()) else f" at {_places(at)}"
     caption = (
@@ -366,6 +354,7 @@ def models_section(subject: Subject) -> Section:
         "RMS error, and the perpetual season."
     )
     words = "The same numbers are in the table below."
+    plot = plot_comparison(comparison, figure=options)
     blocks: list[Block] = [
         f"{comparison.headline()} {comparison.perpetual_line()}",
         page_figure(plot, caption, title=title, words=words, key="models"),
@@ -380,47 +369,53 @@ def models_section(subject: Subject) -> Section:
 
 def uncertainty_section(subject: Subject) -> Section | None:
     """Return how likely the flight is perpetual when inputs scatter, if any do."""
-    uncertainty = subject.uncertainty
-    if uncertainty is None:
+    if (uncertainty := subject.uncertainty) is None:
         return None
-    caption = (
-        f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
-        "inputs, and what it depends on."
-    )
-    words = f"{uncertainty.headline()}. The shares are in the table below."
     plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
-    title = "Excess time under uncertain inputs"
-    drawing = page_figure(plot, caption, title=title, words=words, key="scatter")
+    drawing = page_figure(
+        plot,
+        f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
+        "inputs, and what it depends on.",
+        title="Excess time under uncertain inputs",
+        words=f"{uncertainty.headline()}. The shares are in the table below.",
+        key="scatter",
+    )
     first, *others = uncertainty.at_level(ALL).blocks
-    blocks = [first, drawing, *others]
-    return Section("uncertainty", "Uncertain inputs", blocks)
+    return Section("uncertainty", "Uncertain inputs", [first, drawing, *others])
 
 
 def weather_section(subject: Subject) -> Section | None:
     """Return the flight through a weather record; None without one."""
-    weather = subject.weather
-    if weather is None:
+    if (weather := subject.weather) is None:
         return None
-    caption = "State of charge at every dawn, survival of launches, and the season in this weather."
-    plot = plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4))
-    title, words = "Flight through the weather record", f"{weather.headline()}."
-    drawing = page_figure(plot, caption, title=title, words=words, key="weather")
+    drawing = page_figure(
+        plot_weather(weather, figure=page_options(_WIDE_IN, 6.4)),
+        "State of charge at every dawn, survival of launches, and the season in this weather.",
+        title="Flight through the weather record",
+        words=f"{weather.headline()}.",
+        key="weather",
+    )
     first, *others = weather.at_level(ALL).blocks
     return Section("weather", "Weather", [first, drawing, *others])
 
 
 def verification_section(subject: Subject) -> Section | None:
     """Return the models against a flight log; None without one."""
-    verification = subject.verification
-    if verification is None:
+    if (verification := subject.verification) is None:
         return None
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
-    blocks: list[Block] = [*verification.at_level(ALL).blocks]
-    for name, draw in figures(verification, figure=page_options(_WIDTH_IN + 0.4)):
-        key, caption = f"log-{name}", f"Measured and modelled power: {name}."
-        blocks.append(page_figure(draw(), caption, title=f"Log and models, {name}", key=key))
-    return Section("verification", "Models against the flight log", blocks)
+    drawings = (
+        page_figure(
+            draw(),
+            f"Measured and modelled power: {name}.",
+            title=f"Log and models, {name}",
+            key=f"log-{name}",
+        )
+        for name, draw in figures(verification, figure=page_options(_WIDE_IN))
+    )
+    title, blocks = "Models against the flight log", verification.at_level(ALL).blocks
+    return Section("verification", title, [*blocks, *drawings])
 
 
 # ---- Margins, confidence, inputs
@@ -568,98 +563,76 @@ _TOLERANCE = 1e-4  # of a limit
 _NOT_FLYING_H = -24.0  # what lacks where no design closes
 
 
-class _Quantity(NamedTuple):
-    """A quantity that is moved: words, unit, value of the files, and ends of its range.
-
-    ``worse`` is the end at which nothing flies, ``better`` the other one. ``key``: of the parameter
-    that is moved, by ``scale``; none of the sun.
-    """
-
-    label: str
-    unit: str
-    value: float
-    worse: float
-    better: float
-    key: str = ""
-    scale: float = 1.0
-
-
 def margin_table(subject: Subject) -> Table | None:
     """Return the margin of every quantity to the end of perpetual flight, or its gap.
 
     Without those that have next to none; None where that is true of all.
     """
     nominal = subject.analysis.performance
-    weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
-    day = nominal.day.at(weakest)
+    day = nominal.day.at(np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS])
     required_h = max(subject.mission.required_excess_time_h, 0.0)
-    now_h = _spare_h(nominal.cycle, required_h)
-    holds = now_h >= 0.0
-    quantities = _quantities(subject.aircraft, subject.mission)
+    holds = _spare_h(nominal.cycle, required_h) >= 0.0
 
-    @cache
-    def spare_h(number: int, value: float) -> float:
-        """Return the excess time beyond what is required with one quantity at a value."""
-        if value == quantities[number].value:
-            return now_h
-        moved, (aircraft, mission) = quantities[number], (subject.aircraft, subject.mission)
-        if moved.key:
-            aircraft, mission = with_parameter(aircraft, mission, moved.key, moved.scale * value)
+    def spare_h(key: str, scale: float, values: FloatArray) -> FloatArray:
+        """Return the excess time beyond what is required with a quantity at a value."""
+        aircraft, mission, light = subject.aircraft, subject.mission, day
+        if key:
+            aircraft, mission = with_parameter(aircraft, mission, key, scale * values.item())
+        else:
+            light = day.scaled(scale * values.item())
         try:
             if mission.ceiling_m > mission.altitude_m:
                 design_of(aircraft, mission.at_altitude(mission.ceiling_m))
-            light = day if moved.key else day.scaled(moved.scale * value)
             cycle = performance(aircraft, mission, day=light, keep_trajectory=False).cycle
         except ImpossibleDesignError:
-            return _NOT_FLYING_H
-        return _spare_h(cycle, required_h)
+            return np.array([_NOT_FLYING_H])
+        return np.array([_spare_h(cycle, required_h)])
 
-    def of_all(values: FloatArray) -> FloatArray:
-        each = enumerate(values.tolist())
-        return np.array([np.nan if math.isnan(value) else spare_h(i, value) for i, value in each])
-
-    ends = [quantity.worse if holds else quantity.better for quantity in quantities]
-    now = np.array([quantity.value for quantity in quantities])
-    limits = bracketed_root(of_all, now, np.array(ends), _TOLERANCE)
-    rows = []
-    for quantity, found in zip(quantities, limits.tolist(), strict=True):
-        limit = None if math.isnan(found) else found
-        change = None if limit is None else limit - quantity.value
-        scale = max(abs(quantity.value), 100.0 if quantity.unit == "%" else 1.0)
-        if change is not None and abs(change) <= _NO_MARGIN * scale:
-            continue
-        relative = None if limit is None else relative_change(quantity.value, limit)
-        percent = None if relative is None else 100.0 * relative
-        rows.append((quantity.label, quantity.unit, quantity.value, limit, change, percent))
+    rows: list[tuple[Any, ...]] = []
+    for label, unit, now, worse, better, key in _quantities(subject.aircraft, subject.mission):
+        scale = 0.01 if unit == "%" else 1.0
+        ends = np.array([now]), np.array([worse if holds else better])
+        found = bracketed_root(partial(spare_h, key, scale), *ends, _TOLERANCE).item()
+        if math.isnan(found):
+            rows.append((label, unit, now, None, None, None))
+        elif abs(found - now) > _NO_MARGIN * max(abs(now), 1.0 / scale):
+            relative = relative_change(now, found)
+            rows.append((label, unit, now, found, found - now, relative and 100.0 * relative))
     if not rows:
         return None
-    what = "may become" if holds else "would have to become"
-    than = required(required_h)
     columns = (
         Column("quantity"),
         Column("unit"),
         Column("value", "now", form=".4g"),
-        Column("limit", what, form=".4g", missing="no limit" if holds else "not enough alone"),
+        Column("limit", "may become", form=".4g", missing="no limit"),
         Column("change", form="+.3g"),
         Column("relative", "change", "%", "+z.0f"),
     )
-    title = f"{'margins to the end of' if holds else 'what is missing for'} {than}, one at a time"
+    title = f"margins to the end of {required(required_h)}, one at a time"
+    if not holds:
+        limit = replace(columns[3], label="would have to become", missing="not enough alone")
+        columns = (*columns[:3], limit, *columns[4:])
+        title = f"what is missing for {required(required_h)}, one at a time"
     return Table(title, columns, tuple(rows))
 
 
-def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
-    """Return the quantities that are moved: sun, battery, propulsion, loads, payload."""
+def _quantities(
+    aircraft: Aircraft, mission: Mission
+) -> Iterator[tuple[str, str, float, float, float, str]]:
+    """Yield the quantities that are moved: sun, battery, propulsion, loads, payload.
+
+    Words, unit, value of the files, the end at which nothing flies, the other end, and the key of
+    the parameter, which the sun has none of.
+    """
     battery, avionics = aircraft.battery.specific_energy_wh_per_kg, aircraft.power.avionics_w
-    extra, payload, percent = 100.0 * mission.turbulence.all_day, mission.payload.mass_kg, 0.01
-    return [
-        _Quantity("solar power, relative to the model", "%", 100.0, 0.0, 400.0, "", percent),
-        _Quantity("specific energy of the battery", "Wh/kg", battery, 0.01 * battery, 4.0 * battery,
-                  "battery.specific_energy_wh_per_kg"),
-        _Quantity("propulsion power, beyond level flight", "%", extra, 400.0, -90.0,
-                  "mission.turbulence.all_day", percent),
-        _Quantity("avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0, "power.avionics_w"),
-        _Quantity("payload mass", "kg", payload, payload + 50.0, 0.0, "mission.payload.mass_kg"),
-    ]  # fmt: skip
+    payload, turbulence = mission.payload.mass_kg, mission.turbulence.all_day
+    yield "solar power, relative to the model", "%", 100.0, 0.0, 400.0, ""
+    label, key = "specific energy of the battery", "battery.specific_energy_wh_per_kg"
+    yield label, "Wh/kg", battery, 0.01 * battery, 4.0 * battery, key
+    label, key = "propulsion power, beyond level flight", "mission.turbulence.all_day"
+    yield label, "%", 100.0 * turbulence, 400.0, -90.0, key
+    yield "avionics power", "W", avionics, 1e3 + 10.0 * avionics, 0.0, "power.avionics_w"
+    yield "payload mass", "kg", payload, payload + 50.0, 0.0, "mission.payload.mass_kg"
 
 
 def _spare_h(cycle: Cycle, required: float) -> float:

@@ -216,7 +216,7 @@ def test_only_more_than_half_a_per_cent_is_told_to_be_better(share, told):
         advantage=4.0 * share,
         designs_tried=1000,
     )
-    assert told in cross_check_line(check, Objective.min_wingspan)
+    assert told in cross_check_line(vars(check), Objective.min_wingspan)
 
 
 def test_multiplier_of_the_required_time_is_what_another_hour_costs():
