@@ -15,7 +15,6 @@ from sizing.day.module_power import clear_daylight, on_path, surroundings_in_fli
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from solar.versions import software_record
-from studies.output.gridded import dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +63,9 @@ def component_efficiencies(
     factor = mission.pessimistic_power_factor("FM")
     specific_power = power.specific_power_w_per_m2 * factor
     power = replace(power, specific_power_w_per_m2=specific_power)
-    return dataset(
+    import xarray as xr  # two thirds of a second
+
+    return xr.Dataset(
         _variables(power, orbit.weights),
         {
             "time": ("time", time_h[daylight], {"units": "h", "long_name": "solar time"}),

@@ -11,27 +11,6 @@ from sizing.catalogues.entries import BatteryEntry, Entry
 from sizing.data_rows import data_rows
 from studies.render.tables import MISSING, Column, Table
 
-_TITLES: dict[Kind, str] = {
-    "cells": "solar cells: modules.cell",
-    "batteries": "batteries: battery.cell",
-    "motors": "motors: airframe.propulsion.motor",
-    "propellers": "propellers: airframe.propulsion.propeller.product",
-    "mppts": "MPPTs: modules.mppt_board",
-}
-_NOTES: dict[Kind, str] = {
-    "cells": "Mass with 0.20 kg/m² of encapsulation and cables. What is unknown is that of the "
-    "aircraft's file, else the default.",
-    "batteries": "Wh/kg of the cells; battery.cell_mass_fraction is their share of a pack. "
-    "Basis: min/max is the least energy over the largest mass of the data sheet; typical has a "
-    "typical capacity or mass, since the sheet has no other; stated is the maker's Wh/kg; pack is "
-    "a whole pack. Compare cells of one basis: typical and stated values are up to 10 % above "
-    "min/max. Charge: current over capacity. Loss: at 1 C.",
-    "motors": "Efficiency: the best at 24 V; at more or less current it is lower.",
-    "propellers": "Greatest efficiency: computed by the maker for 3000 rpm, measured in a wind "
-    "tunnel (its speed: --json).",
-    "mppts": "Power: of the modules that one takes. Efficiency: the least that is stated. Input: "
-    "largest voltage and current.",
-}
 # Values that an entry has by another name, or computes.
 _VALUES: dict[str, Callable[[Any], float | None]] = {
     "mass_kg_per_m2": lambda cell: cell.parameters({"efficiency_stc": 1.0}).get("mass_kg_per_m2"),
@@ -44,6 +23,7 @@ _VALUES: dict[str, Callable[[Any], float | None]] = {
 
 def catalogue_table(kind: Kind) -> Table:
     """Return the entries of a catalogue, a row each."""
+    of_kind = {row["catalogue"]: row for row in data_rows("catalogue_notes", "studies")}[kind]
     columns = [
         Column(row["name"], row["label"], row["unit"], row["form"], row["missing"] or MISSING)
         for row in data_rows("catalogues", "studies")
@@ -54,7 +34,7 @@ def catalogue_table(kind: Kind) -> Table:
         for name, entry in entries(kind).items()
     )
     described = (Column("name"), Column("label", "product"), *columns)
-    return Table(_TITLES[kind], described, rows, (_NOTES[kind],))
+    return Table(of_kind["title"], described, rows, (of_kind["note"],))
 
 
 def _value(entry: Entry, column: Column) -> Any:

@@ -59,16 +59,10 @@ def draw_cells(
     ``values``: NaN stays blank, infinity has a colour beyond the top of the scale. Returns the
     cells, for :func:`draw_colour_bar`.
     """
-    low, high = _colour_ends(norm)
-    shown = np.where(np.isposinf(values), high + (high - low), values)
+    beyond = norm.inverse(2.0)
     colours = matplotlib.colormaps["viridis"].with_extremes(over=_UNLIMITED)
+    shown = np.where(np.isposinf(values), beyond, values)
     return axes.pcolormesh(cell_edges(x), cell_edges(y), shown, cmap=colours, norm=norm)
-
-
-def _colour_ends(norm: Normalize) -> tuple[float, float]:
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    return norm.vmin, norm.vmax
 
 
 def draw_colour_bar(
@@ -99,11 +93,8 @@ def hatch_cells(
         marked = status == value
         if not marked.any():
             continue
-        style: dict[str, Any] = {
-            "facecolor": "none" if hatch else night(),
-            "edgecolor": DARK_GREY,
-            "hatch": hatch or None,
-        }
+        style: dict[str, Any] = {"edgecolor": DARK_GREY, "hatch": hatch or None}
+        style["facecolor"] = "none" if hatch else night()
         axes.add_collection(PathCollection([_area(marked, across, up)], linewidth=0.0, **style))
         entries.append(Patch(label=names[value].replace("_", " "), linewidth=0.5, **style))
     return entries
@@ -130,9 +121,8 @@ def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> lis
     where aircraft are sized. Returns entries of a legend, for the reasons that occur.
     """
     reasons = reasons_without_result(data)
-    occurring = sorted(set(reasons[reasons != ""]))
-    hatches = dict(zip(occurring, itertools.cycle(_HATCHES), strict=False))
-    return hatch_cells(axes, x, y, reasons, hatches, {name: name for name in occurring})
+    hatches = dict(zip(sorted({*reasons[reasons != ""]}), itertools.cycle(_HATCHES), strict=False))
+    return hatch_cells(axes, x, y, reasons, hatches, {name: name for name in hatches})
 
 
 def draw_level_lines(
@@ -151,9 +141,9 @@ def draw_level_lines(
     """
     if min(values.shape) < 2 or np.isfinite(values).mean() < _LEAST_SHARE:
         return
-    lowest, highest = _colour_ends(norm)
-    levels = np.asarray(MaxNLocator(at_most).tick_values(lowest, highest))
-    levels = levels[(levels > lowest) & (levels < highest)]
+    ends = norm.inverse(0.0), norm.inverse(1.0)
+    levels = np.asarray(MaxNLocator(at_most).tick_values(*ends))
+    levels = levels[(levels > ends[0]) & (levels < ends[1])]
     lines = axes.contour(x, y, values, levels, colors="black", linewidths=0.7)
     halo = withStroke(linewidth=2.0, foreground="white")  # legible on dark cells too
     for text in axes.clabel(lines, fontsize="small", inline=False):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,8 +39,8 @@ def panel_count(analysis: Analysis) -> int:
 def _draw(
     analysis: Analysis,
     flights: Sequence[Course | CalendarRun],
-    canvas: drawing.Canvas,
     *,
+    canvas: drawing.Canvas,
     ends_h: tuple[float, float],
     nights_h: Sequence[tuple[float, float]],
     day_label: Callable[[int], str],
@@ -48,7 +49,7 @@ def _draw(
     """Draw solar power, load, state of charge and, with climbs, altitude over the clock.
 
     ``flights``: as modelled, then with the model's error less and more, where bands are drawn.
-    ``end``: of the title. ``day_label``: of midnight, by its number counted from 0.
+    ``end``: of the title. ``day_label``: of the midnight that a day begins with, by its number.
     """
     perf, flight, count = analysis.performance, flights[0], panel_count(analysis)
     drawn, panels = drawing.new_figure(
@@ -62,24 +63,24 @@ def _draw(
     after = "of the model" if perf.solar.correction == "none" else "after correction"
     where = model_error_note(perf.mission.altitude_m)
     error = f"RMS error {after}{where}, {percent(perf.solar.rms_relative, '.0f')}"
+    clock_h = flight.clock_h
     for axes, name, scale, colour, label, band in (
         (panels[0], "solar_power_w", 1.0, drawing.SUN, "solar power", error),
         (panels[1], "state_of_charge", 100.0, drawing.CHARGE, "state of charge", "with that error"),
     ):
-        curves = [
-            scale * np.interp(flight.clock_h, each.clock_h, getattr(each, name)) for each in flights
-        ]
-        axes.plot(flight.clock_h, curves[0], "-", color=colour, label=label)
-        if len(curves) > 1:
-            style: dict[str, Any] = {"color": colour, "alpha": 0.2, "linewidth": 0, "label": band}
-            axes.fill_between(flight.clock_h, curves[1], curves[2], **style)
+        curve, *ends = (
+            scale * np.interp(clock_h, each.clock_h, getattr(each, name)) for each in flights
+        )
+        axes.plot(clock_h, curve, "-", color=colour, label=label)
+        if ends:
+            axes.fill_between(clock_h, *ends, color=colour, alpha=0.2, linewidth=0, label=band)
     # Dashes tell it from the sun in a print in grey, too.
-    panels[0].plot(flight.clock_h, flight.load_w, "--", color=drawing.LOAD, label="load")
+    panels[0].plot(clock_h, flight.load_w, "--", color=drawing.LOAD, label="load")
     panels[0].set(ylabel="power [W]", ylim=(0, None))
     panels[1].set(ylabel="charge [%]", ylim=(0, 105), yticks=(0, 50, 100))
     for axes in panels[2:]:
         assert isinstance(flight, Course)
-        axes.plot(flight.clock_h, flight.altitude_m, color=drawing.LOAD)
+        axes.plot(clock_h, flight.altitude_m, color=drawing.LOAD)
         axes.margins(y=0.1)
         axes.set(ylabel="altitude [m]")
     first, last = ends_h
@@ -89,7 +90,7 @@ def _draw(
     most = 4 if drawing.is_narrow(drawn, (0.0, 0.0)) else 8  # labels along the clock
     step = 3 * 2 ** max(math.ceil(math.log2((last - first) / (3 * most))), 0)
     ticks = range(step * math.ceil(first / step), math.floor(last) + 1, step)
-    days = [day_label(tick // 24) if tick % 24 == 0 else "" for tick in ticks]
+    days = [day_label(tick // 24 + 1) if tick % 24 == 0 else "" for tick in ticks]
     labels = [f"{tick % 24:02d}:00\n{day}".strip() for tick, day in zip(ticks, days, strict=True)]
     panels[-1].set_xticks(ticks, labels)
     panels[-1].set(xlim=ends_h, xlabel="solar time")
@@ -101,12 +102,6 @@ def _add_legend(figure: Figure, panels: Sequence[Axes]) -> Figure:
     power, charge = (axes.get_legend_handles_labels()[0] for axes in panels[:2])
     drawing.add_legend(figure, [*power[:2], *charge, *power[2:]], 3)
     return figure
-
-
-def _nights(perf: Performance, index: int) -> list[tuple[float, float]]:
-    """Return dusk and dawn of many nights in a scenario, on the clock of its first day."""
-    sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
-    return [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in _NIGHTS]
 
 
 @drawing.styled
@@ -128,42 +123,34 @@ def plot_cycle(
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
     every, where = (perf, analysis.low, analysis.high), perf.day.scenarios.label(index)
+    sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
+    nights_h = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in _NIGHTS]
+    draw = partial(_draw, analysis, canvas=figure, nights_h=nights_h)
     whole = perf.cycle.perpetual[index] or analysis.mission.flight is not None
     if not whole and np.isfinite(perf.endurance_h[index]):
         longest = perf.endurances
         hours, launch = float(longest.endurance_h[index]), float(longest.launch_h[index])
-        drawn, panels = _draw(
-            analysis,
+        drawn, panels = draw(
             [each.course(index, launch, hours) for each in every],
-            figure,
             ends_h=(launch, launch + hours),
-            nights_h=_nights(perf, index),
-            day_label=lambda day: f"day {day + 1}",
+            day_label="day {}".format,
             end=f", {where}: limited, {amount(hours, 'h', '.1f')}",
         )
-        empty = panels[1].plot(
-            [launch + hours], [0.0], "o", color=drawing.ink(), markersize=4, label="empty"
-        )
-        empty[0].set_clip_on(False)
+        looks: dict[str, Any] = {"color": drawing.ink(), "markersize": 4, "clip_on": False}
+        panels[1].plot([launch + hours], [0.0], "o", label="empty", **looks)
         panels[-1].set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
         return _add_legend(drawn, panels)
     window_h = analysis.mission.flight_window_h(perf.day.scenarios)
-    drawn, panels = _draw(
-        analysis,
+    drawn, panels = draw(
         [_day_of(each, index) for each in every],
-        figure,
         ends_h=(0.0, 24.0) if window_h is None else (window_h[0][index], window_h[1][index]),
-        nights_h=_nights(perf, index),
-        day_label=lambda day: "" if window_h is None else f"day {day + 1}",
+        day_label="".format if window_h is None else "day {}".format,
         end=f", {where}",
     )
     _mark_equal_power(panels[0], perf, index)
     _mark_charge(panels[1], perf, index)
     if (climb := analysis.climb) is not None:
-        # Zero added: what rounds to -0 is no loss.
-        gain = f"{round(float(climb.gain_in_excess_time_h[index]), 1) + 0.0:+.1f}".replace(
-            "-", "\N{MINUS SIGN}"
-        )
+        gain = f"{float(climb.gain_in_excess_time_h[index]):+z.1f}".replace("-", "\N{MINUS SIGN}")
         highest = f"highest {amount(climb.altitude_m[index].max(), 'm', '.0f')}"
         panels[2].set_title(f"{highest}, excess time {gain} h by climbing", fontsize="small")
     return _add_legend(drawn, panels)
@@ -190,8 +177,8 @@ def _mark_equal_power(axes: Axes, perf: Performance, index: int) -> None:
         if np.isfinite(hour):
             level = float(np.interp(hour, perf.day.time_h, perf.load_w[index]))
             axes.plot([hour], [level], "o", color=drawing.ink(), markersize=4)
-            shift = -4 if side == "right" else 4
-            drawing.note(axes, name, (hour, level), (shift, 6), ha=side, fontsize="medium")
+            shift = (-4 if side == "right" else 4, 6)
+            drawing.note(axes, name, (hour, level), shift, ha=side, fontsize="medium")
 
 
 def _mark_charge(axes: Axes, perf: Performance, index: int) -> None:
@@ -244,10 +231,10 @@ def plot_flight(
     drawn, panels = _draw(
         analysis,
         [flight],
-        figure,
+        canvas=figure,
         ends_h=(float(flight.clock_h[0]), float(flight.clock_h[-1])),
         nights_h=flight.clock_h[dark - (0, 1)].tolist(),
-        day_label=lambda day: date_label((first_day + day - 1) % 365 + 1),
+        day_label=lambda day: date_label((first_day + day - 2) % 365 + 1),
     )
     for number, hour in enumerate(flight.full_charge_clock_h):
         label = None if number else "full"

@@ -85,12 +85,11 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
     Text that a spreadsheet would take for a formula gets a quote before it, as OWASP advises
     against CSV injection; numbers stay numbers.
     """
+    formula = ("=", "+", "-", "@", "\t", "\r")
     safe = table.copy()
     for name in safe.select_dtypes(exclude=["number", "bool"]).columns:
-        safe[name] = safe[name].map(_no_formula)
+        safe[name] = [
+            f"'{value}" if isinstance(value, str) and value.startswith(formula) else value
+            for value in safe[name]
+        ]
     return str(safe.to_csv(index=False)).encode()
-
-
-def _no_formula(value: object) -> object:
-    text = isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r"))
-    return f"'{value}" if text else value

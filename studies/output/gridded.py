@@ -70,14 +70,9 @@ class Gridded:
 
     def to_xarray(self) -> xr.Dataset:
         """Return the same as a dataset."""
-        return dataset(self.variables, self.coordinates, self.attrs)
+        import xarray as xr
 
-
-def dataset(variables: Any, coordinates: Any, attrs: Mapping[str, Any]) -> xr.Dataset:
-    """Return a dataset of variables, coordinates and attributes of xarray."""
-    import xarray as xr
-
-    return xr.Dataset(dict(variables), dict(coordinates), dict(attrs))
+        return xr.Dataset(dict(self.variables), dict(self.coordinates), dict(self.attrs))
 
 
 # A type of annotations alone: xarray is not imported for it.
@@ -235,10 +230,11 @@ def variables(
     ``columns``: values by name; what is not described is left out. Returns by name;
     :class:`xarray.Dataset` takes them as well.
     """
-    labelled: dict[str, Labelled] = {}
-    for name, (unit, text) in described.items():
-        if name in columns and name != "status":
-            labelled[name] = Labelled(dims, columns[name], {"units": unit, "long_name": text})
+    labelled = {
+        name: Labelled(dims, columns[name], {"units": unit, "long_name": text})
+        for name, (unit, text) in described.items()
+        if name in columns and name != "status"
+    }
     if "status" not in columns:
         return labelled
     meanings = {
@@ -306,11 +302,9 @@ def shown_places(values: Sequence[float], most: int) -> list[int]:
     every = list(range(len(values)))
     if len(every) <= most:
         return every
-    for step in (1.0, 2.0, 5.0, 10.0, 15.0, 30.0):
-        at_round = [i for i in every if values[i] % step == 0.0]
-        if 0 < len(at_round) <= most:
-            return at_round
-    return every[:: math.ceil(len(every) / most)]
+    at_round = ([i for i in every if values[i] % step == 0.0] for step in (1, 2, 5, 10, 15, 30))
+    few = (indices for indices in at_round if 0 < len(indices) <= most)
+    return next(few, every[:: math.ceil(len(every) / most)])
 
 
 def feasible(data: OnGrid) -> NDArray[np.bool_]:

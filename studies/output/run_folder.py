@@ -117,39 +117,29 @@ def write_run_folder(
     everything else is written.
     """
     aircraft, named = _with_named_files(inputs.aircraft)
-    files = dict(inputs.files)
+    files, contents, trouble = dict(inputs.files), dict(extra), None
     for name, path in named.items():
         polars = path.is_dir()
-        content = read_text(f"{path}/", POLAR_SUFFIXES).encode() if polars else path.read_bytes()
-        extra = {**extra, name: content}
+        text = read_text(f"{path}/", POLAR_SUFFIXES).encode() if polars else path.read_bytes()
+        contents[name] = text
         files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
-    drawn, trouble = _drawn(figures)
-    contents = {
+    try:
+        contents |= {name: draw(name) for name, draw in figures.items()}
+    except Exception as error:
+        trouble = error
+    contents |= {
         AIRCRAFT: _described_file(aircraft, files["aircraft"]),
         MISSION: _described_file(inputs.mission, files["mission"]),
-        RUN: b"",
         RESULTS: _json_bytes(record),
-        **extra,
-        **drawn,
     }
-    contents[RUN] = _json_bytes({**run_record(inputs.solar, files), "files": sorted(contents)})
+    run = run_record(inputs.solar, files) | {"files": sorted([*contents, RUN])}
     earlier = _files_of_run(folder)
-    write_folder(folder, contents)
-    for name in earlier - contents.keys():
+    write_folder(folder, contents | {RUN: _json_bytes(run)})
+    for name in earlier - {RUN, *contents}:
         with suppress(OSError):  # a folder of that name is none of ours
             (folder / name).unlink(missing_ok=True)
     if trouble is not None:
         raise trouble
-
-
-def _drawn(
-    figures: Mapping[str, Callable[[str], bytes]],
-) -> tuple[dict[str, bytes], Exception | None]:
-    """Return the files of figures, or none and the reason."""
-    try:
-        return {name: draw(name) for name, draw in figures.items()}, None
-    except Exception as error:
-        return {}, error
 
 
 def _read(path: Path) -> bytes:
@@ -181,20 +171,18 @@ def _with_named_files(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], d
     """
     data = copy.deepcopy(dict(aircraft))
     files: dict[str, Path] = {}
-    airframe = data["airframe"]
+    propulsion = data["airframe"].get("propulsion") or {}
     for holder, key, role in (
-        (airframe.get("aerodynamics"), "airfoil", POLAR),
-        (airframe.get("propulsion"), "motor", "motor"),
+        (data["airframe"].get("aerodynamics") or {}, "airfoil", POLAR),
+        (propulsion, "motor", "motor"),
         (data["modules"], "cell", "cell"),
         (data["battery"], "cell", "battery-cell"),
     ):
-        path = (holder or {}).get(key)
-        if holder is None or not isinstance(path, str) or not path.lower().endswith(PATH_SUFFIXES):
-            continue
-        suffix = ".txt" if path.endswith("/") else Path(path).suffix
-        holder[key] = f"{role}{suffix}"
-        files[holder[key]] = Path(path)
-    propeller = (airframe.get("propulsion") or {}).get("propeller") or {}
+        path = holder.get(key)
+        if isinstance(path, str) and path.lower().endswith(PATH_SUFFIXES):
+            holder[key] = f"{role}{'.txt' if path.endswith('/') else Path(path).suffix}"
+            files[holder[key]] = Path(path)
+    propeller = propulsion.get("propeller") or {}
     if table := propeller.get("table"):
         # Names of runs in a wind tunnel hold size and speed.
         paths = [Path(name) for name in ([table] if isinstance(table, str) else table)]

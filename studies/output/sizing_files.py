@@ -28,6 +28,7 @@ from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
+from studies.quantities import words
 from studies.render.analysis import cells_line
 from studies.render.words import extrapolation_caption
 from studies.serialise import serialise
@@ -76,13 +77,10 @@ def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
 
 def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
     """Return the tables of an optimum by the names of their files."""
-    contents = {
-        "scenarios.csv": csv_bytes(study.scenarios()),
-        "masses.csv": csv_bytes(study.masses()),
-    }
+    tables = {"scenarios": study.scenarios(), "masses": study.masses()}
     if study.sensitivities:
-        contents["sensitivities.csv"] = csv_bytes(data_frame(serialise(study.sensitivities)))
-    return contents
+        tables["sensitivities"] = data_frame(serialise(study.sensitivities))
+    return {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
 
 
 def sizing_figures(
@@ -188,12 +186,11 @@ def plot_masses(
     notes : sequence of str
         Line below the title.
     """
-    items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
+    kg = sorted(((mass, words(name)) for name, mass in masses_kg.items() if mass > 0.0))
     drawn, (axes,) = drawing.new_figure(
         canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), lines=True, grid=""
     )
-    names = ["MPPT" if k == "mppt" else k.replace("_", " ") for k, _ in items]
-    bars = axes.barh(names, [v for _, v in items], color=drawing.LOAD)
+    bars = axes.barh([name for _, name in kg], [mass for mass, _ in kg], color=drawing.LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")
     axes.margins(x=0.2)
@@ -227,9 +224,8 @@ def plot_flight_envelope(analysis: Analysis, *, figure: drawing.Canvas = DEFAULT
     airspeed = np.linspace(0.0, envelope.dive_speed_m_per_s, 400)
     up, down = envelope.manoeuvre(airspeed)
     axes.fill_between(airspeed, down, up, color=drawing.CHARGE, alpha=0.15, linewidth=0)
-    outline = np.concatenate([up, down[::-1]])
-    around = np.concatenate([airspeed, airspeed[::-1]])
-    axes.plot(around, outline, color=drawing.CHARGE, label="manoeuvres")
+    around = np.stack([np.append(airspeed, airspeed[::-1]), np.append(up, down[::-1])])
+    axes.plot(*around, color=drawing.CHARGE, label="manoeuvres")
     speeds, gusts = np.transpose(envelope.gusts)
     for sign, name in ((1.0, "gusts at cruise and dive speed"), (-1.0, "")):
         factors = 1.0 + sign * gusts
@@ -266,9 +262,8 @@ def plot_cells(aircraft: Aircraft, *, figure: drawing.Canvas = DEFAULT) -> Figur
     layout, wing, tail = aircraft.modules.layout, aircraft.wing, aircraft.modules.tail
     if layout is None:
         raise ValueError(f"{aircraft.name} has no modules.layout")
-    edges = layout.outline(wing)
-    wing_shape = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in edges[::-1]]
-    shapes, aft_m = [wing_shape], wing.chord_m
+    edges, aft_m = layout.outline(wing), wing.chord_m
+    shapes = [[(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in edges[::-1]]]
     if tail is not None and layout.tail_cells:
         half, aft_m = tail.horizontal_span_m / 2.0, tail.horizontal_aft_m + tail.horizontal_chord_m
         shapes.append(drawing.box(-half, half, tail.horizontal_aft_m, aft_m))

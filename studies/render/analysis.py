@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -20,7 +21,7 @@ from sizing.relaxed_flight import Relaxation
 from sizing.validity.ranges import model_error_note
 from solar.sun import solar_time_h
 from studies import quantities as q
-from studies.render.tables import ALL, MISSING, Line, Table, clock_label, facts
+from studies.render.tables import ALL, UNLIMITED, Line, Table, clock_label, facts
 from studies.render.words import (
     amount,
     clock_of_day,
@@ -65,24 +66,19 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
         f"{f', worst of {scenarios} scenarios' if scenarios > 1 else ''}: {_status(analysis)}"
     )
     facts = in_columns(_analysis_facts(analysis, level), analysis, level)
-    beyond, alone = coverage_line(analysis), analysis.relaxations
-    relaxations: list[Any] = []  # what alone would make a flight perpetual
-    if alone and everything:
-        relaxations.append(relaxation_table(alone, "perpetual"))
-    elif alone:
-        relaxations.append(_in_a_line(alone[:2]))
-    flight: list[Any] = []
+    alone, flight = analysis.relaxations, []
     if analysis.flight is not None:
         table = flight_table(analysis.flight)
         text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
-        flight.append(table if everything else f"{table.title}: {text}")
+        flight = [table if everything else f"{table.title}: {text}"]
+    relaxations = relaxation_table(alone, "perpetual") if everything else _in_a_line(alone[:2])
     return {
         "answer": [Line(title, "strong"), answer(analysis), *facts],
         "parts": part_blocks(analysis) if everything else [],
         "scenarios": [scenario_table(analysis)] if everything and scenarios > 1 else [],
-        "relaxations": relaxations,
+        "relaxations": [relaxations] if alone else [],
         "flight": flight,
-        "warnings": [] if beyond is None else [Line(beyond, "warning")],
+        "warnings": coverage_lines(analysis),
         "extrapolations": extrapolation_blocks(analysis.extrapolations, level),
         "sources": sources(analysis, level),
         "error": [
@@ -194,26 +190,21 @@ def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
 
 def _in_a_line(relaxations: Sequence[Relaxation]) -> str:
     """Return the single changes that suffice, in a line."""
-    changes = (
-        f"{parameter_words(row.parameter)} {row.direction} {given(row.value, row.unit)}"
-        for row in relaxations
-    )
+    changes = (f"{parameter_words(row.parameter)} {_needed(row)}" for row in relaxations)
     return f"perpetual with one change: {', or '.join(changes)}"
 
 
-def coverage_line(analysis: Analysis) -> str | None:
-    """Return a note on modules that cover more of the wing than the file allows; else None."""
+def coverage_lines(analysis: Analysis) -> list[Line]:
+    """Return a note on modules that cover more of the wing than the file allows, if they do."""
     airframe, design = analysis.aircraft.airframe, analysis.design
     if isinstance(airframe, MeasuredAirframe):
-        return None
+        return []
     covered = float(design.variables.module_area_m2 / design.wing_area_m2)
-    most = airframe.maximum_module_coverage
+    most, cover = airframe.maximum_module_coverage, percent(covered, ".0f")
     if covered <= most * (1.0 + ROW_TOLERANCE):
-        return None
-    return (
-        f"The modules cover {percent(covered, '.0f')} of the wing, more than the "
-        f"{percent(most, 'g')} of airframe.maximum_module_coverage."
-    )
+        return []
+    text = f"The modules cover {cover} of the wing, more than the {percent(most, 'g')} of"
+    return [Line(f"{text} airframe.maximum_module_coverage.", "warning")]
 
 
 # ---- Blocks that other results have as well
@@ -299,12 +290,10 @@ def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
 
 def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
     """Return what was left out of the files, and which values catalogues gave."""
-    lines = [*result.reading_notes]
-    taken = result.aircraft.from_catalogues() if level >= ALL else ()
-    by_product: dict[str, list[str]] = {}
-    for row in taken:
-        by_product.setdefault(row.label, []).append(f"{row.key} {row.text}")
-    if taken:
+    lines, by_product = [*result.reading_notes], defaultdict(list)
+    for row in result.aircraft.from_catalogues() if level >= ALL else ():
+        by_product[row.label].append(f"{row.key} {row.text}")
+    if by_product:
         parts = (f"{', '.join(values)} of {label}" for label, values in by_product.items())
         lines.append(f"From catalogues: {'; '.join(parts)}.")
     return [Line(text, "faint") for text in lines]
@@ -320,15 +309,15 @@ def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
 
 def drag_table(shares: DragShares) -> Table:
     """Return the drag of the parts in level flight, with their shares."""
-    columns = q.group("part drag_coefficient share_of_drag")
     parts = {q.words(name): coefficient for name, coefficient in shares._asdict().items()}
     parts |= {"sum": shares.total, "all but wing and trim": shares.parasitic}
-    rows = [
+    rows = tuple(
         (name, float(coefficient), float(coefficient / shares.total))
         for name, coefficient in parts.items()
         if coefficient != 0.0
-    ]
-    return Table("drag budget of level flight", columns, tuple(rows))
+    )
+    columns = q.group("part drag_coefficient share_of_drag")
+    return Table("drag budget of level flight", columns, rows)
 
 
 def balance_table(balance: BalanceAssessment) -> Table:
@@ -343,16 +332,17 @@ def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible")
     """Return values of single parameters that each suffice alone, smallest change first."""
     parameter, now, needed, key = q.group("parameter now needed key")
     columns = (parameter, now, replace(needed, to_right=True), key)
-    rows = [
-        (
-            parameter_words(row.parameter),
-            row.present,
-            f"{row.direction} {given(row.value, row.unit)}",
-            row.parameter if "." in row.parameter else MISSING,
-        )
+    rows = tuple(
+        (parameter_words(row.parameter), row.present, _needed(row),
+         row.parameter if "." in row.parameter else None)
         for row in relaxations
-    ]
-    return Table(f"{title} with one of these, all else unchanged", columns, tuple(rows))
+    )  # fmt: skip
+    return Table(f"{title} with one of these, all else unchanged", columns, rows)
+
+
+def _needed(row: Relaxation) -> str:
+    """Return the value of a parameter that suffices."""
+    return f"{row.direction} {given(row.value, row.unit)}"
 
 
 def uncertainty_line(analysis: Analysis) -> str:
@@ -361,29 +351,23 @@ def uncertainty_line(analysis: Analysis) -> str:
     Where the worst scenario is another one with less sun, that one is named. The mission's
     uncertainty margins are taken off before that error.
     """
-    low, high, mission = analysis.low, analysis.high, analysis.mission
-    ends_h = [low.least_excess_time_h, high.least_excess_time_h]
+    low, mission = analysis.low, analysis.mission
+    solar, where = low.solar, model_error_note(mission.altitude_m)
+    least, most = (hours(end.least_excess_time_h) for end in (low, analysis.high))
     # Less sun may turn a scenario with a short day into the worst one.
     at = "" if low.worst_scenario() == analysis.worst else f" ({low.worst_label})"
-    means = (
-        f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
-        if hours(ends_h[0]) == hours(ends_h[1])
-        else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
-    )
-    solar, with_margins = low.solar, mission.uncertainty_margins.is_set
+    leaves, puts = ("would leave", "would put") if where else ("leaves", "puts")
+    means = f"{puts} the excess time between {least}{at} and {most}"
+    if least == most:
+        means = f"{leaves} the excess time {least if least == UNLIMITED else f'at {least}'}"
+    with_margins = mission.uncertainty_margins.is_set
     beyond = ", on top of the mission's uncertainty margins," if with_margins else ""
-    plain = solar.correction == "none"
-    error = "the model's RMS error" if plain else "the RMS error left after it"
-    if where := model_error_note(mission.altitude_m):
-        return (
-            f"{solar.label}; its error at {given(mission.altitude_m, 'm')} is not known. One of "
-            f"{percent(solar.rms_relative, '.0f')} of the mean power,{where},{beyond[1:]} "
-            f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
-        )
-    return (
-        f"{solar.label}; {error} of "
-        f"{percent(solar.rms_relative, '.0f')} of the mean power{beyond} {means}."
-    )
+    error = "the model's RMS error" if solar.correction == "none" else "the RMS error left after it"
+    relative = f"{percent(solar.rms_relative, '.0f')} of the mean power"
+    if where:
+        unknown = f"its error at {given(mission.altitude_m, 'm')} is not known"
+        return f"{solar.label}; {unknown}. One of {relative},{where},{beyond[1:]} {means}."
+    return f"{solar.label}; {error} of {relative}{beyond} {means}."
 
 
 def wind_rows(wind: Wind | None) -> list[tuple[str, str]]:

@@ -85,16 +85,16 @@ def make_report(
     """
     check_subjects(aircraft, mission)
     solar, here = SolarModel(model, correction), InputFile("given in Python", None)
-    as_files = (
+    as_files = [
         described.model_dump(mode="json", by_alias=True, exclude_unset=True)
         for described in (aircraft, mission)
-    )
+    ]
     return render(
         Subject(
             aircraft,
             mission,
             solar,
-            RunInputs(*as_files, solar, {"aircraft": here, "mission": here}),
+            RunInputs(as_files[0], as_files[1], solar, {"aircraft": here, "mission": here}),
             sizing=sizing.to_dict() if isinstance(sizing, SizingStudy) else sizing,
             verification=verification,
             weather_record=weather,

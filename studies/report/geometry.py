@@ -67,11 +67,8 @@ class Drawing:
         self.chords: Chords = ((0.0, root_m), (half_m, root_m))
         wing_note = "Wing: a rectangle of wingspan and aspect ratio, as all models take it."
         if planform is not None:
-            ends = (
-                (planform.inner_fraction * half_m, root_m),
-                (half_m, planform.taper_ratio * root_m),
-            )
-            self.chords = ((0.0, root_m), *ends)
+            tip = half_m, planform.taper_ratio * root_m
+            self.chords = ((0.0, root_m), (planform.inner_fraction * half_m, root_m), tip)
             wing_note = (
                 "Wing: two panels of airframe.planform, the quarter chord straight; structure and "
                 "Reynolds number have the mean chord."
@@ -80,10 +77,10 @@ class Drawing:
             wing_note = (
                 "Wing: modules.layout.planform and its mean chord; the models take a rectangle."
             )
-        edges = [(y, self.front_at(y)) for y, _ in self.chords[1:]]
-        right = [(y, front, front + self.chord_at(y)) for y, front in edges]
-        outline = (*((-y, front, rear) for y, front, rear in reversed(right)), *right)
-        self.outline = outline if layout is None else tuple(layout.outline(aircraft.wing))
+        places = [y for y, _ in self.chords[1:]]
+        places = [*(-y for y in reversed(places)), *places]
+        edges = tuple((y, self.front_at(y), self.front_at(y) + self.chord_at(y)) for y in places)
+        self.outline = edges if layout is None else tuple(layout.outline(aircraft.wing))
         self.incidence_deg = 0.0 if geometry is None else geometry.wing_incidence_deg
         self.dihedral_deg, self.dihedral_from_m = _dihedral(geometry, airframe.wingspan_m)
         self.tail, tail_note, tail_known = _tail(aircraft, wing, rib_wing)
@@ -92,27 +89,20 @@ class Drawing:
         by_keys, side_m = getattr(airframe, "tail", None), self.tail.horizontal_span_m / 2.0
         twin = by_keys is not None and max(rule.booms, by_keys.fins) == 2
         self.booms_m = (-side_m, side_m) if twin else (0.0,)
-        parts = {
-            "section": rib_wing,
-            "spar": rib_wing,
-            "tail": tail_known,
-            "modules": modules_known,
-        }
-        self.schematic = frozenset({"pod", *(part for part, known in parts.items() if not known)})
-        self.notes = [wing_note, modules_note, tail_note]
-        if rib_wing is None:
-            self.notes.append(
-                "Spar line and section: schematic, no structure model of the file gives them."
-            )
-        else:
-            self.notes.append(
+        by_structure = rib_wing is not None
+        parts = {"section": by_structure, "spar": by_structure}
+        parts |= {"tail": tail_known, "modules": modules_known, "pod": False}
+        self.schematic = frozenset(part for part, known in parts.items() if not known)
+        section = "Spar line and section: schematic, no structure model of the file gives them."
+        if rib_wing is not None:
+            section = (
                 f"Section {percent(rib_wing.thickness_ratio, 'g')} thick, boom of "
                 f"{given(rib_wing.boom_diameter_chords)} chords and box spar: as the structure "
                 "model has them, the spar at 30 % of the chord, where the section is thickest."
             )
-        if geometry is None:
-            self.notes.append("Dihedral and incidence: the file has none; drawn without.")
-        self.notes.append(f"Nose and pod (dashed): schematic. {_propeller_note(aircraft)}")
+        angles = [] if geometry else ["Dihedral and incidence: the file has none; drawn without."]
+        pod_note = f"Nose and pod (dashed): schematic. {_propeller_note(aircraft)}"
+        self.notes = [wing_note, modules_note, tail_note, section, *angles, pod_note]
 
     def chord_at(self, right_m: float) -> float:
         """Return the chord of the wing at a place of the span [m]."""
@@ -186,10 +176,10 @@ def _tail(
         changes = {"horizontal_height_m": on_top}
         changes |= {"vertical_height_m": -tail.vertical_height_m} if hangs else {}
         tail = tail.model_copy(update=changes)
+    horizontal, vertical = amount(planes.horizontal_m2, form=".3g"), planes.vertical_m2
     areas = (
-        f"areas {amount(planes.horizontal_m2, form='.3g')} and "
-        f"{amount(planes.vertical_m2, 'm2', '.3g')}, "
-        f"{given(rule.fuselage_chords)} chords behind the wing"
+        f"areas {horizontal} and {amount(vertical, 'm2', '.3g')}, {given(rule.fuselage_chords)} "
+        "chords behind the wing"
     )
     if structure is None:
         return tail, f"Tail: schematic, by a common tail volume ({areas}).", False
@@ -227,9 +217,8 @@ def _module_places(aircraft: Aircraft, chords: Chords) -> tuple[tuple[Rectangle,
         return outlines, "Solar modules: the outlines of the aircraft file.", True
     if area_m2 == 0.0:
         return (), "Solar modules: none.", True
-    why = "the file has no outlines"
-    if outlines:
-        why = "the file's outlines are those of another area"
+    of_another = "the file's outlines are those of another area"
+    why = of_another if outlines else "the file has no outlines"
     note = f"Solar modules: {amount(area_m2, 'm2', '.3g')} as a band, schematic: {why}."
     return _band(chords, area_m2), note, False
 
@@ -238,13 +227,11 @@ def _outlines(geometry: ModuleGeometry | None) -> tuple[Rectangle, ...]:
     """Return the outlines of all modules; none where one of them has none."""
     outlines = []
     for surface in () if geometry is None else geometry.surfaces:
-        outline = surface.outline
-        if outline is None:
+        if (outline := surface.outline) is None:
             return ()
-        left, right = outline.inboard_m, outline.outboard_m
-        if surface.side == "left":
-            left, right = -right, -left
-        outlines.append(Rectangle(left, right, outline.front_m, outline.rear_m))
+        ends = outline.inboard_m, outline.outboard_m
+        ends = (-ends[1], -ends[0]) if surface.side == "left" else ends
+        outlines.append(Rectangle(*ends, outline.front_m, outline.rear_m))
     return tuple(outlines)
 
 
@@ -256,10 +243,8 @@ def _band(chords: Chords, area_m2: float) -> tuple[Rectangle, ...]:
     for inner, outer, mean_m, tip_m in panels:
         deep = min(share * mean_m, tip_m)
         front = QUARTER * (chords[0][1] - tip_m) + (tip_m - deep) / 2.0
-        bands += [
-            Rectangle(-outer, -inner, front, front + deep),
-            Rectangle(inner, outer, front, front + deep),
-        ]
+        for ends in ((-outer, -inner), (inner, outer)):
+            bands.append(Rectangle(*ends, front, front + deep))
     return tuple(bands)
 
 

@@ -79,16 +79,16 @@ def plot_three_view(
     _draw_above(panels[0], drawing, room_m)
     _draw_ahead(panels[1], drawing)
     _draw_left(panels[2], drawing, room_m)
+    looks: dict[str, Any] = {"color": ink(), "markersize": 6, "linestyle": ""}
     for name, place_m, marker, fill in (
         ("centre of gravity", gravity_m, "o", ink()),
         ("neutral point", neutral_m, "D", paper()),
     ):
         if place_m is not None:
-            looks: dict[str, Any] = {"color": ink(), "markerfacecolor": fill, "linestyle": ""}
-            panels[0].plot([0.0], [-place_m], marker=marker, markersize=6, label=name, **looks)
-    modules = [Patch(facecolor=LOAD, alpha=0.6, label=drawing.modules_are)]
+            looks |= {"marker": marker, "markerfacecolor": fill}
+            panels[0].plot([0.0], [-place_m], label=name, **looks)
     entries = [
-        *(modules if drawing.modules else []),
+        *(Patch(facecolor=LOAD, alpha=0.6, label=drawing.modules_are) for _ in drawing.modules[:1]),
         Line2D([], [], color=VERMILLION, label="spar"),
         Patch(facecolor="none", edgecolor=ink(), linestyle="--", label="schematic"),
         *panels[0].get_legend_handles_labels()[0],
@@ -153,12 +153,11 @@ def _section(thickness_ratio: float, incidence_deg: float = 0.0) -> Any:
 def _dimension(axes: Axes, x: float, y: float, right: float, up: float) -> None:
     """Draw an arrow from a place so far to the right and up, and its length beside it."""
     arrow(axes, (x, y), (x + right, y + up), DARK_GREY)
-    aside: dict[str, Any] = (
-        {"ha": "center", "va": "bottom"} if right else {"ha": "left", "va": "center"}
-    )
-    middle = (x + right / 2.0, y + up / 2.0)
-    text = amount(max(abs(right), abs(up)), "m")
-    note(axes, text, middle, (0, 2) if right else (4, 0), **aside)
+    text, middle = amount(max(abs(right), abs(up)), "m"), (x + right / 2.0, y + up / 2.0)
+    if right:
+        note(axes, text, middle, (0, 2), ha="center", va="bottom")
+    else:
+        note(axes, text, middle, (4, 0), ha="left", va="center")
 
 
 # ---- Views
@@ -168,21 +167,20 @@ def _draw_above(axes: Axes, drawing: Drawing, room_m: float) -> None:
     """Draw the plan view, whose ordinate is forward of the leading edge of the root."""
     tail, half, chord = drawing.tail, drawing.wingspan_m / 2.0, drawing.chord_m
     boom, side = drawing.boom_m / 2.0, tail.horizontal_span_m / 2.0
-    for place in drawing.booms_m:
-        points = box(place - boom, place + boom, -drawing.tail_end_m, 0.0)
-        _shape(axes, drawing, "tail", points, paper())
+    for y in drawing.booms_m:
+        boom_shape = box(y - boom, y + boom, -drawing.tail_end_m, 0.0)
+        _shape(axes, drawing, "tail", boom_shape, paper())
     pod = _ellipse(0.0, (_NOSE - _POD / 2.0) * chord, _DEPTH * chord, _POD * chord)
     _shape(axes, drawing, "pod", pod, paper())
     front, rear = -tail.horizontal_aft_m, -tail.horizontal_aft_m - tail.horizontal_chord_m
     _shape(axes, drawing, "tail", box(-side, side, rear, front))
     fin = (-tail.vertical_aft_m, -tail.vertical_aft_m - tail.vertical_chord_m)
-    for place in drawing.booms_m:
-        axes.plot([place, place], fin, color=ink(), linewidth=1.4, gid="fin")
+    axes.plot([drawing.booms_m] * 2, fin, color=ink(), linewidth=1.4, gid="fin")
     leading = [(y, -edge) for y, edge, _ in drawing.outline]
     trailing = [(y, -edge) for y, _, edge in reversed(drawing.outline)]
     _shape(axes, drawing, "wing", [*leading, *trailing])
+    looks = {"edgecolor": LOAD, "linewidth": 0.5, "alpha": 0.6}
     for m in drawing.modules:
-        looks = {"edgecolor": LOAD, "linewidth": 0.5, "alpha": 0.6}
         points = box(m.left_m, m.right_m, -m.rear_m, -m.front_m)
         _shape(axes, drawing, "modules", points, LOAD, **looks)
     dashed = "--" if "spar" in drawing.schematic else "-"
@@ -234,9 +232,8 @@ def _draw_left(axes: Axes, drawing: Drawing, room_m: float) -> None:
     _shape(axes, drawing, "tail", plane + np.array([tail.horizontal_aft_m, tail.height_m]))
     section = _section(drawing.thickness_ratio, drawing.incidence_deg)
     for y in (drawing.wingspan_m / 2.0, 0.0) if drawing.dihedral_deg else (0.0,):
-        points = drawing.chord_at(y) * section + np.array(
-            [drawing.front_at(y), drawing.height_m(y)]
-        )
+        edge = np.array([drawing.front_at(y), drawing.height_m(y)])
+        points = drawing.chord_at(y) * section + edge
         _shape(axes, drawing, "section", points, "none" if y else GREY)
     _dimension(axes, end + room_m / 2.0, low, 0.0, high - low)
     _dimension(axes, 0.0, _heights(drawing)[0] - room_m, end, 0.0)

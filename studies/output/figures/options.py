@@ -97,13 +97,13 @@ class FigureOptions:
         ValueError
             If there is no such style, or its file is not one.
         """
-        settings_of_style = _settings_of_file(_shipped("default"), "default")
+        settings = style_settings("default")
         if self.style != "default":
-            settings_of_style |= style_settings(self.style)
+            settings |= style_settings(self.style)
         if self.size_in is not None:
-            usual = settings_of_style.get("font.size", 10.0)
-            settings_of_style["font.size"] = type_within(usual, *filter(None, self.size_in))
-        return settings_of_style
+            usual = settings.get("font.size", 10.0)
+            settings["font.size"] = type_within(usual, *filter(None, self.size_in))
+        return settings
 
 
 DEFAULT = FigureOptions()
@@ -152,15 +152,13 @@ def read_size(text: str) -> tuple[float, float | None]:
 
     Returns width and height [in].
     """
-    match = _SIZE.fullmatch(text.strip())
-    if match is None:
+    if (match := _SIZE.fullmatch(text.strip())) is None:
         raise ValueError(
             f"{text!r} is no size of a figure; allowed: WIDTHxHEIGHT or WIDTH with mm, cm or in, "
             "for example 170x100mm, 7x4in or 85mm"
         )
-    per_inch = _UNITS_PER_INCH[match["unit"]]
-    height = None if match["height"] is None else float(match["height"]) / per_inch
-    size_in = (float(match["width"]) / per_inch, height)
+    per_inch, height = _UNITS_PER_INCH[match["unit"]], match["height"]
+    size_in = float(match["width"]) / per_inch, float(height) / per_inch if height else None
     FigureOptions(size_in=size_in)
     return size_in
 
@@ -194,7 +192,10 @@ def in_style(options: FigureOptions) -> Iterator[None]:
 def style_settings(style: str) -> dict[str, Any]:
     """Return the settings of a shipped style, one of matplotlib's, or a file."""
     if style in SHIPPED_STYLES:
-        return _settings_of_file(_shipped(style), style)
+        from importlib import resources  # which a page of help does not need
+
+        place = resources.files("studies.output.figures") / "styles" / f"{style}.mplstyle"
+        return _settings_of_file(place.read_text(encoding="utf-8"), style)
     known_styles: dict[str, Any] = library().style.library
     if style in known_styles:
         return dict(known_styles[style])
@@ -210,13 +211,6 @@ def style_settings(style: str) -> dict[str, Any]:
             "matplotlib such as grayscale, or an .mplstyle file"
         ) from None
     return _settings_of_file(text, style)
-
-
-def _shipped(name: str) -> str:
-    from importlib import resources  # which a page of help does not need
-
-    place = resources.files("studies.output.figures") / "styles" / f"{name}.mplstyle"
-    return place.read_text(encoding="utf-8")
 
 
 def _settings_of_file(text: str, source: str) -> dict[str, Any]:
@@ -246,21 +240,16 @@ def _settings_of_file(text: str, source: str) -> dict[str, Any]:
 
 def _check_lengths(key: str, value: Any, where: str) -> None:
     """Refuse numbers that matplotlib takes and cannot draw."""
-    numbers = [number for number in _flat(value) if isinstance(number, int | float)]
-    least, most = (_LEAST_TYPE, _MOST_TYPE) if key == "font.size" else (-math.inf, math.inf)
-    if key.endswith(("size", "width", "pad")):
-        most = min(most, _MOST_LENGTH)
-    wrong = [
-        number for number in numbers if not (math.isfinite(number) and least <= number <= most)
-    ]
-    if wrong:
-        among = f"from {least:g} to {most:g}" if key == "font.size" else f"at most {most:g}"
-        allowed = "a finite number" if math.isinf(most) else among
-        raise ValueError(f"{where}: must be {allowed} (got {wrong[0]:g})")
-
-
-def _flat(value: Any) -> list[Any]:
-    """Return the items of a nested list; a single value is its only item."""
     if isinstance(value, list | tuple):
-        return [item for part in value for item in _flat(part)]
-    return [value]
+        for item in value:
+            _check_lengths(key, item, where)
+        return
+    least, most, allowed = -math.inf, math.inf, "a finite number"
+    if key == "font.size":
+        least, most = _LEAST_TYPE, _MOST_TYPE
+        allowed = f"from {least:g} to {most:g}"
+    elif key.endswith(("size", "width", "pad")):
+        most = _MOST_LENGTH
+        allowed = f"at most {most:g}"
+    if isinstance(value, int | float) and not (math.isfinite(value) and least <= value <= most):
+        raise ValueError(f"{where}: must be {allowed} (got {value:g})")
