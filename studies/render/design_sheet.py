@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from sizing.aircraft import ParametricAirframe
+from sizing.data_rows import data_rows
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, parameter_value
 from sizing.results.analysis import Analysis
@@ -17,34 +17,8 @@ from studies import quantities as q
 if TYPE_CHECKING:
     import pandas as pd
 
-_MASSES = "masses"
-# Keys of each group, in the order of the sheet; the parts of the mass come first in theirs.
-_GROUPS = {
-    "geometry": "wingspan_m aspect_ratio wing_area_m2 chord_m module_area_m2 module_coverage",
-    _MASSES: "total_mass_kg wing_loading_kg_per_m2",
-    "balance": "centre_of_gravity_m neutral_point_m static_margin",
-    "flight": """
-        airspeed_m_per_s lift_coefficient reynolds_number stall_speed_m_per_s climb_rate_m_per_s
-        """,
-    "power": "propulsion_power_w rated_power_w load_w",
-    "energy": """
-        battery_energy_wh cruise_discharge_rate_per_h solar_energy_wh excess_time_h charge_margin_h
-        minimum_state_of_charge endurance_h
-        """,
-    "technology": """
-        modules.efficiency_stc modules.mppt_efficiency modules.mass_kg_per_m2
-        battery.specific_energy_wh_per_kg battery.charge_efficiency battery.discharge_efficiency
-        """,
-}
-# What is known without a structure and a polar.
-_OF_MEASURED = """
-    total_mass_kg battery_energy_wh wing_area_m2 chord_m module_coverage wing_loading_kg_per_m2
-    airspeed_m_per_s propulsion_power_w load_w cruise_discharge_rate_per_h
-    """
 
-
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """Quantity of a design with its value, infinite if unlimited; ``group``: its table."""
 
     group: str
@@ -57,8 +31,7 @@ class Entry:
         return text, unit
 
 
-@dataclass(frozen=True)
-class DesignSheet:
+class DesignSheet(NamedTuple):
     """Quantities of a design on a mission.
 
     ``title``: aircraft and mission. ``notes``: model, correction and scenario of the energy.
@@ -70,12 +43,11 @@ class DesignSheet:
 
     def to_frame(self) -> pd.DataFrame:
         """Return the quantities as a pandas frame, all digits; the unit is ``1`` where none is."""
-        rows = (
-            (e.group, of.name, of.label, of.symbol, of.unit or "1", e.value)
-            for e in self.quantities
-            for of in [e.quantity]
-        )
-        return data_frame(list(rows), ["group", "key", "label", "symbol", "unit", "value"])
+        rows = [
+            (group, of.name, of.label, of.symbol, of.unit or "1", value)
+            for group, of, value in self.quantities
+        ]
+        return data_frame(rows, ["group", "key", "label", "symbol", "unit", "value"])
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:
@@ -83,37 +55,28 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
     aircraft, design = analysis.aircraft, analysis.design
     measured = not isinstance(aircraft.airframe, ParametricAirframe)  # in one part
     words = {"other": "airframe, propulsion, avionics"} if measured else {}
-    masses = {
-        q.Quantity(
-            f"{name}_mass_kg",
-            f"mass: {words.get(name, q.words(name))}",
-            "kg",
-            ".3f",
-            symbol=rf"m_\mathrm{{{name}}}",
-        ): float(mass)
-        for name, mass in design.masses._asdict().items()
-        if float(mass) > 0.0
-    }
-    values = analysis.scenario() | {part.name: mass_kg for part, mass_kg in masses.items()}
+    values = analysis.scenario() | {}
     values |= {each.name: each.of(design) for each in q.CHOSEN}
     values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
-    known = _OF_MEASURED.split() if measured else list(QUANTITIES)
-    values |= {key: of(design) for key, of in QUANTITIES.items() if key in known}
-    technology = _GROUPS["technology"].split()
-    values |= {key: parameter_value(aircraft, None, key) for key in technology}
-    keys = {group: list(map(_quantity, keys.split())) for group, keys in _GROUPS.items()}
-    keys[_MASSES] = [*masses, *keys[_MASSES]]
-    entries = (
-        Entry(group, quantity, float(value))
-        for group, quantities in keys.items()
-        for quantity in quantities
-        if (value := values.get(quantity.name)) is not None and not np.isnan(value)
-    )
-    return DesignSheet(
-        f"{aircraft.name} on {analysis.mission.name}",
-        tuple(entries),
-        (f"Energy: {analysis.worst_scenario.label}; {analysis.performance.solar.label}.",),
-    )
+    entries = []
+    for row in data_rows("design_sheet", "studies"):
+        group, key = row["group"], row["key"]
+        if key == "parts":
+            for name, mass in design.masses._asdict().items():
+                label, symbol = f"mass: {words.get(name, q.words(name))}", rf"m_\mathrm{{{name}}}"
+                part = q.Quantity(f"{name}_mass_kg", label, "kg", ".3f", symbol=symbol)
+                entries += [Entry(group, part, float(mass))] if float(mass) > 0.0 else []
+            continue
+        value = values.get(key)
+        if key in QUANTITIES and not (measured and row["parametric"]):
+            value = QUANTITIES[key](design)
+        elif "." in key:
+            value = parameter_value(aircraft, None, key)
+        if value is not None and not np.isnan(value):
+            entries.append(Entry(group, _quantity(key), float(value)))
+    title = f"{aircraft.name} on {analysis.mission.name}"
+    note = f"Energy: {analysis.worst_scenario.label}; {analysis.performance.solar.label}."
+    return DesignSheet(title, tuple(entries), (note,))
 
 
 def _quantity(key: str) -> q.Quantity:

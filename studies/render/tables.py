@@ -140,12 +140,11 @@ class Table:
     sections: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
+        count = len(self.columns)
         for row in self.rows:
-            if len(row) != len(self.columns):
-                raise ValueError(
-                    f"{self.title or 'table'}: a row has {len(row)} values for "
-                    f"{len(self.columns)} columns"
-                )
+            if len(row) != count:
+                words = f"a row has {len(row)} values for {count} columns"
+                raise ValueError(f"{self.title or 'table'}: {words}")
 
     def texts(self) -> list[list[str]]:
         """Return the cells as people read them, row by row."""
@@ -156,8 +155,7 @@ class Table:
 
     def is_numeric(self, index: int) -> bool:
         """Return whether a column is aligned to the right, as numbers and facts are."""
-        to_right = self.columns[index].to_right
-        if to_right is not None:
+        if (to_right := self.columns[index].to_right) is not None:
             return to_right
         if not self.headings:
             return index > 0
@@ -276,12 +274,11 @@ class Summary:
 
         parts = []
         for block in self.blocks:
-            for part in block if isinstance(block, tuple) else (block,):
-                if isinstance(part, Table):
-                    parts.append(part.to_html())
-                else:
-                    text = part.text if isinstance(part, Line) else part
-                    parts.append(f"<p>{html.escape(text)}</p>")
+            if isinstance(block, str | Line):
+                text = block.text if isinstance(block, Line) else block
+                parts.append(f"<p>{html.escape(text)}</p>")
+            else:
+                parts += [t.to_html() for t in ((block,) if isinstance(block, Table) else block)]
         return "".join(parts)
 
     def __str__(self) -> str:
@@ -307,12 +304,11 @@ def facts(title: str, rows: Iterable[tuple[str, str]], notes: Sequence[str] = ()
 
 def _beside(tables: Sequence[Table], width: int) -> list[StyledLine]:
     """Return tables side by side as far as there is room, their notes below."""
-    lines: list[str] = []
-    for number, table in enumerate(tables):
-        block = [line for line, _ in replace(table, notes=()).styled_lines(width)]
-        lines = side_by_side(lines, block, width) if number else block
+    first, *others = (replace(t, notes=()).to_text(width).split("\n") for t in tables)
+    for block in others:
+        first = side_by_side(first, block, width)
     notes = [line for table in tables for note in table.notes for line in paragraph(note, width)]
-    return [(line, "plain") for line in (*lines, *notes)]
+    return [(line, "plain") for line in (*first, *notes)]
 
 
 # ---- Text in a given width, broken between words and never within
@@ -349,75 +345,65 @@ class Grid:
         every = list(range(len(self.to_right)))
         if not every:
             return []
-        for gap in self._column_gaps():
-            widths = self._widths(every, width, gap, whole_cells=True)
-            if widths is not None:
+        gaps = (_GAP_OF_FACTS,) if self.headings is None else _GAPS
+        for gap in gaps:
+            widths = self._widths(every, width, gap, (True,))
+            if sum(widths) + gap * (len(widths) - 1) <= width:
                 return self._block(every, widths, gap)
-        gap = self._column_gaps()[-1]
-        lines: list[str] = []
-        for columns in self._dealt(width, gap):
-            widths = self._widths(columns, width, gap, whole_cells=False)
-            least = [self._least_width(i, whole_cell=False) for i in columns]
-            lines += [""] if lines else []
-            lines += self._block(columns, widths or least, gap)
-        return lines
+        blocks = (
+            self._block(columns, self._widths(columns, width, gaps[-1], (True, False)), gaps[-1])
+            for columns in self._dealt(width, gaps[-1])
+        )
+        return [line for block in blocks for line in ("", *block)][1:]
 
-    def _column_gaps(self) -> tuple[int, ...]:
-        return (_GAP_OF_FACTS,) if self.headings is None else _GAPS
-
-    def _heading(self, i: int) -> str:
-        return "" if self.headings is None else self.headings[i]
+    def _texts(self, i: int) -> list[str]:
+        """Return the heading of a column, empty where there is none, and its cells."""
+        return ["" if self.headings is None else self.headings[i], *(row[i] for row in self.rows)]
 
     def _least_width(self, i: int, *, whole_cell: bool) -> int:
         """Return the least width of a column: its longest word, or its longest cell."""
-        whole = whole_cell or self.to_right[i]
-        cells = [row[i] for row in self.rows]
-        words = [len(word) for cell in cells for word in ([cell] if whole else _unbroken(cell))]
-        return max([1, *words, *map(len, _unbroken(self._heading(i)))])
+        heading, *cells = self._texts(i)
+        if not (whole_cell or self.to_right[i]):
+            cells = [word for cell in cells for word in _unbroken(cell)]
+        return max([1, *map(len, cells), *map(len, _unbroken(heading))])
 
     def _widths(
-        self, columns: Sequence[int], width: int, gap: int, *, whole_cells: bool
-    ) -> list[int] | None:
-        """Return widths of columns that together fit: the widest give first. None if none do.
+        self, columns: Sequence[int], width: int, gap: int, stages: Sequence[bool]
+    ) -> list[int]:
+        """Return widths of columns, the widest of which give until they fit, or cannot.
 
-        Headings are broken before cells are.
+        ``stages``: whether cells remain whole while they give: headings are broken before cells.
         """
-        widths = [
-            max([1, len(self._heading(i)), *(len(row[i]) for row in self.rows)]) for i in columns
-        ]
+        widths = [max([1, *map(len, self._texts(i))]) for i in columns]
         room = width - gap * (len(columns) - 1)
-        for whole in (True, False)[: 1 if whole_cells else 2]:
-            least = [self._least_width(i, whole_cell=whole) for i in columns]
+        for whole_cell in stages:
+            least = [self._least_width(i, whole_cell=whole_cell) for i in columns]
             while sum(widths) > room and widths != least:
                 slack = [(w, k) for k, w in enumerate(widths) if w > least[k]]
                 widths[max(slack)[1]] -= 1
-        return widths if sum(widths) <= room else None
+        return widths
 
     def _dealt(self, width: int, gap: int) -> list[list[int]]:
         """Return the columns of each block: those that name a row, and as many others as fit."""
         count = len(self.to_right)
-        names = [0]
-        if count > 2 and not self.to_right[0] and not self.to_right[1]:
-            names = [0, 1]
-
-        def needed(columns: Sequence[int]) -> int:
-            return sum(self._least_width(i, whole_cell=False) + gap for i in columns) - gap
-
-        blocks = [list(names)]
-        for i in range(len(names), count):
-            if needed([*blocks[-1], i]) > width and len(blocks[-1]) > len(names):
-                blocks.append(list(names))
+        named = 2 if count > 2 and not any(self.to_right[:2]) else 1
+        names = list(range(named))
+        least = [self._least_width(i, whole_cell=False) + gap for i in range(count)]
+        blocks = [[*names]]
+        for i in range(named, count):
+            needed = sum(least[k] for k in (*blocks[-1], i)) - gap
+            if needed > width and len(blocks[-1]) > named:
+                blocks.append([*names])
             blocks[-1].append(i)
         return blocks
 
     def _block(self, columns: Sequence[int], allowed: Sequence[int], gap: int) -> list[str]:
         """Return the lines of columns, each no wider than its longest line."""
-        heads = [_broken(self._heading(i), w) for i, w in zip(columns, allowed, strict=True)]
-        cells = [
-            [_broken(row[i], w) for i, w in zip(columns, allowed, strict=True)] for row in self.rows
+        broken = [
+            [_broken(text, w) for text in self._texts(i)]
+            for i, w in zip(columns, allowed, strict=True)
         ]
-        texts = zip(heads, *cells, strict=True)
-        widths = [max(len(line) for cell in column for line in cell) for column in texts]
+        widths = [max(len(line) for cell in column for line in cell) for column in broken]
 
         def line(parts: Sequence[str]) -> str:
             placed = (
@@ -426,13 +412,13 @@ class Grid:
             )
             return (" " * gap).join(placed).rstrip()
 
+        heads, *rows = zip(*broken, strict=True)
         lines = []
         if self.headings is not None:
-            tallest = max(map(len, heads))
-            low = [[""] * (tallest - len(head)) + head for head in heads]
-            lines += [line(parts) for parts in zip(*low, strict=True)]
+            low = zip_longest(*(head[::-1] for head in heads), fillvalue="")
+            lines = [line(parts) for parts in low][::-1]
             lines.append(RULE * (sum(widths) + gap * (len(widths) - 1)))
-        for number, row in enumerate(cells):
+        for number, row in enumerate(rows):
             if number in self.sections and number > 0:
                 lines.append("")
             lines += [line(parts) for parts in zip_longest(*row, fillvalue="")]

@@ -447,12 +447,7 @@ def belief_section(subject: Subject) -> Section:
             *(subject.sections["extrapolations"] or [within]),
             *subject.sections["error"],
         ]
-    columns = (
-        Column("model"),
-        Column("average", "mean error", form="+.2%"),
-        Column("rms", "RMS error", form=".2%"),
-        Column("scatter", "RMS without the mean", form=".2%"),
-    )
+    columns = group("model average_error rms_error scatter_of_error")
     rows = tuple((model, of.average, of.rms, of.scatter) for model, of in MODELS.items())
     note = (
         "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "
@@ -466,8 +461,8 @@ def belief_section(subject: Subject) -> Section:
 def _left_out(subject: Subject) -> Iterator[str]:
     """Yield what the numbers of the report leave out."""
     mission, clearness = subject.mission, subject.mission.pessimistic_clearness
-    sky = f"The light is {percent(clearness, '.0f')} of a clear sky's"
-    sky = "The sky is clear" if clearness == 1.0 else sky
+    clouded = f"The light is {percent(clearness, '.0f')} of a clear sky's"
+    sky = "The sky is clear" if clearness == 1.0 else clouded
     yield f"{sky} all day; a weather record (--weather) adds clouds."
     if subject.verification is None:
         yield (
@@ -491,22 +486,9 @@ def _left_out(subject: Subject) -> Iterator[str]:
 def glossary_section(_: Subject) -> Section:
     """Return the words of the report: quantities, and solar power models."""
     models = "; ".join(f"{name}: {model.label}" for name, model in MODELS.items())
-    rows = [
-        ("perpetual flight", "After each day the battery is as full as a day before."),
-        *(
-            (quantity.label, quantity.definition)
-            for quantity in TABLE.values()
-            if quantity.definition
-        ),
-        (
-            "scenario",
-            "A latitude and a date of the mission; the weakest has the least excess time.",
-        ),
-        ("solar power models", f"{models}."),
-        ("correction", "Factor that removes a model's systematic error."),
-    ]
-    columns = (Column("word"), Column("meaning"))
-    return Section("glossary", "Glossary", [Table("Words", columns, tuple(rows))])
+    rows = [(each.label, each.definition) for each in TABLE.values() if each.definition]
+    rows.append(("solar power models", f"{models}."))
+    return Section("glossary", "Glossary", [Table("Words", group("word meaning"), tuple(rows))])
 
 
 def inputs_section(subject: Subject) -> Section:
@@ -517,17 +499,14 @@ def inputs_section(subject: Subject) -> Section:
         blocks += [f"- {override}" for override in subject.overrides]
     if subject.mission_is_default:
         blocks.append(Line("The mission is the default one: --mission names another.", "warning"))
-    taken = subject.aircraft.from_catalogues()
-    if taken:
-        columns = (Column("key"), Column("value"), Column("label", "product"), Column("source"))
+    if taken := subject.aircraft.from_catalogues():
+        columns = (Column("key"), *group("value product source"))
         rows = [(entry.key, entry.text, entry.label, entry.source) for entry in taken]
         blocks.append(Table("values from catalogues", columns, tuple(rows)))
-    for title, data in (
-        (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
-        (f"mission {subject.mission.name}", subject.inputs.mission),
-    ):
-        blocks.append(Listing(title, to_yaml(data, compact=True)))
-    return Section("inputs", "Inputs", blocks)
+    inputs, names = subject.inputs, (subject.aircraft.name, subject.mission.name)
+    files = (to_yaml(data, compact=True) for data in (inputs.aircraft, inputs.mission))
+    of_aircraft, of_mission = map(Listing, (f"aircraft {names[0]}", f"mission {names[1]}"), files)
+    return Section("inputs", "Inputs", [*blocks, of_aircraft, of_mission])
 
 
 def provenance_section(subject: Subject) -> Section:
@@ -540,20 +519,16 @@ def provenance_section(subject: Subject) -> Section:
     ]
     if subject.verification is None:
         made.insert(0, ("solar power model", subject.solar.label))
-    columns = (Column("what"), Column("source", "file"), Column("sha256", "SHA-256"))
-    files = [
+    files = tuple(
         (kind, file["source"], file["sha256"] or "not read again (a pipe)")
         for kind, file in run["inputs"].items()
-    ]
-    return Section(
-        "provenance",
-        "How this report was made",
-        [
-            Listing("command line", run["command"]),
-            (facts("software", made), facts("libraries", list(run["libraries"].items()))),
-            Table("files", columns, tuple(files)),
-        ],
     )
+    blocks: list[Block] = [
+        Listing("command line", run["command"]),
+        (facts("software", made), facts("libraries", run["libraries"].items())),
+        Table("files", group("what file sha256"), files),
+    ]
+    return Section("provenance", "How this report was made", blocks)
 
 
 # The weakest scenarios, of which one remains the weakest.
@@ -600,20 +575,14 @@ def margin_table(subject: Subject) -> Table | None:
             rows.append((label, unit, now, found, found - now, relative and 100.0 * relative))
     if not rows:
         return None
-    columns = (
-        Column("quantity"),
-        Column("unit"),
-        Column("value", "now", form=".4g"),
-        Column("limit", "may become", form=".4g", missing="no limit"),
-        Column("change", form="+.3g"),
-        Column("relative", "change", "%", "+z.0f"),
-    )
-    title = f"margins to the end of {required(required_h)}, one at a time"
+    columns = group("quantity unit now limit_alone change change_percent")
+    looks: dict[str, Any] = {"missing": "no limit"}
+    what = "margins to the end of"
     if not holds:
-        limit = replace(columns[3], label="would have to become", missing="not enough alone")
-        columns = (*columns[:3], limit, *columns[4:])
-        title = f"what is missing for {required(required_h)}, one at a time"
-    return Table(title, columns, tuple(rows))
+        looks = {"label": "would have to become", "missing": "not enough alone"}
+        what = "what is missing for"
+    columns = (*columns[:3], replace(columns[3], **looks), *columns[4:])
+    return Table(f"{what} {required(required_h)}, one at a time", columns, tuple(rows))
 
 
 def _quantities(

@@ -94,10 +94,9 @@ class Subject:
         """
         if self.path_trouble is not None:
             return None
-        mission, latitudes = self.mission, self.mission.latitudes()
-        if len(latitudes) > _MOST_LATITUDES and attitude_is_known(self.aircraft, mission):
-            scenarios = self.analysis.performance.day.scenarios
-            weakest = float(scenarios.latitude_deg[self.analysis.worst])
+        mission, several = self.mission, len(self.mission.latitudes()) > _MOST_LATITUDES
+        if several and attitude_is_known(self.aircraft, mission):
+            weakest = self.analysis.worst_scenario.latitude_deg
             mission = with_values(mission, {"latitude_deg": weakest, "launch": None})
         return compare(self.aircraft, mission, design=False)
 
@@ -114,10 +113,8 @@ class Subject:
     @cached_property
     def uncertainty(self) -> UncertaintyAnalysis | None:
         """Flights under draws of the uncertain inputs, where there are any or asked for."""
-        requested = self.with_uncertainty
-        if requested is None:
-            requested = self.has_uncertain_inputs and self.uncertainty_is_quick
-        if not requested:
+        by_default = self.has_uncertain_inputs and self.uncertainty_is_quick
+        if not (by_default if self.with_uncertainty is None else self.with_uncertainty):
             return None
         return analyse_uncertainty(self.aircraft, self.mission, **vars(self.solar), samples=SAMPLES)
 
@@ -126,13 +123,8 @@ class Subject:
         """Flight through the weather record, where there is one."""
         if self.weather_record is None:
             return None
-        return analyse_weather(
-            self.aircraft,
-            self.mission,
-            self.weather_record,
-            **vars(self.solar),
-            mission_chosen=not self.mission_is_default,
-        )
+        options = vars(self.solar) | {"mission_chosen": not self.mission_is_default}
+        return analyse_weather(self.aircraft, self.mission, self.weather_record, **options)
 
     @cached_property
     def run(self) -> dict[str, Any]:

@@ -143,20 +143,20 @@ def new_figure(
     ``grid``: lines of the grid: ``x``, ``y``, ``both``, or none if empty. ``lines``: whether the
     figure is lines of text, such as named bars: its height goes with the type.
     """
-    figure = (
-        _blank_figure(canvas, size_in, lines=lines) if isinstance(canvas, FigureOptions) else canvas
-    )
-    below: Any = figure
-    line = " \N{MIDDLE DOT} ".join(filter(None, notes))
     # An escaped dollar begins no formula.
-    title, line = title.replace("$", r"\$"), line.replace("$", r"\$")
+    heading = title, " \N{MIDDLE DOT} ".join(filter(None, notes))
+    title, line = (text.replace("$", r"\$") for text in heading)
+    below: Any
     if not isinstance(canvas, FigureOptions):
+        figure = below = canvas
         if title:  # else its owner's stays
             figure.suptitle(f"{title}\n{line}".strip(), wrap=True)
-    elif title and canvas.title:
-        figure.suptitle(title, wrap=True)
-        below = figure.subfigures()
-        below.suptitle(line, wrap=True, fontsize="small")
+    else:
+        figure = below = _blank_figure(canvas, size_in, lines=lines)
+        if title and canvas.title:
+            figure.suptitle(title, wrap=True)
+            below = figure.subfigures()
+            below.suptitle(line, wrap=True, fontsize="small")
     panels = list(below.subplots(rows, columns, squeeze=False, **options).ravel())
     for axes in panels:
         axes.xaxis.label.set_wrap(True)
@@ -174,8 +174,7 @@ def _blank_figure(options: FigureOptions, size_in: tuple[float, float], *, lines
     from studies.output.figures.layout import StyledFigure  # half a second, for those who draw
 
     type_size = _setting("font.size") / _USUAL_TYPE
-    usual = (size_in[0] * math.sqrt(type_size), None)
-    width, height = options.size_in or usual
+    width, height = options.size_in or (size_in[0] * math.sqrt(type_size), None)
     if height is None:
         stretch = 1.0 if lines else min(width / size_in[0] / type_size, 1.0)
         height = size_in[1] * type_size * math.sqrt(stretch)
@@ -235,8 +234,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
     OutputError
         If the file cannot be written.
     """
-    chosen = format_of(os.fspath(path), IMAGE_FORMATS)
-    if chosen is None:
+    if (chosen := format_of(os.fspath(path), IMAGE_FORMATS)) is None:
         allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
         raise ValueError(f"{os.fspath(path)!r} must end in one of {allowed}")
     write_bytes_atomically(path, to_bytes(figure, chosen))
