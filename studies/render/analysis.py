@@ -71,7 +71,10 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
         table = flight_table(analysis.flight)
         text = ", ".join(" ".join(row) for row in table.rows if row[0] != q.FULL_CHARGE.label)
         flight = [table if everything else f"{table.title}: {text}"]
-    relaxations = relaxation_table(alone, "perpetual") if everything else _in_a_line(alone[:2])
+    changes = (f"{parameter_words(row.parameter)} {_needed(row)}" for row in alone[:2])
+    relaxations: Any = f"perpetual with one change: {', or '.join(changes)}"
+    if everything:
+        relaxations = relaxation_table(alone, "perpetual")
     return {
         "answer": [Line(title, "strong"), answer(analysis), *facts],
         "parts": part_blocks(analysis) if everything else [],
@@ -181,17 +184,10 @@ def landing(analysis: Analysis) -> str:
 
 def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
     """Return the same instant in UTC, where the mission has a longitude."""
-    longitude = analysis.mission.longitude_deg
-    if longitude is None:
+    if (longitude := analysis.mission.longitude_deg) is None:
         return ""
     ahead_h = float(solar_time_h(0.0, day, longitude))
     return f"; {clock_label((solar_h - ahead_h) % 24.0)} UTC"
-
-
-def _in_a_line(relaxations: Sequence[Relaxation]) -> str:
-    """Return the single changes that suffice, in a line."""
-    changes = (f"{parameter_words(row.parameter)} {_needed(row)}" for row in relaxations)
-    return f"perpetual with one change: {', or '.join(changes)}"
 
 
 def coverage_lines(analysis: Analysis) -> list[Line]:
@@ -212,7 +208,6 @@ def coverage_lines(analysis: Analysis) -> list[Line]:
 
 _SCREEN, _GAPS = 80, 2 + 5 + 2  # characters of a line, and those between two columns of facts
 _NOTHING_W = 1e-9
-_PARTS = (("propulsion", "cells"), ("balance", "battery"))  # beside each other
 
 
 def in_columns(rows: list[tuple[str, str]], analysis: Analysis, level: int) -> list[Any]:
@@ -266,26 +261,23 @@ def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
 
     ``cells``: whether those of the file are the design's.
     """
-    shares, balance = analysis.drag_coefficients, analysis.balance
-    beyond, placed = analysis.beyond_parts, (analysis.cells or {}).get("solar_cells")
-    placed = placed if cells else None
-    wind, held = analysis.wind, ""
-    if wind is not None and wind.hold_station:
-        held = "; airspeed at least that of the wind, to hold its place"
-    every = (
-        part_tables(analysis, *(part for part in parts if cells or part != "cells"))
-        for parts in _PARTS
-    )
-    return [
-        *([] if wind is None else [f"winds from {wind.source}{held}"]),
-        *structure_lines(analysis),
-        *([] if shares is None else [drag_table(shares)]),
-        *([] if balance is None else [balance_table(balance)]),
-        *(tables for tables in every if tables),
-        *([] if placed is None else [cells_line(placed)]),
-        *([] if balance is None else balance_notes(balance)),
-        *([] if beyond is None else [f"beyond the parts: {beyond}"]),
-    ]
+    wind, shares, balance = analysis.wind, analysis.drag_coefficients, analysis.balance
+    shown: list[Any] = []
+    if wind is not None:
+        held = "; airspeed at least that of the wind, to hold its place" * wind.hold_station
+        shown.append(f"winds from {wind.source}{held}")
+    shown += structure_lines(analysis)
+    shown += [] if shares is None else [drag_table(shares)]
+    shown += [] if balance is None else [balance_table(balance)]
+    for parts in (("propulsion", "cells"), ("balance", "battery")):  # beside each other
+        known = (part for part in parts if cells or part != "cells")
+        shown += filter(None, [part_tables(analysis, *known)])
+    if cells and (placed := (analysis.cells or {}).get("solar_cells")) is not None:
+        shown.append(cells_line(placed))
+    shown += [] if balance is None else balance_notes(balance)
+    if analysis.beyond_parts is not None:
+        shown.append(f"beyond the parts: {analysis.beyond_parts}")
+    return shown
 
 
 def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
@@ -301,8 +293,7 @@ def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
 
 def structure_lines(result: Analysis | SizingStudy) -> list[Any]:
     """Return what sizes the structure, and what its criteria do not cover."""
-    structure = result.structure
-    if structure is None:
+    if (structure := result.structure) is None:
         return []
     return [structure.headline(), *(Line(text, "faint") for text in structure.remarks)]
 
@@ -322,10 +313,10 @@ def drag_table(shares: DragShares) -> Table:
 
 def balance_table(balance: BalanceAssessment) -> Table:
     """Return the masses with their places."""
-    columns = q.group("item mass_kg place_m")
     rows = [(q.words(item.name), item.mass_kg, item.x_m) for item in balance.items]
     rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
-    return Table("balance, from the leading edge of the wing root", columns, tuple(rows))
+    title, columns = "balance, from the leading edge of the wing root", "item mass_kg place_m"
+    return Table(title, q.group(columns), tuple(rows))
 
 
 def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:

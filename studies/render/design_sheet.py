@@ -55,8 +55,7 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
     aircraft, design = analysis.aircraft, analysis.design
     measured = not isinstance(aircraft.airframe, ParametricAirframe)  # in one part
     words = {"other": "airframe, propulsion, avionics"} if measured else {}
-    values = analysis.scenario() | {}
-    values |= {each.name: each.of(design) for each in q.CHOSEN}
+    values = analysis.scenario() | {each.name: each.of(design) for each in q.CHOSEN}
     values |= {each.name: each.of(analysis) for each in q.of_part("balance")}
     entries = []
     for row in data_rows("design_sheet", "studies"):

@@ -31,8 +31,7 @@ if TYPE_CHECKING:
 
 def change_text(before: float, after: float) -> str:
     """Return a change over the value before it, in per cent."""
-    relative = relative_change(before, after)
-    if relative is None:
+    if (relative := relative_change(before, after)) is None:
         return MISSING
     shown = round(relative, 3)
     return percent(shown, "+.1f") if shown else percent(0.0)  # too small to show, it has no sign

@@ -62,12 +62,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
 
 _WIDTH_IN, _WIDE_IN = 7.4, 7.8
-LIGHT, ELECTRIC, LOAD = (
-    "light on a horizontal area as large as the modules",
-    "electric energy of the modules",
-    "load",
-)
-SUMS = frozenset((LIGHT, ELECTRIC, LOAD))  # steps that say where the chain has arrived
+# Steps that say where the chain has arrived.
+LIGHT, LOAD = "light on a horizontal area as large as the modules", "load"
+ELECTRIC = "electric energy of the modules"
+SUMS = frozenset((LIGHT, ELECTRIC, LOAD))
 _SHOWN_WH = 0.5  # smaller losses are left out
 
 
