@@ -7,30 +7,41 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from enum import IntEnum
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.dates import DAYS_PER_YEAR, days_of_year, month_and_day
 from missions.files.errors import InputError
+from missions.flight_path import largest_wind_m_per_s
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import CYCLE_ENDS, ENDS, SUFFICIENT, Status
-from sizing.mass_budget import design_of
-from sizing.performance import Performance, performance
+from sizing.day.module_power import on_path
+from sizing.design import DesignVariables
+from sizing.mass_budget import design_of, parametric_design
+from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity import checks as validity
 from sizing.validity.checks import charge_rate_is_open, check_user_models
-from sizing.validity.extrapolations import add_effects, collect_extrapolations
+from sizing.validity.extrapolations import add_effects, cell_texts, collect_extrapolations
 from sizing.validity.ranges import Check, Extrapolation
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.schema import spell
 from solar.types import FloatArray
 from studies.engine.run import Study, merged
 from studies.output import gridded
-from studies.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE, described
+from studies.quantities import (
+    DESIGN_COLUMNS,
+    ENDURANCE,
+    LOAD,
+    MAP,
+    MAXIMUM_ALTITUDE,
+    REACHED,
+    described,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,6 +59,9 @@ _SIZED_TOGETHER = 96  # each starts from its neighbours, and all fly in one batc
 
 # Variable -> unit, long name.
 _DESCRIBED = {quantity.variable: quantity.described for quantity in MAP}
+
+# Aircraft, mission, model and objective of all cells.
+Sized: TypeAlias = tuple[Aircraft, Mission, SolarModel, Objective]
 
 
 def feasibility_map(
@@ -203,9 +217,6 @@ def prepare(
     if solar.needs_path and mission.flight_path is None:
         raise ValueError(f"{option} needs a flight_path on the mission {mission.name}")
     if goal is not None:
-        # The optimiser takes a seventh of a second to import.
-        from studies.maps.sized import sized_cells, sized_flight
-
         sized = (aircraft, mission, solar, goal)
 
         def of_designs(columns: Mapping[str, NDArray[Any]]) -> tuple[Extrapolation, ...]:
@@ -365,3 +376,75 @@ def extrapolations_of_cells(
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = Scenarios.of_cells(cells[[int(np.argmax(excess_h))]])
     return add_effects(extrapolations, aircraft, lambda: _simulated(aircraft, mission, solar, best))
+
+
+# ---- Cells that are sized
+
+
+def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
+    """Size the aircraft in every cell; return columns of :data:`.gridded.DESCRIBED`.
+
+    A cell replaces the mission's latitude [deg] and day of year.
+    """
+    aircraft, mission, solar, goal = sized
+    scenarios = Scenarios.of_cells(cells)
+    troubles = solar.path_troubles(aircraft, mission, scenarios)
+    windy = np.array([trouble is not None for trouble in troubles], bool)
+    if windy.any():
+        calm = sized_cells(sized, cells[~windy]) if not windy.all() else {}
+        path = on_path(aircraft, mission).flight_path
+        assert path is not None
+        over_limit = mission.winds_on_path_m_per_s(scenarios) / largest_wind_m_per_s(path)
+        return merged(
+            ~windy,
+            calm,
+            {
+                "status": np.full(windy.sum(), SizingStatus.infeasible, np.int8),
+                "violated_requirement": np.full(windy.sum(), gridded.TOO_WINDY),
+                "shortfall": over_limit[windy] - 1.0,
+                "message": [f"flight path: {text}" for text in troubles if text is not None],
+            },
+        )
+    from sizing.program.cells import size_cells  # with the optimiser, a seventh of a second
+
+    sizings = size_cells(aircraft, mission, scenarios, goal, solar)
+    variables = sizings.variables
+    design = parametric_design(aircraft, mission, variables, sizings.total_mass_kg)
+    checks = [
+        *validity.design_checks(aircraft, mission, design, solar),
+        *validity.correction_check(scenarios, solar, mission),
+    ]
+    if validity.charge_rate_is_open(aircraft):
+        day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * variables.module_area_m2
+        checks += validity.charge_rate_check(aircraft, mission, design, peak_w)
+    outside = np.array(cell_texts(checks, len(scenarios)))
+    known = variables._asdict() | vars(sizings)
+    message = np.where(
+        sizings.status == SizingStatus.not_converged,
+        "the solver did not converge",
+        sizings.message.astype(str),
+    )
+    return {
+        "status": sizings.status.astype(np.int8),
+        **{quantity.variable: known[quantity.name] for quantity in (*DESIGN_COLUMNS, *REACHED)},
+        LOAD.variable: sizings.load_w,
+        "shortfall": sizings.shortfall,
+        "violated_requirement": sizings.requirement.astype(str),
+        "message": message,
+        "extrapolations": np.where(np.isin(sizings.status, gridded.SIZED), outside, ""),
+    }
+
+
+def sized_flight(sized: Sized, cell: FloatArray) -> Performance | None:
+    """Simulate the best design of a single cell, shape ``(1, 2)``; None without a design."""
+    from sizing.program.cells import size_cells
+
+    aircraft, mission, solar, goal = sized
+    scenario = Scenarios.of_cells(cell)
+    sizings = size_cells(aircraft, mission, scenario, goal, solar)
+    if sizings.status[0] not in gridded.SIZED:
+        return None
+    values = (None if v is None else np.ravel(v)[0] for v in sizings.variables)
+    day = solar_day(aircraft, mission, solar, scenarios=scenario)
+    return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)

@@ -25,8 +25,7 @@ from sizing.program.size import size_aircraft
 from studies.engine.run import ComputationError
 from studies.maps import study as map_study
 from studies.maps.plots import plot_map, plot_resized_map
-from studies.maps.sized import sized_cells
-from studies.maps.study import feasibility_map, prepare, resized_map
+from studies.maps.study import feasibility_map, prepare, resized_map, sized_cells
 from studies.output.gridded import SizingStatus, to_netcdf_bytes
 
 pytestmark = pytest.mark.slow
