@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shlex
 import sys
@@ -16,18 +17,20 @@ import click
 from click.core import ParameterSource
 
 from missions.files.errors import printable
+from missions.files.texts import read_plain_file
 from missions.files.writing import write_files_atomically
 from sizing.results.result import Result
 from studies.case import DEFAULT_MISSION, Case
 from studies.cli.command import check_outputs
-from studies.cli.files import mission_beside
-from studies.cli.telling import tell_error
+from studies.cli.files import mission_beside, uncertain_inputs
+from studies.cli.telling import progress_of, tell_error
 from studies.cli.values import PAGE, PRINTED
 from studies.output import gridded
 from studies.output.figures.drawing import to_bytes
 from studies.output.formats import GRID_FORMATS, IMAGE_FORMATS, format_of, table_bytes
-from studies.output.run_folder import RunInputs, write_run_folder
+from studies.output.run_folder import RESULTS, RunFolder, RunInputs, write_run_folder
 from studies.output.terminal import print_json, show, tell_line
+from studies.quantities import EXCESS_TIME, TOTAL_MASS
 from studies.render.tables import SUMMARY, Line, Summary, Table
 from studies.report import pdf
 
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
 
     from studies.cli.options import Drawn
     from studies.output.gridded import OnGrid
+    from studies.report.subject import Subject
 
 _COLLAPSED = "constrained_layout not applied because axes sizes collapsed"  # as matplotlib says
 
@@ -66,7 +70,7 @@ def deliver(
 
     ``table``: title and what makes it. ``files``: what others hold by their names, None where one
     was not asked for. ``plot``: what draws, and of what. ``folder``: makes what a folder of results
-    holds. ``report``: makes arguments of :func:`studies.cli.reports.write_report`. ``record``: what
+    holds. ``report``: makes arguments of :func:`write_report`. ``record``: what
     JSON has, by default that of the result. ``remarks``: lines below the summary. ``next_step``:
     what to do next, for those at a terminal.
     """
@@ -93,8 +97,6 @@ def deliver(
             whole = case.named(record())
             write_run_folder(Path(places["out_dir"]), inputs, whole, tables, figures)
         if report is not None and places["report_file"] is not None:
-            from studies.cli.reports import write_report  # with all that a page has
-
             written.append(places["report_file"])
             write_report(case, places["report_file"], **report())
     finally:  # after a signal, too: a report takes seconds
@@ -189,6 +191,13 @@ def refuse_to_overwrite(option: str, path: str | None, source: str | None) -> No
         raise click.BadParameter(message, param_hint=option)
 
 
+# ---- Reports
+
+_MOST_BYTES = 10_000_000  # of a record of results
+# A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
+_SAME_H = 1e-6
+
+
 def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:
     """Refuse before any work a report that could not be written.
 
@@ -205,3 +214,67 @@ def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--o
     if with_pdf and suffix == PAGE:
         places["--pdf"] = str(PurePath(path).with_suffix(PRINTED))
     check_outputs(places)
+
+
+def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
+    """Return the record of the sizing in a folder; None where the case is not what was sized.
+
+    ``case``: what it was read as; another mission or other values are not what was sized.
+    """
+    from sizing.performance import performance
+
+    if RunFolder.at(path) is None:
+        return None
+    try:
+        record = json.loads(read_plain_file(Path(path) / RESULTS, most_bytes=_MOST_BYTES))
+        promised = record["simulated"][EXCESS_TIME.name], record[TOTAL_MASS.name]
+        known = {"objective", "active_constraints", "masses_kg"} <= record.keys()
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    if not known or promised[0] is None:
+        return None
+    reached_now = performance(case.aircraft, case.mission, case.solar)
+    reached = (
+        float(reached_now.cycle.excess_time_h[reached_now.worst_scenario()]),
+        float(reached_now.design.total_mass_kg),
+    )
+    same = all(abs(a - b) <= _SAME_H for a, b in zip(promised, reached, strict=True))
+    return dict(record) if same else None
+
+
+def write_report(
+    case: Case, path: str, *, sized: Case | None = None, with_pdf: bool = False, **about: Any
+) -> tuple[Subject, list[str]]:
+    """Write a report, whole or not at all.
+
+    ``case``: whose files a mistake is placed in. ``path``: file of the page, or of the printed one.
+    ``sized``: what the report is on, where that is another case. ``about``: what else
+    :class:`Subject` has. Returns what was reported on, and files that were written.
+    """
+    from studies.report import document  # with all that a page has
+    from studies.report.subject import Subject
+
+    shown = sized or case
+    subject = Subject(
+        shown.aircraft,
+        shown.mission,
+        shown.solar,
+        **{"inputs": shown.inputs()} | about,
+        mission_is_default=shown.mission_is_default,
+        known_mass_kg=shown.total_mass_kg,
+    )
+    contents: dict[str | os.PathLike[str], bytes] = {}
+    is_page = PurePath(path).suffix.lower() == PAGE
+    with progress_of("sections", lines=False) as progress:
+        progress(0, len(document.makers(subject)))
+        if subject.verification is None:
+            with uncertain_inputs(case):
+                _ = subject.uncertainty  # a mistake is told before any other work
+        page = document.render(subject, progress)
+        if is_page:
+            contents[path] = page.encode()
+        if with_pdf or not is_page:
+            printed = str(PurePath(path).with_suffix(PRINTED)) if is_page else path
+            contents[printed] = pdf.to_pdf(page)
+    write_files_atomically(contents)
+    return subject, [os.fspath(name) for name in contents]

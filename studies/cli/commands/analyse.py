@@ -323,13 +323,11 @@ class Report(options.Model, options.Json, options.Mass):
     def run(self, case: Case) -> None:
         """Write a report on an aircraft and a mission."""
         from missions.weather.files import load_weather
-        from studies.cli.outputs import check_report, name_written
+        from studies.cli.outputs import check_report, name_written, sizing_of_folder, write_report
         from studies.output.terminal import print_json
 
         check_report(self.out_file, with_pdf=self.with_pdf)
         case.flyable()
-        from studies.cli.reports import sizing_of_folder, write_report  # takes a second
-
         weather = self.weather_file
         subject, written = write_report(
             case,

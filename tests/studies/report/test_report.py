@@ -236,7 +236,7 @@ def test_size_and_verify_write_reports(run, tmp_path, monkeypatch):
     (tmp_path / "log.csv").write_text(log.to_csv(index=False))
     finished = []
     monkeypatch.setattr(
-        "studies.cli.reports.progress_of",
+        "studies.cli.outputs.progress_of",
         lambda *_, **__: nullcontext(lambda *numbers: finished.append(numbers)),
     )
     told = run("verify", "atlantiksolar-as2", "log.csv", "--report", "log.html", "--json")
