@@ -244,8 +244,6 @@ def _impossible_where(design: Design, missing: BoolArray) -> Design:
 
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
-# In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
-_MASS_ROUNDS = 3
 
 
 # Of flights whose airspeed nobody measured, and of first guesses that cannot fly: lift coefficient
@@ -266,8 +264,8 @@ def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
     known = design.airspeed_m_per_s
     if known is not None and np.isfinite(known):
         return float(known)
-    weight, density = 2.0 * loading * GRAVITY_M_PER_S2, design.conditions.density_kg_per_m3
-    return float(np.sqrt(weight / (density * _LIFT_COEFFICIENT)))
+    density = design.conditions.density_kg_per_m3
+    return float(level_airspeed_m_per_s(_LIFT_COEFFICIENT, loading, density))
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:
@@ -327,18 +325,12 @@ def operating_reason(
     if propulsion is None:
         return ""
     variables = variables_of(aircraft) if variables is None else variables
-    chain, reason = propulsion.first_chain(), ""
-    for _ in range(_MASS_ROUNDS):
+    # With usual efficiencies where the propeller's data end.
+    for chain in (propulsion.without_limits(), propulsion.first_chain()):
         design = closed_design(aircraft.with_airframe(propulsion=chain), mission, variables)
-        if not np.isfinite(design.total_mass_kg):
-            break
-        point = level_point(aircraft, mission, design)
-        reason = str(point.reason)
-        parts = propulsion.sized(*variables.of_propulsion)
-        if parts.gear.mass_kg is not None:
-            break
-        chain = parts.with_links(chain.links, point.propeller_torque_nm, design.propulsion_power_w)
-    return reason
+        if np.isfinite(design.total_mass_kg):
+            return str(level_point(aircraft, mission, design).reason)
+    return ""
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
