@@ -7,7 +7,7 @@ from typing import Any
 
 from sizing.aircraft import Aircraft
 from sizing.balance.in_design import structure_with_tail
-from sizing.design import Design, polar_at
+from sizing.design import Design
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.models import other_model
@@ -44,11 +44,10 @@ def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessm
             "until 1.0 it held at every limit load and in landing (deflection_load_case: "
             "limit_load, maximum_landing_deflection)"
         )
-    polar = polar_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
     return replace(
         assess(model, inputs),
         remarks=tuple(remarks),
-        flight_envelope=flight_envelope(model, inputs, float(polar.maximum_lift_coefficient)),
+        flight_envelope=flight_envelope(model, inputs, float(design.maximum_lift_coefficient)),
     )
 
 

@@ -23,7 +23,7 @@ from sizing.roots import bracketed_root
 from solar.schema import Allowed, refusal
 from solar.types import FloatArray
 
-Indices = slice | int | NDArray[np.integer[Any]]
+Indices = slice | int | tuple[slice | None, ...] | NDArray[np.integer[Any]]
 
 # Rounding of an advance ratio that lies on the edge of a table.
 _EDGE = 1e-9
