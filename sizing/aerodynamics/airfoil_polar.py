@@ -15,7 +15,14 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from missions.files.errors import file_error
-from sizing.aerodynamics.polar_table import PolarTable, shipped_table
+from missions.files.texts import read_text
+from sizing.aerodynamics.polar_table import (
+    POLAR_SUFFIXES,
+    PolarTable,
+    is_table_path,
+    parse_polar,
+    shipped_table,
+)
 from sizing.smooth import Value, chebyshev_series
 from solar.schema import spell
 from solar.types import FloatArray
@@ -103,6 +110,17 @@ class AirfoilPolar:
     notes: tuple[str, ...] = ()
 
     @classmethod
+    def load(cls, airfoil: str) -> AirfoilPolar:
+        """Read a polar by the name of a shipped one, or by the path of a file or folder.
+
+        Unknown names raise ValueError; files that are no polar table raise
+        :class:`missions.files.errors.InputError`, with line numbers.
+        """
+        if not is_table_path(airfoil):
+            return _shipped_polar(airfoil)
+        return cls.from_table(parse_polar(read_text(airfoil, POLAR_SUFFIXES), airfoil))
+
+    @classmethod
     def from_table(cls, table: PolarTable) -> AirfoilPolar:
         """Fit a table; raise InputError where it is rough or has no branch of attached flow."""
         branches = _attached_branches(table)
@@ -176,8 +194,7 @@ class AirfoilPolar:
 
 
 @lru_cache(maxsize=32)
-def shipped_polar(name: str) -> AirfoilPolar:
-    """Return the polar of a shipped airfoil; an unknown name raises ValueError."""
+def _shipped_polar(name: str) -> AirfoilPolar:
     return AirfoilPolar.from_table(shipped_table(name))
 
 

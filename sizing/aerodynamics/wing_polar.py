@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr, Strict, model_validator
 from missions.files.errors import InputError
 from missions.files.texts import read_text
 from missions.files.validation import wrong_file
-from sizing.aerodynamics.airfoil_polar import AirfoilPolar, shipped_polar
+from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.parabolic import DragPolar, UserDragPolar
 from sizing.aerodynamics.polar_table import (
     OF_A_SECTION,
@@ -139,7 +139,7 @@ class WingPolar(CompletedRecord):
         """Polar of the section."""
         text = self.contents_read()
         if text is None:
-            return shipped_polar(self.airfoil)
+            return AirfoilPolar.load(self.airfoil)
         return AirfoilPolar.from_table(parse_polar(text, self.airfoil, self.wing))
 
     @property

@@ -14,7 +14,7 @@ from benchmarks.validation.make_polars import default_grid, main
 from benchmarks.validation.power_curve import power_tables
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
-from sizing.aerodynamics.airfoil_polar import AirfoilPolar, shipped_polar
+from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_table import (
     COLUMNS,
     parse_polar_table,
@@ -27,7 +27,7 @@ SHIPPED = shipped_airfoils()
 HEADER = "# airfoil: test\n# source: made up\n" + ",".join(COLUMNS) + "\n"
 
 # Fitted where a test asks for one: collecting the tests need not take a second more.
-polars = st.sampled_from(SHIPPED).map(shipped_polar)
+polars = st.sampled_from(SHIPPED).map(AirfoilPolar.load)
 wild_lift = st.floats(-1e6, 1e6)
 wild_reynolds = st.floats(0.0, 12.0).map(lambda exponent: 10.0**exponent)
 
@@ -74,7 +74,7 @@ def test_shipped_table_covers_the_range_and_says_where_it_is_from(name):
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_fit_error_is_that_of_the_table_read_by_other_means(name):
-    polar, columns = shipped_polar(name), shipped_table(name).columns
+    polar, columns = AirfoilPolar.load(name), shipped_table(name).columns
     # Well below NeuralFoil's own difference from XFOIL: 2.4 % mean error of drag for this network.
     median, most = polar.fit_error
     assert median < 0.01
@@ -92,7 +92,7 @@ def test_fit_error_is_that_of_the_table_read_by_other_means(name):
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_maximum_lift_is_above_one_and_near_the_tables(name):
-    polar, columns = shipped_polar(name), shipped_table(name).columns
+    polar, columns = AirfoilPolar.load(name), shipped_table(name).columns
     for reynolds in (90e3, 200e3, 600e3):
         lift = float(polar.maximum_lift(reynolds))
         nearest = columns["reynolds"][np.argmin(np.abs(columns["reynolds"] - reynolds))]
@@ -107,7 +107,7 @@ def test_best_endurance_ratio_agrees_with_xfoil(name, best):
     # Greatest cl^1.5/cd at Re 200 000, Ncrit 9, computed with XFOIL 6.99, which NeuralFoil imitates
     # to some per cent.
     cl = np.linspace(0.5, 1.8, 400)
-    ratio = cl**1.5 / shipped_polar(name).profile_drag(cl, 2e5)
+    ratio = cl**1.5 / AirfoilPolar.load(name).profile_drag(cl, 2e5)
     assert np.max(ratio) == pytest.approx(best, rel=0.03)
 
 
@@ -146,7 +146,7 @@ def test_drag_rises_beyond_the_stall_and_below_the_branch(polar, reynolds, first
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_below_the_table_slower_flow_has_more_drag_and_less_lift(name):
-    polar = shipped_polar(name)
+    polar = AirfoilPolar.load(name)
     reynolds = polar.reynolds_range[0] * np.array([0.5, 0.25, 0.1])
     drag, lift = polar.profile_drag(0.8, reynolds), polar.maximum_lift(reynolds)
     # More than laminar friction, which rises with the root of the Reynolds number.
@@ -156,7 +156,7 @@ def test_below_the_table_slower_flow_has_more_drag_and_less_lift(name):
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_drag_and_slope_are_continuous_across_the_clamps(name):
-    polar = shipped_polar(name)
+    polar = AirfoilPolar.load(name)
     lift = np.linspace(polar.least_lift - 0.3, 2.0, 60001)
     logs = [np.linspace(math.log(edge / 1.5), math.log(edge * 1.5), 60001) for edge in (6e4, 6e5)]
     paths = [(lift, np.log(polar.profile_drag(lift, re))) for re in (30e3, 1.5e5, 9e5)]
@@ -194,6 +194,7 @@ def test_polar_is_read_from_a_path(tmp_path):
         with pytest.raises(ValidationError, match=message):
             _wing(unknown)
     file.write_text(_formula_table(), encoding="utf-8")
+    assert AirfoilPolar.load(str(file)).name == "test"
     assert _wing(str(file), lift_coefficient=0.8).polar.name == "test"
 
 
