@@ -72,12 +72,12 @@ def main(as_json: bool, markdown_file: str | None, names: tuple[str, ...], with_
             if not as_json:
                 _show(found[name]["rows"])
     if markdown_file is not None:
-        from missions.files.writing import write_text_atomically
+        from missions.files.writing import write_bytes_atomically
 
         known = {**measured_before(), **found}
         known = {part.__name__: known[part.__name__] for part in PARTS if part.__name__ in known}
         remember(known)
-        write_text_atomically(markdown_file, markdown(known))
+        write_bytes_atomically(markdown_file, markdown(known).encode())
     if as_json:
         click.echo(json.dumps([r for part in found.values() for r in part["rows"]], indent=2))
 

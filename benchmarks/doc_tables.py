@@ -25,7 +25,7 @@ from benchmarks.validation.structure_comparison import gust_table, structure_tab
 from benchmarks.validation.structures import qualities_table, structures_table
 from benchmarks.validation.team_designs import team_designs_table, weighed_parts_table
 from benchmarks.validation.zephyr import zephyr_table
-from missions.files.writing import write_text_atomically
+from missions.files.writing import write_bytes_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
 from sizing.battery.condition import Ageing
@@ -251,7 +251,7 @@ def update(folder: Path) -> list[Path]:
         before = path.read_text(encoding="utf-8")
         after = with_table(before, name, make())
         if after != before:
-            write_text_atomically(path, after)
+            write_bytes_atomically(path, after.encode())
             changed.append(path)
     return changed
 

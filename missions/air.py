@@ -68,12 +68,6 @@ class Air(NamedTuple):
         return speed
 
 
-def geopotential_altitude_m(altitude_m: ArrayLike) -> FloatArray:
-    """Return the geopotential altitude [m] of a geometric altitude [m]."""
-    z = np.asarray(altitude_m, float)
-    return np.asarray(_EARTH_RADIUS_M * z / (_EARTH_RADIUS_M + z))
-
-
 def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -> Air:
     """Return the air at a geometric altitude on a standard day with a temperature offset.
 
@@ -96,7 +90,7 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
     """
     z = np.asarray(altitude_m, float)
     Allowed(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M).check("altitude_m", z)
-    h = geopotential_altitude_m(z)
+    h = _EARTH_RADIUS_M * z / (_EARTH_RADIUS_M + z)  # geopotential
     temperature = np.full_like(h, _SEA_LEVEL_TEMPERATURE_K)
     pressure = np.full_like(h, _SEA_LEVEL_PRESSURE_PA)
     tops = [base for base, _ in _LAYERS[1:]] + [np.inf]

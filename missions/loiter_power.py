@@ -78,7 +78,7 @@ def mean_power_on_path(
     ----------
     model : {"VM", "FM"}
         Solar power model.
-    modules : FlownModules
+    modules : PathModules
         Modules, path and wind.
     daylight : Daylight
         Sun and light.

@@ -193,7 +193,6 @@ class SunPosition(NamedTuple):
     elevation_rad: FloatArray
     azimuth_rad: FloatArray
     time_solar_h: FloatArray
-    declination_rad: FloatArray
 
 
 def sun_position(
@@ -229,5 +228,4 @@ def sun_position(
         elevation_rad=np.asarray(elevation),
         azimuth_rad=np.asarray(np.remainder(np.arctan2(east, north), 2.0 * np.pi)),
         time_solar_h=np.asarray(np.broadcast_to(solar_h, np.shape(elevation))),
-        declination_rad=np.asarray(np.broadcast_to(sun_declination, np.shape(elevation))),
     )

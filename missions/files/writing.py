@@ -118,11 +118,6 @@ def names_a_device(name: str) -> bool:
     return name.partition(".")[0].rstrip(" ").upper() in _DEVICES
 
 
-def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
-    """Write UTF-8 text as :func:`write_bytes_atomically`; line breaks stay as they are."""
-    write_bytes_atomically(path, text.encode("utf-8"))
-
-
 def write_bytes_atomically(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file completely or not at all.
 

@@ -25,11 +25,11 @@ from missions.logs.units import (
     MPPT,
     QUANTITIES,
     SCALES,
+    SPELLED,
     TIME,
     UNITS,
     Dimension,
     known_unit,
-    spelled,
     split_unit,
 )
 from solar.schema import Real, Record, Text
@@ -161,8 +161,9 @@ class Recipe:
         """Return the recipe as a line of text, units in brackets where known."""
 
         def with_unit(factor: Factor) -> str:
-            shown = factor.unit is not None and split_unit(factor.column)[1] is None
-            return f"{factor.column} [{spelled(str(factor.unit))}]" if shown else factor.column
+            if factor.unit is None or split_unit(factor.column)[1] is not None:
+                return factor.column
+            return f"{factor.column} [{SPELLED[factor.unit]}]"
 
         text = " + ".join(" * ".join(map(with_unit, term)) for term in self.terms)
         return f"{self.quantity} = {printable(text)}"
@@ -306,7 +307,7 @@ def _allowed_unit(key: str, text: str, *dimensions: Dimension) -> str:
     """Return the spelling of a unit in ``UNITS``, refused if of other dimensions."""
     if (unit := known_unit(text, *dimensions)) is not None:
         return unit
-    allowed = ", ".join(spelled(unit) for dimension in dimensions for unit in UNITS[dimension])
+    allowed = ", ".join(SPELLED[unit] for dimension in dimensions for unit in UNITS[dimension])
     raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
 
 

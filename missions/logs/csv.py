@@ -29,10 +29,10 @@ from missions.logs.units import (
     EPOCH,
     MPPT,
     QUANTITIES,
+    SPELLED,
     TIME,
     in_radians,
     recognised,
-    spelled,
     surely_radians,
 )
 
@@ -201,7 +201,7 @@ def _read_quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd
         unit = recognised(quantity, dimension, next(iter(parts.values())))
         if unit is not None:
             name = printable(recipe.columns[0])
-            check.notes.append(f"{name} read as {spelled(unit)}: so its size says")
+            check.notes.append(f"{name} read as {SPELLED[unit]}: so its size says")
     every = recipe.values(parts.__getitem__, unit)
     check.labels |= {name: name.removeprefix(MPPT) for name in every}
     return [pd.Series(values, name=name) for name, values in every.items()]

@@ -88,7 +88,7 @@ class Unit(NamedTuple):
 
 _DEG = 180.0 / np.pi
 _FOOT = 0.3048  # international foot of 1959
-# Messages use the first spelling. Angles are degrees in log files.
+# Usual spellings; files may have them in any case. Angles are degrees in log files.
 _SPELLINGS: Mapping[Dimension, Mapping[str, Unit]] = {
     "time": {
         "s sec seconds": Unit(1.0), "ms": Unit(1e-3), "us µs": Unit(1e-6), "ns": Unit(1e-9),
@@ -96,40 +96,32 @@ _SPELLINGS: Mapping[Dimension, Mapping[str, Unit]] = {
     },
     "angle": {
         "deg degree degrees °": Unit(1.0), "rad radian radians": Unit(_DEG),
-        "mrad": Unit(1e-3 * _DEG), "cdeg": Unit(1e-2), "dege7 e7 1e-7deg": Unit(1e-7),
+        "mrad": Unit(1e-3 * _DEG), "cdeg": Unit(1e-2), "degE7 E7 1e-7deg": Unit(1e-7),
     },
     "length": {
         "m metre metres meter meters": Unit(1.0), "km": Unit(1e3), "cm": Unit(1e-2),
         "mm": Unit(1e-3), "ft feet": Unit(_FOOT),
     },
-    "power": {"w watt watts": Unit(1.0), "kw": Unit(1e3), "mw": Unit(1e-3)},
-    "voltage": {"v volt volts": Unit(1.0), "mv": Unit(1e-3), "kv": Unit(1e3)},
-    "current": {"a amp amps ampere": Unit(1.0), "ma": Unit(1e-3), "ca": Unit(1e-2)},
+    "power": {"W watt watts": Unit(1.0), "kW": Unit(1e3), "mW": Unit(1e-3)},
+    "voltage": {"V volt volts": Unit(1.0), "mV": Unit(1e-3), "kV": Unit(1e3)},
+    "current": {"A amp amps ampere": Unit(1.0), "mA": Unit(1e-3), "cA": Unit(1e-2)},
     "temperature": {
-        "c degc °c celsius": Unit(1.0), "k kelvin": Unit(1.0, -273.15),
-        "f degf": Unit(5.0 / 9.0, -160.0 / 9.0),
+        "C degC °C celsius": Unit(1.0), "K kelvin": Unit(1.0, -273.15),
+        "F degF": Unit(5.0 / 9.0, -160.0 / 9.0),
     },
     "share": {"- 1 share": Unit(1.0), "% percent pct": Unit(1e-2)},
 }  # fmt: skip
+# Units of a dimension, and of all, which share no spelling, in lower case; None is the log
+# format's unit.
 UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
-    dimension: {name: unit for names, unit in known.items() for name in names.split()}
+    dimension: {name.lower(): unit for names, unit in known.items() for name in names.split()}
     for dimension, known in _SPELLINGS.items()
 }
-# Units of all dimensions, which share no spelling; None is the log format's unit.
-SCALES: dict[str | None, Unit] = {None: Unit(1.0)}
-for _units in UNITS.values():
-    SCALES.update(_units)
-_TWO_PI = 2.0 * np.pi
-
-_SPELLED = {
-    "dege7": "1e-7 deg", "e7": "1e-7 deg", "1e-7deg": "1e-7 deg", "kw": "kW", "mw": "mW",
-    "ma": "mA", "mv": "mV", "ca": "cA", "kv": "kV",
+SCALES: Mapping[str | None, Unit] = {
+    None: Unit(1.0), **{name: unit for known in UNITS.values() for name, unit in known.items()}
 }  # fmt: skip
-
-
-def spelled(unit: str) -> str:
-    """Return the usual spelling of a key of :data:`UNITS`."""
-    return _SPELLED.get(unit, unit.upper() if unit in ("w", "v", "a", "k", "c", "f") else unit)
+SPELLED = {n.lower(): n for known in _SPELLINGS.values() for names in known for n in names.split()}
+_TWO_PI = 2.0 * np.pi
 
 
 def known_unit(text: str, *dimensions: Dimension) -> str | None:

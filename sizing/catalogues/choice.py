@@ -47,7 +47,7 @@ def is_entry_path(name: str) -> bool:
 
 
 @cache
-def _documents(kind: Kind) -> Mapping[str, Document]:
+def documents(kind: Kind) -> Mapping[str, Document]:
     """Return the data of every shipped entry by its name."""
     file = resources.files("sizing").joinpath("data", "catalogues", f"{kind}.yaml")
     whole = parse_yaml(file.read_text(encoding="utf-8"), f"{kind}.yaml")
@@ -56,24 +56,19 @@ def _documents(kind: Kind) -> Mapping[str, Document]:
 
 @cache
 def _shipped(kind: Kind, name: str) -> Entry:
-    return validate(_documents(kind)[name], KINDS[kind])
+    return validate(documents(kind)[name], KINDS[kind])
 
 
 def entries(kind: Kind) -> dict[str, Entry]:
     """Return the entries of a shipped catalogue by their names, in the order of its file."""
-    return {name: _shipped(kind, name) for name in _documents(kind)}
-
-
-def entry_names(kind: Kind) -> list[str]:
-    """Return the names of all entries of a shipped catalogue."""
-    return list(_documents(kind))
+    return {name: _shipped(kind, name) for name in documents(kind)}
 
 
 def entry(kind: Kind, name: str) -> Entry:
     """Return the entry of a name in the shipped catalogue, or of the path of a YAML file."""
     if is_entry_path(name):
         return validate(parse_yaml(read_text(name), printable(name)), KINDS[kind])
-    known = _documents(kind)
+    known = documents(kind)
     if name in known:
         return _shipped(kind, name)
     # Names with this text in name or label, else names of similar spelling.
@@ -85,7 +80,7 @@ def entry(kind: Kind, name: str) -> Entry:
     ]
     meant = f"; did you mean {', '.join(having[:_HAVING])}?"
     meant = meant if having else did_you_mean(name.lower(), known, _ALIKE, cutoff=0.5)
-    elsewhere = [other for other in KINDS if name in _documents(other)]
+    elsewhere = [other for other in KINDS if name in documents(other)]
     meant = f"; it is one of the {elsewhere[0]}" if elsewhere else meant
     shown = printable(shortened(name))
     raise file_error(

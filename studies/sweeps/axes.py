@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
-from sizing.catalogues.choice import Kind, entry_names
+from sizing.catalogues.choice import Kind, documents
 from sizing.library import NAMED_KEYS
 from sizing.parameters import MISSION_PREFIX, catalogue, design_keys
 from solar.schema import refusal, significant, spell
@@ -164,7 +164,7 @@ def _axis(
 def _named_axis(key: str, entries: Sequence[str]) -> Axis:
     """Make an axis over entries of a catalogue."""
     names = tuple(name.strip() for name in entries)
-    allowed = entry_names(NAMED_KEYS[key.removeprefix("aircraft.")])
+    allowed = list(documents(NAMED_KEYS[key.removeprefix("aircraft.")]))
     for name in names:
         if name not in allowed:
             meant = did_you_mean(name, allowed, 3, 0.5)

@@ -203,7 +203,7 @@ class Schema(CommandOptions):
 
     def run(self) -> None:
         """Print or write the schema of a kind of file."""
-        from missions.files.writing import to_json, write_text_atomically
+        from missions.files.writing import to_json, write_bytes_atomically
         from studies.exchange.schema import file_schema
         from studies.output.terminal import print_json
 
@@ -211,5 +211,5 @@ class Schema(CommandOptions):
         if self.out_file is None:
             print_json(record)
             return
-        write_text_atomically(self.out_file, to_json(record, indent=2) + "\n")
+        write_bytes_atomically(self.out_file, f"{to_json(record, indent=2)}\n".encode())
         click.echo(f"written to {self.out_file}")

@@ -18,7 +18,6 @@ from missions.files.writing import (
     to_yaml,
     write_bytes_atomically,
     write_folder,
-    write_text_atomically,
 )
 from missions.files.yaml import parse_yaml
 
@@ -94,7 +93,7 @@ def umask():
 
 def test_text_is_written_as_it_is(tmp_path, umask):
     path = tmp_path / "a.csv"
-    write_text_atomically(path, "é\r\nb\n")
+    write_bytes_atomically(path, "é\r\nb\n".encode())
     assert path.read_bytes() == b"\xc3\xa9\r\nb\n"
     assert path.stat().st_mode & 0o777 == 0o640
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.csv"]
@@ -153,7 +152,7 @@ def test_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, own
     path.write_text("old", encoding="utf-8")
     monkeypatch.setattr(owner, step, fail)
     with pytest.raises(OutputError) as caught:
-        write_text_atomically(path, "new")
+        write_bytes_atomically(path, b"new")
     assert str(caught.value) == f"cannot write {path}: no space left on device"
     assert path.read_text(encoding="utf-8") == "old"
     assert list(tmp_path.iterdir()) == [path]
@@ -161,7 +160,7 @@ def test_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, own
 
 def write_problem(path):
     with pytest.raises(OSError, match="cannot write") as caught:
-        write_text_atomically(path, "x")
+        write_bytes_atomically(path, b"x")
     assert isinstance(caught.value, OutputError)
     return str(caught.value)
 
@@ -194,7 +193,7 @@ def test_pipe_is_written_to_and_not_replaced(tmp_path):
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     try:
-        write_text_atomically(path, "x")
+        write_bytes_atomically(path, b"x")
         assert os.read(reader, 9) == b"x"
     finally:
         os.close(reader)

@@ -85,7 +85,7 @@ def test_what_is_guessed_is_told(tmp_path):
     notes = " ".join(read(tmp_path, LAYOUTS["telemetry"](table())).notes)
     for told in (
         "solar_power_w = V_pv * I_pv_mA [mA]",
-        "gps_lat read as 1e-7 deg",
+        "gps_lat read as degE7",
         "gps_alt read as mm",
         "read as radians",
         "separated by tabs",
