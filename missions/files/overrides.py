@@ -23,9 +23,8 @@ from missions.files.errors import (
     shown,
 )
 from missions.files.validation import validate
-from missions.files.yaml import ENTRY_KEYS, Document, parse_value, set_absolute_paths
+from missions.files.yaml import ENTRY_KEYS, Document, Place, parse_value, set_absolute_paths
 
-T = TypeVar("T")
 R = TypeVar("R", bound=BaseModel)
 
 # By dotted key, or texts ``dotted.key=value`` whose values follow the rules of the files.
@@ -71,13 +70,9 @@ def with_overrides(document: Document, overrides: Overrides, *, prefix: str = ""
             around = {parts[-1]: value}
             set_absolute_paths(around, Path.cwd())
             path, made = _set_value(result.data, parts, around[parts[-1]])
-            named_places = dict.fromkeys([*made, path], name)
-            result = dataclasses.replace(
-                result,
-                key_marks=_without(result.key_marks, path),
-                value_marks=_without(result.value_marks, path),
-                overridden=_without(result.overridden, path) | named_places,
-            )
+            others = {p: place for p, place in result.places.items() if p[: len(path)] != path}
+            named_places = dict.fromkeys([*made, path], Place(override=name))
+            result = dataclasses.replace(result, places=others | named_places)
             _drop_replaced(result.data, parts, value, keep=keys)
         except InputError as error:
             message = "; ".join(problem.message for problem in error.problems)
@@ -100,10 +95,6 @@ def _drop_replaced(data: Any, parts: Sequence[str], value: Any, *, keep: Collect
         dotted_key = ".".join([*parts[:-1], key])
         if not any(kept == dotted_key or kept.startswith(f"{dotted_key}.") for kept in keep):
             holder.pop(key, None)
-
-
-def _without(places: Mapping[KeyPath, T], path: KeyPath) -> dict[KeyPath, T]:
-    return {key: value for key, value in places.items() if key[: len(path)] != path}
 
 
 def with_values(record: R, values: Mapping[str, Any]) -> R:

@@ -18,7 +18,7 @@ import math
 import re
 import typing
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -31,7 +31,6 @@ from solar.schema import wrong_value
 from solar.versions import DeprecatedKeyWarning, deprecation
 
 M = TypeVar("M", bound=BaseModel)
-V = TypeVar("V")
 
 # Mistakes of a file that the document names are listed up to this many.
 _SHOWN_ELSEWHERE = 20
@@ -81,14 +80,14 @@ def _locate(document: Document, path: KeyPath, message: str, *, at_key: bool = F
     """Return a problem at the longest part of the path that has a place."""
     key = dotted(path)
     for end in range(len(path), -1, -1):
-        prefix = path[:end]
-        if prefix in document.overridden:
-            return Problem(OVERRIDE + document.overridden[prefix], None, None, key, message)
+        if (place := document.places.get(path[:end])) is None:
+            continue
+        if place.override:
+            return Problem(OVERRIDE + place.override, None, None, key, message)
         # A block mapping starts on the line below its key: point at the key.
-        whole = at_key or isinstance(_value_at(document.data, prefix), dict | list)
-        keys, values = document.key_marks.get(prefix), document.value_marks.get(prefix)
-        if mark := (keys or values) if whole else (values or keys):
-            return Problem(document.source, *mark, key, message)
+        whole = at_key or isinstance(_value_at(document.data, path[:end]), dict | list)
+        line, column = (whole and place.key) or place.value or (None, None)
+        return Problem(document.source, line, column, key, message)
     return Problem(document.source, None, None, key, message)
 
 
@@ -189,18 +188,10 @@ def _rename_key(document: Document, holder: KeyPath, old: str, new: str) -> Docu
     fields.clear()
     fields.update(items)
 
-    def moved(places: Mapping[KeyPath, V]) -> dict[KeyPath, V]:
-        before, after = (*holder, old), (*holder, new)
-        end = len(before)
-        return {after + k[end:] if k[:end] == before else k: v for k, v in places.items()}
-
-    return dataclasses.replace(
-        document,
-        data=data,
-        key_marks=moved(document.key_marks),
-        value_marks=moved(document.value_marks),
-        overridden=moved(document.overridden),
-    )
+    before, after = (*holder, old), (*holder, new)
+    end = len(before)
+    places = {after + k[end:] if k[:end] == before else k: v for k, v in document.places.items()}
+    return dataclasses.replace(document, data=data, places=places)
 
 
 # ---- pydantic's locations, in the data and in the models ----

@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import yaml
 
@@ -81,20 +81,21 @@ _PythonLoader = _loader(yaml.SafeLoader)
 _Loader = _loader(yaml.CSafeLoader) if hasattr(yaml, "CSafeLoader") else _PythonLoader
 
 
+class Place(NamedTuple):
+    """Line and column of a key and its value, from 1; or the dotted key that an override set."""
+
+    key: Mark | None = None
+    value: Mark | None = None
+    override: str = ""
+
+
 @dataclass(frozen=True)
 class Document:
-    """Plain data of a file, and the places of its keys and values.
-
-    ``key_marks``, ``value_marks``: line and column, counted from 1, of each key and each value, by
-    its path; the empty path is the whole document. ``overridden``: paths set by an override and the
-    dotted key the user wrote.
-    """
+    """Plain data of a file, and the places of its keys and values by path, empty of the whole."""
 
     source: str
     data: dict[str, Any]
-    key_marks: Mapping[KeyPath, Mark] = field(default_factory=dict)
-    value_marks: Mapping[KeyPath, Mark] = field(default_factory=dict)
-    overridden: Mapping[KeyPath, str] = field(default_factory=dict)
+    places: Mapping[KeyPath, Place] = field(default_factory=dict)
 
 
 def read_yaml(path: str | os.PathLike[str]) -> Document:
@@ -126,7 +127,7 @@ def parse_yaml(text: str, source: str) -> Document:
         kind = "a list" if isinstance(read.data, list) else f"the single value {shown(read.data)}"
         message = f"the top level must be a mapping (key: value), not {kind}"
         raise InputError([Problem(source, *_place_in_file(root), "", message)])
-    return Document(source, read.data, read.keys, read.values)
+    return Document(source, read.data, read.places)
 
 
 def parse_value(text: str) -> Any:
@@ -245,8 +246,7 @@ class _Reader:
     """Converter of nodes to plain data, a copy for each alias, with places and problems."""
 
     def __init__(self, root: Any, source: str) -> None:
-        self.keys: dict[KeyPath, Mark] = {}
-        self.values: dict[KeyPath, Mark] = {}
+        self.places: dict[KeyPath, Place] = {}
         self._problems: list[Problem] = []
         self._source = source
         self._count = 0
@@ -257,10 +257,12 @@ class _Reader:
     def _note(self, node: Any, path: KeyPath, message: str) -> None:
         self._problems.append(Problem(self._source, *_place_in_file(node), dotted(path), message))
 
-    def _plain(self, node: Any, path: KeyPath, around: tuple[Any, ...]) -> Any:
+    def _plain(
+        self, node: Any, path: KeyPath, around: tuple[Any, ...], key_mark: Mark | None = None
+    ) -> Any:
         """Return the data of a node; ``around``: the nodes that contain it."""
         self._count += 1
-        self.values[path] = _place_in_file(node)
+        self.places[path] = Place(key_mark, _place_in_file(node))
         if isinstance(node, yaml.ScalarNode):
             return _VALUES.get(node.tag, str)(node.value)
         for holds, message in (
@@ -276,14 +278,13 @@ class _Reader:
             return [self._plain(item, (*path, i), around) for i, item in enumerate(node.value)]
         data: dict[str, Any] = {}
         for key_node, value_node in node.value:
-            key = self._key(key_node, path)
+            key, mark = self._key(key_node, path), _place_in_file(key_node)
             below = path if key is None else (*path, key)
-            value = self._plain(value_node, below, around)
             if key in data:
-                line = self.keys[below][0]
+                line, _ = self.places[below].key or mark
                 self._note(key_node, below, f"duplicate key (first at line {line})")
-            elif key is not None:
-                self.keys[below] = _place_in_file(key_node)
+            value = self._plain(value_node, below, around, mark)
+            if key is not None:
                 data[key] = value
         return data
 

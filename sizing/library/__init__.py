@@ -8,7 +8,7 @@ from missions.files.errors import InputError, Problem
 from missions.files.overrides import Overrides, with_overrides
 from missions.files.shipped import find_document
 from missions.files.validation import located_error, validate
-from missions.files.yaml import Document
+from missions.files.yaml import Document, Place
 from sizing.aircraft import Aircraft
 from sizing.catalogues.choice import Kind, named_twice
 from sizing.parameters import value_at
@@ -60,8 +60,8 @@ def refuse_named_twice(document: Document) -> None:
     for named, kind in NAMED_KEYS.items():
         path, holder = tuple(named.split(".")), value_at(document.data, named.rpartition(".")[0])
         for key, message in named_twice(holder, path[-1], kind).items():
-            places = [document.key_marks.get(place) for place in (path, (*path[:-1], key))]
-            if all(places):
+            keys = (path, (*path[:-1], key))
+            if all(document.places.get(place, Place()).key for place in keys):
                 problems += located_error(document, (*path[:-1], key), message).problems
     if problems:
         raise InputError(problems)

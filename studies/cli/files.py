@@ -27,6 +27,7 @@ from missions.files.errors import (
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
 from missions.files.validation import validate
+from missions.files.yaml import Place
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -60,7 +61,7 @@ def uncertain_inputs(case: Case) -> Iterator[None]:
             document = documents.get(problem.source)
             if document is not None:
                 path = tuple(problem.key.split(".", 2))
-                line, column = document.key_marks.get(path) or (None, None)
+                line, column = document.places.get(path, Place()).key or (None, None)
                 problem = Problem(document.source, line, column, problem.key, problem.message)
             placed.append(problem)
         raise InputError(placed) from error

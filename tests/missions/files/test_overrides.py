@@ -10,10 +10,9 @@ def test_aliases_give_independent_copies():
     assert document.data == {"a": {"b": [1]}, "c": {"b": [1]}}
     changed = with_overrides(document, ["c.b.0=2"])
     assert changed.data == {"a": {"b": [1]}, "c": {"b": [2]}}
-    assert document.key_marks["c",] == (2, 1)
     # A value stands where it is written.
-    assert document.value_marks["c",] == (1, 4)
-    assert document.value_marks["c", "b"] == (1, 11)
+    assert document.places["c",] == ((2, 1), (1, 4), "")
+    assert document.places["c", "b"].value == (1, 11)
 
 
 def overridden(text, *overrides):
@@ -50,7 +49,7 @@ def test_later_override_wins_and_the_document_is_not_changed():
     document = parse_yaml("a: {b: 1}", "a.yaml")
     assert with_overrides(document, ["a.b=2", "a.b=3"]).data == {"a": {"b": 3}}
     assert document.data == {"a": {"b": 1}}
-    assert document.overridden == {}
+    assert not any(place.override for place in document.places.values())
 
 
 @pytest.mark.parametrize(

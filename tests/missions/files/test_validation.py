@@ -496,7 +496,7 @@ def test_override_mends_a_value_of_the_file():
     text = "name: x\nbattery: 3\n"
     document = with_overrides(parse_yaml(text, "a.yaml"), ["battery={mass_kg: 2}"])
     assert validate(document, Aircraft).battery.mass_kg == 2
-    assert ("battery",) not in document.key_marks
+    assert document.places["battery",].key is None
 
 
 def test_override_below_an_override_leaves_the_first_in_its_place():

@@ -62,20 +62,14 @@ def test_scalars(parser, text, value):
 
 def test_marks_tell_keys_from_values(parser):
     document = parse_yaml("a: 1\nb:\n  c: [5, 6]\n  d:\n", "a.yaml")
-    assert document.key_marks == {
-        ("a",): (1, 1),
-        ("b",): (2, 1),
-        ("b", "c"): (3, 3),
-        ("b", "d"): (4, 3),
-    }
-    assert document.value_marks == {
-        (): (1, 1),
-        ("a",): (1, 4),
-        ("b",): (3, 3),
-        ("b", "c"): (3, 6),
-        ("b", "c", 0): (3, 7),
-        ("b", "c", 1): (3, 10),
-        ("b", "d"): (4, 5),
+    assert document.places == {
+        (): (None, (1, 1), ""),
+        ("a",): ((1, 1), (1, 4), ""),
+        ("b",): ((2, 1), (3, 3), ""),
+        ("b", "c"): ((3, 3), (3, 6), ""),
+        ("b", "c", 0): (None, (3, 7), ""),
+        ("b", "c", 1): (None, (3, 10), ""),
+        ("b", "d"): ((4, 3), (4, 5), ""),
     }
 
 
@@ -84,7 +78,7 @@ def test_byte_order_mark_is_no_part_of_the_text(parser, tmp_path):
     path.write_bytes(b"\xef\xbb\xbfa: 1\n")
     document = read_yaml(path)
     assert document.data == {"a": 1}
-    assert document.key_marks["a",] == (1, 1)
+    assert document.places["a",].key == (1, 1)
 
 
 TOP = "the top level must be a mapping (key: value)"
