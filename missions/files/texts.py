@@ -5,6 +5,7 @@ Files that a record names, such as tables, keep the text of the first reading.
 
 from __future__ import annotations
 
+import codecs
 import io
 import os
 import stat
@@ -13,7 +14,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
-from missions.files.errors import InputError, Problem, file_error, printable
+from missions.files.errors import InputError, file_error, in_file, printable, refused
 
 # Begins a line that names the file of the lines below it, in the text of a whole folder.
 FILE_MARK = "#file "
@@ -90,7 +91,8 @@ def read_text(path: str, suffixes: tuple[str, ...] = ()) -> str:
     if known is not None:
         return known
     if not path.endswith("/"):
-        return _decoded(read_plain_file(path, most_bytes=_MAX_BYTES), path)
+        with in_file(printable(path)):
+            return decoded(read_plain_file(path, most_bytes=_MAX_BYTES))[0]
     with reading(path):
         every = sorted(Path(path).iterdir())
     files = [file for file in every if file.name.lower().endswith(suffixes)]
@@ -106,17 +108,23 @@ def read_text(path: str, suffixes: tuple[str, ...] = ()) -> str:
         size += len(raw)
         if size > _MAX_BYTES:
             raise _too_large(path, _MAX_BYTES)
-        parts.append(f"{FILE_MARK}{printable(file.name)}\n{_decoded(raw, str(file))}\n")
+        with in_file(printable(str(file))):
+            parts.append(f"{FILE_MARK}{printable(file.name)}\n{decoded(raw)[0]}\n")
     return "".join(parts)
 
 
-def _decoded(raw: bytes, path: str) -> str:
-    """Decode UTF-8, with the degree sign of Windows' code page allowed."""
+def decoded(content: bytes) -> tuple[str, str]:
+    """Return a text with line feeds, and its encoding.
+
+    UTF-8, UTF-16 with the mark of spreadsheets, else Windows' code page 1252.
+    """
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    encoding, content = "utf-16" if wide else "utf-8", content.removeprefix(codecs.BOM_UTF8)
     try:
-        return raw.decode("utf-8-sig")
+        text = content.decode(encoding)
     except UnicodeDecodeError as error:
-        if raw[error.start : error.start + 1] == b"\xb0":
-            return _decoded(raw.replace(b"\xb0", "°".encode()), path)
-        line = raw.count(b"\n", 0, error.start) + 1
-        message = f"is not UTF-8 text (byte 0x{raw[error.start]:02x})"
-        raise InputError([Problem(printable(path), line, None, "", message)]) from error
+        if wide:
+            raise refused(f"is not UTF-16 text (byte {error.start})") from None
+        encoding = "cp1252"
+        text = content.decode(encoding, errors="replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text, encoding

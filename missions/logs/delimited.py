@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 import io
 import re
@@ -16,7 +15,7 @@ from typing import Any, BinaryIO
 import pandas as pd
 
 from missions.files.errors import InputError, Problem, printable, refused
-from missions.files.texts import read_plain_file
+from missions.files.texts import decoded, read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import MAXIMUM_DROPPED, first_few
 from missions.logs.units import SCALES
@@ -76,9 +75,13 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if Path(source).suffix.lower() == ".xlsx":
         content, notes = _read_sheet(source)
     else:
-        content, notes = _decode(read_plain_file(source, most_bytes=_MOST_BYTES))
+        content, encoding = decoded(read_plain_file(source, most_bytes=_MOST_BYTES))
+        windows = "the text is not UTF-8: read as that of Windows (code page 1252)"
+        notes = [windows] if encoding == "cp1252" else []
+        if _CONTROLS.search(content[:_LONGEST_LINE]):
+            raise refused("is not a text table: it holds control characters")
     # Only line breaks: str.splitlines would also break at other control characters.
-    every = enumerate(content.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
+    every = enumerate(content.split("\n"), start=1)
     lines = [(number, line) for number, line in every if line.strip()]
     for number, text in lines:
         if len(text) > _LONGEST_LINE:
@@ -122,24 +125,6 @@ def read_text(source: str, layout: ColumnMap) -> Text:
         notes.append(f"numbers have {thousands!r} between thousands")
     form = {"sep": separator, "decimal": decimal, "thousands": thousands}
     return Text(header, line, rows, numbers, form, notes)
-
-
-def _decode(content: bytes) -> tuple[str, list[str]]:
-    """Decode the content: UTF-8, UTF-16 from spreadsheets, else Windows' code page 1252."""
-    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    # Latin-1 has a character for every byte; where it differs, it has control characters.
-    for encoding in ("utf-16" if wide else "utf-8-sig", "cp1252", "latin-1"):
-        try:
-            text = content.decode(encoding)
-            break
-        except UnicodeDecodeError as error:
-            if wide:
-                raise refused(f"is not UTF-16 text (byte {error.start})") from None
-    windows = "the text is not UTF-8: read as that of Windows (code page 1252)"
-    notes = [] if encoding.startswith("utf") else [windows]
-    if _CONTROLS.search(text[:_LONGEST_LINE]):
-        raise refused("is not a text table: it holds control characters")
-    return text, notes
 
 
 def _read_sheet(source: str) -> tuple[str, list[str]]:

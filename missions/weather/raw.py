@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import gzip
 import io
 import zlib
@@ -13,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
 from missions.files.errors import refused
-from missions.files.texts import open_plain, read_plain_file
+from missions.files.texts import decoded, open_plain, read_plain_file
 from missions.weather.record import Site
 
 if TYPE_CHECKING:
@@ -84,11 +83,7 @@ def text_of(path: Path) -> str | None:
             if len(line) > _LONGEST_LINE:
                 place = f"line {number} has more than {_LONGEST_LINE} characters"
                 raise refused(f"{place}: no row of a weather file")
-    content = content.removeprefix(codecs.BOM_UTF8)
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:  # Latin-1, the encoding of many EPW files
-        return content.decode("latin-1")
+    return decoded(content)[0]
 
 
 @contextmanager
