@@ -122,16 +122,24 @@ class ModuleGeometry(Record):
         """Flags of the surfaces on the lower face of the wing, shape ``(surface,)``."""
         return np.array([s.facing == "down" for s in self.surfaces])
 
-    def normals(self) -> FloatArray:
-        """Return the unit normals of the surfaces in body axes, shape ``(surface, 3)``."""
+    def rotations(self) -> FloatArray:
+        """Return rotations from the axes of surfaces to those of the body, ``(surface, 3, 3)``.
+
+        A module is pitched in its wing panel, the panel has a dihedral, and the whole wing is set
+        on the body at its incidence. Report, eq. 2.
+        """
         sides = {"left": 1.0, "centre": 0.0, "right": -1.0}
         roll = np.radians([sides[s.side] * s.dihedral_deg for s in self.surfaces])
         pitch = np.radians([s.pitch_deg for s in self.surfaces])
-        # A module is pitched in its wing panel, the panel has a dihedral, and the whole wing is set
-        # on the body at its incidence.
-        set_on_body = direction_cosines(0.0, np.radians(self.wing_incidence_deg), 0.0)
-        turned = np.where(self.face_down, -1.0, 1.0)[:, np.newaxis]
-        return np.asarray(turned * (surface_normal(roll, pitch) @ set_on_body.T))
+        panel = direction_cosines(roll, np.radians(self.wing_incidence_deg), 0.0)
+        return panel @ direction_cosines(0.0, pitch, 0.0)
+
+    def normals(self) -> FloatArray:
+        """Return the unit normals of the surfaces in body axes, shape ``(surface, 3)``.
+
+        Outwards: a level surface has the normal ``[0, 0, -1]``, one that faces down its opposite.
+        """
+        return np.where(self.face_down, 1.0, -1.0)[:, np.newaxis] * self.rotations()[..., 2]
 
     def central_wing_normal(self) -> FloatArray:
         """Return the central wing's unit normal in body axes: the mean of its module surfaces.
@@ -144,19 +152,6 @@ class ModuleGeometry(Record):
         counted = central if central.any() else upper
         mean = np.where(counted, self.area_shares, 0.0) @ self.normals()
         return np.asarray(mean / np.linalg.norm(mean))
-
-
-def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
-    """Return the upward normal of a surface pitched, then rolled, in body axes, shape ``(..., 3)``.
-
-    A level surface has the normal ``[0, 0, -1]``. Pitching its nose up turns the normal aft; a
-    positive roll (right side down) turns it to the right. Angles in rad, they broadcast; report,
-    eq. 2.
-    """
-    phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
-    return np.stack(
-        (-np.sin(theta), np.cos(theta) * np.sin(phi), -np.cos(theta) * np.cos(phi)), axis=-1
-    )
 
 
 def cos_angle_of_incidence(normals: ArrayLike, sun_vector: ArrayLike) -> FloatArray:

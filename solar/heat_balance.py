@@ -88,7 +88,7 @@ def balanced_temperature_c(
     electric = np.asarray(electric_at_25_c, float)
     reflected = share * thermal.underside_absorptance * around.albedo
     second, third, fourth = (radiating * c for c in (6.0 * square, 4.0 * kelvin, 1.0))
-    # Excess of heat at that temperature, and its derivative. In place: computed very often.
+    # Excess of heat at that temperature, and its derivative.
     left = thermal.absorptance * np.asarray(light_w_per_m2, float) + unlit
     left = left + reflected * np.asarray(level_light_w_per_m2, float)
     left = left - cell.temperature_efficiency(air_c + warmer_k) * electric
@@ -98,20 +98,7 @@ def balanced_temperature_c(
     change = 2.0 * left / (root + np.sqrt(change))
     # And steps of Newton's rule, each point by itself.
     for _ in range(_ROUNDS):
-        slope = (4.0 * fourth) * change
-        slope += 3.0 * third
-        slope *= change
-        slope += 2.0 * second
-        slope *= change
-        slope += root
-        lost = fourth * change
-        lost += third
-        lost *= change
-        lost += second
-        lost *= change
-        lost += root
-        lost *= change
-        lost -= left
-        lost /= slope
-        change -= lost
+        slope = ((4.0 * fourth * change + 3.0 * third) * change + 2.0 * second) * change + root
+        excess = (((fourth * change + third) * change + second) * change + root) * change - left
+        change = change - excess / slope
     return np.asarray(change + (air_c + warmer_k))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import field_validator
 
-from solar.geometry import ModuleGeometry, ModuleSurface, direction_cosines
+from solar.geometry import ModuleGeometry, direction_cosines
 from solar.schema import PositiveReal, Real, Record
 from solar.shadows import covered_area, module_frame
 from solar.types import FloatArray
@@ -87,21 +87,6 @@ class TailGeometry(Record):
         rear, end = front - self.vertical_chord_m, root - self.vertical_height_m
         vertical = [(front, 0.0, root), (front, 0.0, end), (rear, 0.0, end), (rear, 0.0, root)]
         return np.array(horizontal), np.array(vertical)
-
-
-def outline_corners(surface: ModuleSurface, geometry: ModuleGeometry) -> FloatArray:
-    """Return the corners of a module in body axes [m], from the leading edge of the wing root.
-
-    Front left, front right, rear right, rear left, shape (4, 3). The surface needs an outline.
-
-    The chord line is turned by the wing's incidence about the root's leading edge. The dihedral
-    begins at the outer edge of the central modules (at the symmetry plane if there are none), and
-    span is counted along the bent wing, so that outlines keep their size. The middle of a module
-    lies on the chord line, and the module's pitch turns it about its middle: the thickness of the
-    wing, a centimetre or two, is left out. Orientation (pitch, then dihedral, then incidence) as in
-    :meth:`solar.geometry.ModuleGeometry.normals`; report, eq. 2.
-    """
-    return module_frame(surface, geometry).corners()
 
 
 def shaded_fraction(

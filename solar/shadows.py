@@ -50,7 +50,14 @@ class ModuleFrame:
 
 
 def module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> ModuleFrame:
-    """Place a module in space, see :func:`solar.shading.outline_corners`."""
+    """Place a module in space, from the leading edge of the wing root.
+
+    The chord line is turned by the wing's incidence about the root's leading edge. The dihedral
+    begins at the outer edge of the central modules (at the symmetry plane if there are none), and
+    span is counted along the bent wing, so that outlines keep their size. The middle of a module
+    lies on the chord line, and the module's pitch turns it about its middle: the thickness of the
+    wing, a centimetre or two, is left out. The surface needs an outline.
+    """
     outline = surface.outline
     if outline is None:
         raise ValueError(f"module surface {surface.name} needs an outline for its shading")
@@ -60,8 +67,7 @@ def module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> ModuleFram
     central = [s.outline for s in geometry.surfaces if s.side == "centre"]
     hinge = max((outline.outboard_m for outline in central if outline is not None), default=0.0)
     incidence = np.radians(geometry.wing_incidence_deg)
-    in_panel = direction_cosines(0.0, np.radians(surface.pitch_deg), 0.0)
-    module_to_body = direction_cosines(-side * dihedral, incidence, 0.0) @ in_panel
+    module_to_body = geometry.rotations()[geometry.surfaces.index(surface)]
     # The middle in the wing's axes: body axes turned by the incidence.
     along, aft = outline.inboard_m + outline.outboard_m, outline.front_m + outline.rear_m
     middle = np.array((-0.5 * aft, 0.5 * along, 0.0))

@@ -251,11 +251,8 @@ def _kinds(model: type[BaseModel]) -> list[Any]:
 
 def _models_in(kind: Any) -> Iterator[type[BaseModel]]:
     """Yield the models within a type."""
-    if isinstance(kind, typing.NewType):
-        kind = kind.__supertype__
     if isinstance(kind, type) and issubclass(kind, BaseModel):
-        root = kind.model_fields.get("root")
-        yield from _models_in(root.annotation) if root else [kind]
+        yield kind
     for argument in typing.get_args(kind):
         yield from _models_in(argument)
 

@@ -253,11 +253,10 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, pd.DataF
     names = {_POWER_TOPIC, "vehicle_attitude", "battery_status", *_POSITION_TOPICS, *others}
     # What pyulog prints of damaged logs would stand among the results.
     with contextlib.redirect_stdout(io.StringIO()):
+        file = _BoundedFile(source)
         try:
-            with _BoundedFile(source) as file:
+            with file:
                 log = _bounded_reader(ULog)(file, sorted(names))
-        except InputError:
-            raise
         except RecursionError:
             raise refused("is not a ULog: its formats are nested too deeply") from None
         except Exception as error:  # pyulog raises whatever its parsing trips over

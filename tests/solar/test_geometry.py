@@ -10,7 +10,6 @@ from solar.geometry import (
     ModuleSurface,
     cos_angle_of_incidence,
     direction_cosines,
-    surface_normal,
 )
 
 angles = st.floats(-1.4, 1.4)
@@ -20,11 +19,12 @@ def surface(side, dihedral=0.0, pitch=0.0, area=1.0):
     return ModuleSurface(name=side, area_m2=area, side=side, dihedral_deg=dihedral, pitch_deg=pitch)
 
 
-@given(angles, angles)
-def test_normal_is_the_rotated_level_one(roll, pitch):
-    # Pitched about y, then rolled about x: an independent implementation of the rotations.
-    expected = Rotation.from_euler("yx", [pitch, roll]).apply([0.0, 0.0, -1.0])
-    assert surface_normal(roll, pitch) == pytest.approx(expected, abs=1e-12)  # rounding
+def test_dihedral_turns_the_outer_surfaces_inwards():
+    geometry = ModuleGeometry(surfaces=(surface("left", 6.0), surface("right", 6.0)))
+    left, right = geometry.normals()
+    # The left wing's upper side faces right (y positive), the right wing's faces left.
+    assert left[1] == pytest.approx(np.sin(np.radians(6.0)))
+    assert right == pytest.approx(left * [1.0, -1.0, 1.0])
 
 
 def test_incidence_turns_the_whole_wing():
@@ -39,9 +39,8 @@ def test_central_wing_is_the_mean_of_the_centre():
     centre = [surface("centre", pitch=pitch) for pitch in (-0.5, 9.4)]
     geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(*outer, *centre))
     # Two equal surfaces: their mean normal lies half-way between both pitches.
-    assert geometry.central_wing_normal() == pytest.approx(
-        surface_normal(0.0, np.radians(5.7 + 4.45)), abs=1e-12
-    )
+    expected = Rotation.from_euler("y", 5.7 + 4.45, degrees=True).apply([0.0, 0.0, -1.0])
+    assert geometry.central_wing_normal() == pytest.approx(expected, abs=1e-12)
     # Without a centre the dihedral cancels.
     plain = ModuleGeometry(surfaces=tuple(outer))
     assert plain.central_wing_normal()[1] == pytest.approx(0.0, abs=1e-15)

@@ -11,13 +11,18 @@ from solar.shading import (
     apply_losses,
     elevation_free_of_shading_deg,
     loss_model,
-    outline_corners,
     proportional_losses,
     register_loss_model,
     shaded_area,
     shaded_fraction,
     string_losses,
 )
+from solar.shadows import module_frame
+
+
+def outline_corners(surface, geometry):
+    return module_frame(surface, geometry).corners()
+
 
 # Polygons are exact but for rounding, a few units in the last place of a metre.
 ROUNDING = 1e-12

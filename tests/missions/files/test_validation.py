@@ -1,13 +1,12 @@
 """Tests of the check of aircraft and mission files against their models."""
 
 import pickle
-from typing import Annotated, ClassVar, Literal, NewType
+from typing import Annotated, ClassVar, Literal
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pydantic import Discriminator, Field, RootModel, model_validator
-from pydantic import Tag as UnionTag
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError, Problem
@@ -238,28 +237,11 @@ class Units(Record):
     energy_j: Real = 1.0
 
 
-class Unions(Record):
-    one: Annotated[
-        Annotated[Battery, UnionTag("pack")] | Annotated[Window, UnionTag("night")],
-        Discriminator(lambda value: "pack" if "mass_kg" in value else "night"),
-    ]
-    two: Cruise | Loiter | None = Field(default=None, discriminator="kind")
-
-
 class Choices(Record):
     window: Real | Window = 1.0
     source: Window | Real | None = None
     other: Window | Battery | None = None
     pair: tuple[Battery, Cruise] | None = None
-
-
-class Legs(RootModel[tuple[Cruise, ...]]):
-    pass
-
-
-class Behind(Record):
-    legs: Legs
-    pack: NewType("Pack", Battery)
 
 
 class Short(Record):
@@ -323,15 +305,6 @@ NO_KEY = "unknown key; allowed keys"
         ),
         # A unit's suffix beats a similar spelling.
         (Units, "energy_kwh: 1", ["1:1: energy_kwh: unknown key; did you mean 'energy_j'?"]),
-        (
-            Unions,
-            "one: {mass_kg: 0, zzz: 1}\ntwo: {kind: cruise, speed_m_s: 0}\n",
-            [
-                "1:16: one.mass_kg: must be greater than 0 (got 0)",
-                f"1:19: one.zzz: {NO_KEY}: mass_kg, usable_fraction, cells",
-                "2:32: two.speed_m_s: must be greater than 0 (got 0)",
-            ],
-        ),
         # The validator of one choice silences the types of the others.
         (
             Choices,
@@ -347,14 +320,6 @@ NO_KEY = "unknown key; allowed keys"
             Choices,
             "pair:\n- mass_kg: 1\n- {kind: cruise, speed_m_s: 1, zzz: 1}",
             [f"3:32: pair.1.zzz: {NO_KEY}: kind, speed_m_s"],
-        ),
-        (
-            Behind,
-            "legs: [{kind: cruise, speed_m_s: 1, zzz: 1}]\npack: {mass_kg: 1, mass_g: 1}",
-            [
-                f"1:37: legs.0.zzz: {NO_KEY}: kind, speed_m_s",
-                "2:20: pack.mass_g: unknown key; did you mean 'mass_kg'?",
-            ],
         ),
         # A key that is refused is located itself.
         (
