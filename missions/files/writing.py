@@ -159,9 +159,7 @@ def write_files_atomically(
                 staged.append((target, data, scratch))
                 if scratch is None:
                     continue
-                # By hand, for the permissions of an ordinary new file rather than a private one.
-                descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-                with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor has no path
+                with scratch.open("xb") as file:  # with the permissions of an ordinary new file
                     file.write(data)
                     file.flush()
                     os.fsync(file.fileno())
@@ -221,9 +219,9 @@ def check_writable_file(path: str | os.PathLike[str]) -> None:
     """Refuse a file that cannot be written, before the work for it begins."""
     target, name = Path(path), printable(os.fspath(path))
     with _writing(name):  # it may be too long, or in a folder that may not be looked into
-        is_folder, is_file = target.is_dir(), target.is_file() or not target.exists()
-    if is_folder:
-        raise OutputError(f"cannot write {name}: it is a folder")
+        if target.is_dir():
+            raise IsADirectoryError
+        is_file = target.is_file() or not target.exists()
     if is_file:  # else a device or a pipe
         probe(target.parent, name)
 

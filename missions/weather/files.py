@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from missions.mission.scenarios import latitude_label
 from missions.weather.record import Weather
 from solar.clearsky import THIN_AIR_FROM_M
 from solar.schema import spell
-
-if TYPE_CHECKING:
-    pass
 
 
 def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -> Weather:
@@ -90,16 +86,15 @@ def mission_at_site(
             f"flights through a weather record keep their altitude: leave out climb of "
             f"{mission.name}",
         )
-    site, notes = weather.site, []
-    # Great-circle distance from the site to the mission's latitudes.
-    here, there = np.radians(site.latitude_deg), np.radians(np.asarray(mission.latitudes()))
-    if len(there) > 1:  # a band of latitudes: what lies within is near
-        there = np.clip(here, there.min(), there.max())[np.newaxis]
+    site, notes, latitudes = weather.site, [], sorted(mission.latitudes())
+    # Great-circle distance from the site to the nearest of the mission's latitudes.
+    here = np.radians(site.latitude_deg)
+    there = np.radians(np.clip(site.latitude_deg, latitudes[0], latitudes[-1]))
     east_deg = mission.longitude_deg
     across = 0.0 if east_deg is None else np.radians(site.longitude_deg - east_deg)
     half = np.cos(here) * np.cos(there) * np.sin(across / 2.0) ** 2
     half = np.sin((there - here) / 2.0) ** 2 + half
-    away_km = float(np.min(2.0 * EARTH_RADIUS_KM * np.arcsin(np.sqrt(half))))
+    away_km = 2.0 * EARTH_RADIUS_KM * float(np.arcsin(np.sqrt(half)))
     if chosen and away_km > FAR_KM:
         raise file_error(
             weather.source,
@@ -107,10 +102,9 @@ def mission_at_site(
             f"allowed: up to {FAR_KM} km (set the mission's latitude_deg; solar-uav analyse may "
             "also leave the mission out)",
         )
-    if away_km > NEAR_KM and mission.longitude_deg is not None:
+    if away_km > NEAR_KM and east_deg is not None:
         notes.append(f"simulated at the record's site, {round(away_km)} km from the mission's site")
     elif away_km > NEAR_KM:
-        latitudes = mission.latitudes()
         ends = map(latitude_label, sorted({latitudes[0], latitudes[-1]}))
         notes.append(
             f"the mission has no longitude: its site is at {latitude_label(site.latitude_deg)} "

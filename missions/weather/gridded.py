@@ -25,6 +25,7 @@ from missions.weather.checks import MISSING
 from missions.weather.raw import END, START, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds import netcdf
+from missions.winds.table import neighbours
 from solar.schema import spell
 from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
@@ -235,10 +236,8 @@ def _values_at_point(
             f"{variable.name} at altitude_m", heights.round(), altitude_m
         )
     values = netcdf.values_of(at.transpose("time", "level"))[:, order]
-    upper = int(np.clip(np.searchsorted(heights[order], altitude_m), 1, len(order) - 1))
-    low, high = heights[order[upper - 1]], heights[order[upper]]
-    share = (altitude_m - low) / (high - low)
-    return (1.0 - share) * values[:, upper - 1] + share * values[:, upper], float(altitude_m)
+    lower, upper, share = neighbours(heights[order], altitude_m)
+    return (1.0 - share) * values[:, lower] + share * values[:, upper], float(altitude_m)
 
 
 def _convert_units(values: FloatArray, unit: str, key: str) -> FloatArray:

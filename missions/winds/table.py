@@ -34,7 +34,7 @@ _ALLOWED = {
 }
 
 
-def _neighbours(axis: FloatArray, values: ArrayLike) -> tuple[IntArray, IntArray, FloatArray]:
+def neighbours(axis: FloatArray, values: ArrayLike) -> tuple[IntArray, IntArray, FloatArray]:
     """Return indices of the neighbours of values within an axis, and the weight of the upper ones.
 
     The axis may have a single point.
@@ -77,7 +77,7 @@ class WindTable:
         curve = self.curve(latitude_deg, altitude_m, month)
         hint = ": give wind.file with others"
         self._check("percentile", percentile, self.percentiles, hint)
-        lower, upper, weight = _neighbours(self.percentiles, percentile)
+        lower, upper, weight = neighbours(self.percentiles, percentile)
         return np.asarray(curve[..., lower] * (1.0 - weight) + curve[..., upper] * weight)
 
     def curve(self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike) -> FloatArray:
@@ -88,8 +88,8 @@ class WindTable:
             if number not in self.months:
                 raise file_error(self.source, f"lacks the month {MONTH_NAMES[number - 1]}")
         places = np.broadcast_arrays(
-            *_neighbours(self.latitude_deg, latitude_deg),
-            *_neighbours(self.altitude_m, altitude_m),
+            *neighbours(self.latitude_deg, latitude_deg),
+            *neighbours(self.altitude_m, altitude_m),
             np.searchsorted(self.months, np.asarray(month, int)),
         )
         south, north, to_north, below, above, to_above, m = places

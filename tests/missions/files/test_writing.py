@@ -184,7 +184,7 @@ def test_folder_without_permission(tmp_path, monkeypatch):
     def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(os, "open", refuse)
+    monkeypatch.setattr(Path, "open", refuse)
     assert write_problem(tmp_path / "a").endswith("a: permission denied")
 
 
