@@ -294,15 +294,8 @@ class Propagation:
 
         ``heights_m``: of climbs, instead of the best.
         """
-        altitudes_m = case.mission.climb_levels_m
-        missions = [
-            (self.mission.at_altitude(height_m), case.mission.at_altitude(height_m))
-            for height_m in altitudes_m
-        ]
-        powers = [
-            self._specific_power(case, scenario, *there, level)
-            for level, there in enumerate(missions)
-        ]
+        levels_m = enumerate(case.mission.climb_levels_m)
+        powers = [self._specific_power(case, scenario, *level) for level in levels_m]
         day = self.day.at(np.full(case.count, scenario))
         return fly(
             case.aircraft,
@@ -322,28 +315,15 @@ class Propagation:
         return level.cycle.excess_time_h, level.cycle.minimum_state_of_charge, np.nan
 
     def _specific_power(
-        self, case: _Case, scenario: int, nominal: Mission, drawn: Mission, level: int = 0
+        self, case: _Case, scenario: int, level: int, altitude_m: float
     ) -> FloatArray:
         """Return the power of every draw at a flight level [W/m2], shape ``(sample, time)``.
 
-        Nominal and drawn mission have the altitude of the level.
+        With direct part ``D`` and diffuse part ``F`` of the nominal power, the power of a draw is
+        ``k (c D + f F) = k f (D + F) + k (c - f) D``: ``k`` from efficiencies, temperature and
+        clearness, ``c`` from the camber, ``f`` from the efficiency for diffuse light.
         """
-        whole, more = self._light_factors(case, nominal, drawn)
-        power = whole[..., np.newaxis] * self.day.power_w_per_m2[level, scenario]
-        if more is not None:
-            power = power + more[..., np.newaxis] * self._direct_w_per_m2[level, scenario]
-        return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
-
-    def _light_factors(
-        self, case: _Case, nominal: Mission, drawn: Mission
-    ) -> tuple[FloatArray, FloatArray | None]:
-        """Return the factors on nominal specific power and on its direct part, if any.
-
-        Nominal and drawn mission have the same altitude. With direct part ``D`` and diffuse part
-        ``F`` of the nominal power, the power of a draw is ``k (c D + f F) = k f (D + F) +
-        k (c - f) D``: ``k`` from efficiencies, temperature and clearness, ``c`` from the camber,
-        ``f`` from the efficiency for diffuse light.
-        """
+        nominal, drawn = (m.at_altitude(altitude_m) for m in (self.mission, case.mission))
         was, now = self.aircraft.modules, case.aircraft.modules
         warmer_k = self._warmer_k
         warm_was = was.temperature_efficiency(nominal.module_temperature_c() + warmer_k)
@@ -356,12 +336,15 @@ class Propagation:
             * (drawn.pessimistic_clearness / nominal.pessimistic_clearness)
         )
         camber = np.asarray(now.camber_efficiency / was.camber_efficiency, float)
-        if self.solar.model == "CDM":  # camber acts on all light; no separate diffuse efficiency
-            return np.asarray(k * camber), None
+        # Of CDM camber acts on all light, and diffuse light has no efficiency of its own.
+        is_cdm = self.solar.model == "CDM"
         diffuse = np.asarray(now.diffuse_efficiency / was.diffuse_efficiency, float)
-        if camber.ndim == 0 and diffuse.ndim == 0:
-            return np.asarray(k), None
-        return np.asarray(k * diffuse), np.asarray(k * (camber - diffuse))
+        whole = np.asarray(k * (camber if is_cdm else diffuse))
+        power = whole[..., np.newaxis] * self.day.power_w_per_m2[level, scenario]
+        if not is_cdm and (camber.ndim or diffuse.ndim):
+            more = np.asarray(k * (camber - diffuse))
+            power = power + more[..., np.newaxis] * self._direct_w_per_m2[level, scenario]
+        return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
 
     @cached_property
     def _warmer_k(self) -> float:
