@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal, TypeVar
 from missions.files.errors import InputError, did_you_mean, file_error, printable, shortened
 from missions.files.texts import read_text
 from missions.files.validation import validate, wrong_file
-from missions.files.yaml import ENTRY_KEYS, Document, parse_yaml
+from missions.files.yaml import Document, parse_yaml
 from sizing.catalogues.entries import (
     BatteryEntry,
     CellEntry,
@@ -186,21 +186,6 @@ def catalogue_values(record: CatalogueRecord, prefix: str) -> list[CatalogueValu
                 source = product.source_of(number)
                 values.append(CatalogueValue(prefix + field, value, name, product.label, source))
     return values
-
-
-def named_twice(data: Any, key: str, kind: Kind) -> dict[str, str]:
-    """Return a message for each key of a record that its catalogue entry gives as well."""
-    data = data if isinstance(data, Mapping) else {}
-    known = known_entry(kind, data, key)
-    # A motor at its operating point needs no voltage of its own, which an efficiency would.
-    overlaps = any(name in data for name in ENTRY_KEYS[key])
-    parameters = known.parameters(data) if known is not None and overlaps else {}
-    return {
-        name: f"give one of {key} and {name}: {printable(shortened(data[key]))} of the catalogue "
-        "has a value of its own for it"
-        for name in parameters
-        if name in data
-    }
 
 
 def user_entries(record: Record, key: str) -> dict[str, str]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 
-from missions.files.errors import InputError, Problem
+from missions.files.errors import InputError, Problem, printable, shortened
 from missions.files.overrides import Overrides, with_overrides
 from missions.files.shipped import find_document
 from missions.files.validation import located_error, validate
-from missions.files.yaml import Document, Place
+from missions.files.yaml import ENTRY_KEYS, Document, Place
 from sizing.aircraft import Aircraft
-from sizing.catalogues.choice import Kind, named_twice
+from sizing.catalogues.choice import Kind, known_entry
 from sizing.parameters import value_at
 
 # Keys of an aircraft's file that name an entry of a catalogue.
@@ -58,10 +58,18 @@ def refuse_named_twice(document: Document) -> None:
     """
     problems: list[Problem] = []
     for named, kind in NAMED_KEYS.items():
-        path, holder = tuple(named.split(".")), value_at(document.data, named.rpartition(".")[0])
-        for key, message in named_twice(holder, path[-1], kind).items():
-            keys = (path, (*path[:-1], key))
-            if all(document.places.get(place, Place()).key for place in keys):
-                problems += located_error(document, (*path[:-1], key), message).problems
+        path, data = tuple(named.split(".")), value_at(document.data, named.rpartition(".")[0])
+        known = known_entry(kind, data, path[-1]) if isinstance(data, dict) else None
+        # A motor at its operating point needs no voltage of its own, which an efficiency would.
+        if known is None or not any(name in data for name in ENTRY_KEYS[path[-1]]):
+            continue
+        for key in known.parameters(data):
+            twice = (*path[:-1], key)
+            if all(document.places.get(place, Place()).key for place in (path, twice)):
+                message = (
+                    f"give one of {path[-1]} and {key}: {printable(shortened(data[path[-1]]))} of "
+                    "the catalogue has a value of its own for it"
+                )
+                problems += located_error(document, twice, message).problems
     if problems:
         raise InputError(problems)
