@@ -192,7 +192,8 @@ def _over_days(
     """
     shape = np.broadcast_shapes((1,), *(v.shape for v in constants))
     days = [np.broadcast_to(v, shape).reshape(-1, 1) for v in constants]
-    result = np.zeros((len(days[0]), len(time_h)))
+    # In memory the time comes first: simulators march over it, all days at once.
+    result = np.zeros((len(time_h), len(days[0]))).T
     mirrored = np.abs(time_h + time_h[::-1] - 2.0 * NOON_H).max(initial=0.0) <= 1e-12
     half = (len(time_h) + 1) // 2 if mirrored and np.all(np.diff(time_h) > 0.0) else len(time_h)
     hours = np.cos(hour_angle(time_h[:half]))

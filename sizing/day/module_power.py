@@ -193,9 +193,9 @@ def modelled_power(
     """
     latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
     if model not in ATTITUDE_MODELS:
-        # In memory the time comes first: the simulator marches over it, all scenarios at once.
-        light = clear_daylight(mission, latitude_deg, day, time_h[:, np.newaxis])
-        return specific_power(aircraft, mission, model, light, around).T
+        places = (latitude_deg[:, np.newaxis], day[:, np.newaxis])
+        light = clear_daylight(mission, *places, time_h)
+        return specific_power(aircraft, mission, model, light, around)
     winds = mission.scenario_winds_m_per_s(scenarios).tolist()
     windy = _on_paths(aircraft, mission, [mission.in_wind(wind) for wind in winds])
     return np.stack(
