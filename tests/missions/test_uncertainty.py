@@ -4,11 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from missions.files.errors import InputError
-from missions.library import load_mission
 from missions.uncertainty import Data, LogNormal, Normal, Triangular, Uniform
 
-UNIFORM = {"distribution": "uniform"}
 SHARES = np.array([0.001, 0.1, 0.37, 0.5, 0.9, 0.999])
 
 
@@ -39,25 +36,3 @@ def test_data_stay_within_their_values_and_rise(data):
     assert quantiles[0] == min(data)
     assert quantiles[-1] == max(data)
     assert np.all(np.diff(quantiles) >= 0.0)
-
-
-BOTH, WIND = ["clearness", "wind_m_per_s"], {"coefficient": 0.5}
-TWICE = [WIND | {"between": BOTH}, WIND | {"between": BOTH[::-1]}]
-
-
-@pytest.mark.parametrize(
-    ("section", "message"),
-    [
-        ({"inputs": {"clearness": {"sigma": 0.1, "relative_sigma": 0.1}}}, "give this or sigma"),
-        ({"inputs": {"clearness": {}}}, "required key is missing .or rel"),
-        ({"inputs": {"clearness": {"distribution": "cauchy"}}}, "must be one of 'normal', 'logn"),
-        ({"inputs": {"clearness": UNIFORM | {"low": 2, "high": 1}}}, "high: must be above low 2"),
-        ({"inputs": {"clearness": {"distribution": "data", "data": [1]}}}, "at least 3 items"),
-        ({"inputs": {"clearness": {"relative_sigma": -1}}}, "must be greater than 0"),
-        ({"correlations": [WIND | {"between": ["clearness"] * 2}]}, "needs two different inputs"),
-        ({"correlations": TWICE}, "is the second correlation of wind_m_per_s and clearness"),
-    ],
-)
-def test_spreads_and_correlations_are_checked(section, message):
-    with pytest.raises(InputError, match=message):
-        load_mission("rafz-july", {"uncertainty": section})

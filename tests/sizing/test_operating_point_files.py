@@ -90,30 +90,6 @@ def test_the_power_budget_adds_up(name):
         assert budget.watts["aerodynamic_w"] == pytest.approx(left)
 
 
-HUGE = {"diameter_m": 1e6, "pitch_m": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("parts", "key", "message"),
-    [
-        ({"motor": "re4O"}, "motor", "the catalogue of motors has no 're4O'"),
-        ({"motor": {"resistance_ohm": 0.1}}, "speed_constant_rpm_per_v", "required key is missing"),
-        ({"propeller": {"diameter_m": 0.6}}, "propeller.pitch_m", "required key is missing"),
-        ({"propeller": HUGE}, "propeller.diameter_m", "must be at most 100"),
-        ({"propeller": {"table": "none.dat"}}, "propeller.table", "none.dat: no such file"),
-        ({"propulsors": 0}, "propulsors", "must be greater than 0|must be at least 1"),
-        ({"kind": None}, "kind", "required key is missing; controller goes with operating_point"),
-        ({"kind": "computed"}, "kind", "must be one of 'constant', 'operating_point'"),
-        ({"climb_power_ratio": 4.0, "climb_rate_m_per_s": 1.0}, "climb_rate", "not both"),
-        ({"voltage": None}, "battery.voltage", "required key is missing"),
-    ],
-)
-def test_wrong_parts_are_told_by_their_key(parts, key, message):
-    with pytest.raises(InputError, match=message) as caught:
-        aircraft(**parts)
-    assert key in str(caught.value)
-
-
 def test_a_table_with_one_speed_is_refused_with_its_file(tmp_path):
     table = tmp_path / "own.csv"
     table.write_text("# diameter_m: 0.66\nJ,CT,CP,rpm\n0.5,0.1,0.07,900\n1.1,0.02,0.04,900\n")

@@ -135,6 +135,14 @@ def test_a_name_that_nobody_registered_is_refused(key, value):
         sizing.register_drag("own polar", _drag)
 
 
+def test_wires_need_the_drag_of_a_shipped_polar():
+    wires = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}
+    structure = {"model": "rib_wing", "calibration": 1.188, "bracing": wires}
+    _, user_defined = SHIPPED_AND_OWN["drag"]
+    with pytest.raises(InputError, match="parabolic or wing_polar"):
+        sizing.load_aircraft(NAME, {"airframe.structure": structure} | user_defined)
+
+
 _BAD = {
     "structure": (sizing.register_structure, "structure", lambda inputs: -1.0),
     "structure of NaN": (sizing.register_structure, "structure", lambda inputs: float("nan")),

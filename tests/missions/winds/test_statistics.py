@@ -63,24 +63,6 @@ def test_a_given_wind_stays_as_it_is_and_one_of_zero_may_stand_beside_a_percenti
     assert mission(wind_m_per_s=0.0).strongest_wind_m_per_s > 0.0
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"altitude_m": 536.0}, r"the shipped table: has altitude_m 9126 to 33043 \(got 536\)"),
-        ({"latitude_deg": 89.0}, r"latitude_deg -88 to 88 \(got 89\)"),
-        ({"wind": {"percentile": 99.0}}, r"percentile 95 \(got 99\): give wind.file with others"),
-        ({"wind": {"percentile": 100.0}}, "less than 100"),
-        ({"wind": {}}, "percentile"),
-        ({"wind": {"percentile": "95"}}, "percentile"),
-        ({"wind_m_per_s": 3.0}, r"give wind or wind_m_per_s \(got 3 m/s\), not both"),
-        ({"wind": P95 | {"file": "none.csv"}}, "none.csv: no such file"),
-    ],
-)
-def test_what_no_table_knows_is_refused(changes, message):
-    with pytest.raises(ValidationError, match=message):
-        mission(**changes)
-
-
 def table(folder, wind=12.0):
     path = folder / "winds.csv"
     rows = [

@@ -5,7 +5,6 @@ import pytest
 from builders import aircraft, mission
 from hypothesis import given
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
 from sizing.aerodynamics.parabolic import DragPolar, level_airspeed_m_per_s
 from sizing.design import FlightConditions, variables_of
@@ -42,13 +41,3 @@ def test_constant_polar_scales_as_measured_power_does():
     thinner = air._replace(density_kg_per_m3=0.8 * air.density_kg_per_m3)
     _, there, _ = level_flight(plane, thinner, variables, 9.0)
     assert there == pytest.approx(here * 1.5**1.5 * 0.8**-0.5, rel=1e-12)
-
-
-def test_lift_coefficient_at_stall_is_refused():
-    with pytest.raises(ValidationError, match="must be above lift_coefficient"):
-        DragPolar(
-            lift_coefficient=1.4,
-            maximum_lift_coefficient=1.4,
-            profile_drag_coefficient=0.01,
-            reference_reynolds=1e5,
-        )

@@ -120,32 +120,3 @@ def test_cells_lie_on_the_wing_of_the_airframe():
     both = {**cells, "modules.layout": {**LAYOUT, "planform": other}}
     with pytest.raises(InputError, match="is another wing than"):
         sizing.load_aircraft("twin-boom-design", both)
-
-
-ONE_MASS = {"name": "a", "mass_kg": 1.0, "x_m": 0.0}
-SHORT_POD = {"length_m": 0.1, "diameter_m": 0.2}
-ANOTHER_POLAR = {"model": "wing_polar", "airfoil": "mh115", "tail_area_ratio": 0.1}
-ANOTHER_POLAR |= {"design_aspect_ratio": 15.0, "design_reynolds": 150e3}
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("tail.arm_chords", None, "tail.arm_m: required key is missing"),
-        ("tail.arm_m", 1.2, "tail.arm_chords: give this or arm_m"),
-        ("tail.horizontal_volume", None, "or horizontal_area_m2"),
-        ("tail.fins", 3, "fins: must be at most 2"),
-        ("tail", None, "airframe.tail: required key is missing"),
-        ("planform.taper_ratio", 0.0, r"taper_ratio: .*\(got 0"),
-        ("structure", {"model": "spar"}, "must be rib_wing"),
-        ("structure.fuselage_chords", 4.0, r"fuselage_chords: follows from .* \(got 4\)"),
-        ("balance.moved", "battery", "moved: .* give positions_chords"),
-        ("balance.weighed", [ONE_MASS], "static_margin: follows from weighed"),
-        ("drag.pods", [SHORT_POD], r"pods.0.length_m: must be above diameter_m 0.2 \(got 0.1\)"),
-        ("aerodynamics", ANOTHER_POLAR, r"tail_area_ratio: must be 0 with airframe.drag"),
-    ],
-)
-def test_mistakes_are_one_line_with_key_and_value(key, value, words):
-    with pytest.raises(InputError, match=words) as raised:
-        sizing.load_aircraft("twin-boom-design", {f"airframe.{key}": value})
-    assert len(str(raised.value).splitlines()) == 1

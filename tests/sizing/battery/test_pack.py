@@ -5,8 +5,6 @@ from pathlib import Path
 import pytest
 from builders import DESIGN
 
-import sizing
-from missions.files.errors import InputError
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import Battery
 
@@ -79,35 +77,3 @@ def test_what_follows_is_not_written_and_follows_again(cell):
     written = plane.model_dump(mode="json", exclude_unset=True)
     assert "mass_kg" not in written["battery"]
     assert Aircraft.model_validate(written) == plane
-
-
-SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}
-TEN = {"cells_in_parallel": 10, "cell_mass_kg": 0.0486}
-VOLTS = {"voltage": VOLTAGE}
-TOO_MANY = {"pack": TEN | {"cells_in_parallel": 16667}} | VOLTS
-WINDOW = {"minimum_state_of_charge": 0.9, "maximum_state_of_charge": 0.2}
-WHOLE = {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}}
-
-
-def six(**changes):
-    return {"pack": SIX | changes}
-
-
-@pytest.mark.parametrize(
-    ("data", "words"),
-    [
-        (six(cells_in_series=7), "mass_kg: .* 2.722 kg .7 × 8. or 3.062 kg .7 × 9. .got 2.918"),
-        (six(cells_in_parallel=11), r"mass_kg: .* whole cells, 3.208 kg \(6 × 11\) \(got 2.918\)"),
-        ({"pack": TEN}, "pack.cells_in_series: required key is missing"),
-        (six(cells_in_series=5) | VOLTS, "pack.cells_in_series: .* of battery.voltage, 6 .got 5"),
-        (six(minimum_state_of_charge=0.1), "pack.minimum_state_of_charge: goes with battery.cell"),
-        (six(**WINDOW), "pack.maximum_state_of_charge: .* minimum_state_of_charge 0.9 .got 0.2"),
-        (WHOLE, "pack: is of no use here: AtlantikSolar AS-2, pack of 2015 is a whole pack"),
-        ({"cell": "no-such", "pack": SIX}, "cell: the catalogue of batteries has no 'no-such'"),
-        ({"pack": 3}, "pack: "),
-        (TOO_MANY, r"pack.cells_in_parallel: must be at most 16666: .*, 6 in series \(got 16667\)"),
-    ],
-)
-def test_wrong_packs_are_refused(data, words):
-    with pytest.raises(InputError, match=rf"battery\.{words}"):
-        sizing.load_aircraft("atlantiksolar-design", {f"battery.{k}": v for k, v in data.items()})

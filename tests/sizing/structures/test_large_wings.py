@@ -6,10 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 from builders import DESIGN, mission
-from builders import aircraft as shipped_aircraft
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -21,7 +19,6 @@ from sizing.structures.assessment import assess
 from sizing.structures.loads import Station, StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.stiffening import Bracing, WebCore
-from sizing.user_models import register_drag
 
 WIRE = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}
 # Zephyr's size, in level flight at 18 km.
@@ -243,40 +240,3 @@ def structure_of(aircraft, design):
     return model, structure_inputs(
         aircraft, design.variables, conditions, design.total_mass_kg, design.airspeed_m_per_s, 0.0
     )
-
-
-USER_MODEL = {"model": "own", "name": "constant of large wings"}
-USER_MODEL |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
-register_drag("constant of large wings", lambda inputs: 0.03)
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "said"),
-    [
-        ("spar_battery_density_kg_per_m3", 2100.0, "has no room for cells"),
-        ("bracing", WIRE | {"angle_deg": 80.0}, "less than or equal to 60"),
-        ("bracing", WIRE | {"attachment_span_fraction": 0.0}, "greater than or equal to 0.1"),
-        ("web_core", {"density_kg_per_m3": 0.0}, "greater than 0"),
-        ("landing_gear_span_fraction", 1.0, "less than or equal to 0.95"),
-        ("manoeuvre_load_factor", 0.5, "greater than or equal to 1"),
-        ("booms", 3, "less than or equal to 2"),
-        ("torsion", {"aileron_start_fraction": 1.0}, "aileron_start_fraction"),
-        ("torsion", {"speed_margin": 0.9}, "speed_margin"),
-        ("torsion", {"maximum_twist_deg": 0.0}, "maximum_twist_deg"),
-        ("torsion", {"sheet_shear_modulus_pa": 0.0}, "sheet_shear_modulus_pa"),
-        ("torsion", {"sheer_modulus_pa": 1e9}, "sheer_modulus_pa"),
-        *(
-            ("build", build, "record, careful, ordinary or a number greater than 0")
-            for build in ("carefull", 0, -1.0, True, [1])
-        ),
-    ],
-    ids=str,
-)
-def test_keys_that_cannot_be_are_refused(key, value, said):
-    with pytest.raises(ValidationError, match=said):
-        of_airframe(structure=large(**{key: value}))
-    twin = shipped_aircraft("twin-boom-design")
-    with pytest.raises(ValidationError, match=r"must be 1 or 2 with airframe.tail \(got 0\)"):
-        of_airframe(twin, structure=large(booms=0))
-    with pytest.raises(ValidationError, match="parabolic or wing_polar"):
-        of_airframe(structure=large(bracing=WIRE), aerodynamics=USER_MODEL)

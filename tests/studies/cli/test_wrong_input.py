@@ -4,10 +4,10 @@ import os
 import re
 import shlex
 from pathlib import Path
-from string import Template
 
 import pytest
 from command_line import BIRD, FIELD, edited, files
+from refusals import refusals
 from weather_files import clear_record, write_epw
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
@@ -39,30 +39,18 @@ FILES = {
 }
 
 
-def refusals():
-    """Calls and a part of the message of each, as the table beside this file has them."""
-    names, begin = {}, ""
-    table = Path(__file__).with_name("refusals.txt").read_text(encoding="utf-8")
-    for line in (Template(line).substitute(names) for line in table.splitlines()):
-        if " => " in line:
-            call, _, message = line.partition(" => ")
-            yield f"{begin} {call}", message
-        elif " := " in line:
-            name, _, text = line.partition(" := ")
-            names[name] = text
-        elif line.startswith("["):
-            begin = line[1:-1]
+TABLE = Path(__file__).with_name("refusals.txt")
 
 
-@pytest.mark.parametrize(("call", "message"), refusals())
-def test_wrong_calls(run, tmp_path, call, message):
+@pytest.mark.parametrize(("begin", "call", "message"), refusals(TABLE))
+def test_wrong_calls(run, tmp_path, begin, call, message):
     for name, text in FILES.items():
         (tmp_path / name).write_text(text, encoding="latin-1")
     if "typical.epw" in call:
         record = clear_record(59, first="2001-01-01", interval_s=3600.0)
         write_epw(tmp_path / "typical.epw", record, years={1: 1996, 2: 1988})
     before = files(tmp_path)
-    outcome = run(*shlex.split(call))
+    outcome = run(*shlex.split(f"{begin} {call}"))
     assert (outcome.code, outcome.out) == (2, "")
     assert message in " ".join(outcome.err.split())
     # A line for each missing key of a file.

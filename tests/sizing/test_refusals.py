@@ -1,0 +1,20 @@
+"""Values that no file of aircraft may have, and the words in which they are refused."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from refusals import refusals
+
+from missions.files.errors import InputError
+from sizing.library import load_aircraft
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"), refusals(Path(__file__).with_name("refusals.txt"))
+)
+def test_values_that_cannot_be_are_refused_in_these_words(name, changes, message):
+    with pytest.raises(InputError) as refused:
+        load_aircraft(name, yaml.safe_load(changes))
+    problems = refused.value.problems
+    assert " | ".join(f"{one.key}: {one.message}" for one in problems) == message

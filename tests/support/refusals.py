@@ -1,0 +1,22 @@
+"""Tables of what is refused, and in which words.
+
+``[BEGIN]`` heads rows ``REST => MESSAGE`` of what begins with it; ``NAME := TEXT`` gives a piece of
+text a name, which rows write as ``$NAME``.
+"""
+
+from string import Template
+
+
+def refusals(path):
+    """Return the rows of a table: what it begins with, the rest, the message."""
+    names, begin, rows = {}, "", []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        left, sign, right = Template(line).substitute(names).partition(" => ")
+        if sign:
+            rows.append((begin, left, right))
+        elif " := " in left:
+            name, _, text = left.partition(" := ")
+            names[name] = text
+        elif left.startswith("["):
+            begin = left[1:-1]
+    return rows
