@@ -177,6 +177,21 @@ def test_flights_over_broken_days_are_those_marched_step_by_step(limit):
     assert ends > 100
 
 
+@pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
+def test_no_tried_launch_flies_longer_on_broken_days(limit):
+    solar, load, store = rough_days(limit)
+    launches = np.linspace(0.0, 24.0, 900, endpoint=False)[:, np.newaxis] + np.zeros(len(solar))
+    tried = flight_time_h(HOURLY, solar, load, store, launches).max(axis=0)
+    found = longest_flight(HOURLY, solar, load, store)
+    again = flight_time_h(HOURLY, solar, load, store, found.launch_h[np.newaxis])[0]
+    ended = np.isfinite(tried)
+    assert ended.sum() >= 5
+    np.testing.assert_array_equal(np.isinf(found.endurance_h), ~ended)
+    np.testing.assert_allclose(again[ended], found.endurance_h[ended], rtol=1e-9)
+    # As above; loads that triple within hours make flights longer by up to thrice the difference.
+    assert np.all(found.endurance_h[ended] >= tried[ended] - 3e-3)
+
+
 def test_a_day_that_begins_with_its_only_surplus_charges():
     # Light from midnight to noon: no deficit lies before the surplus.
     solar = np.interp(HOURLY, [0.0, 12.0, 13.0, 24.0], [100.0, 100.0, 0.0, 0.0])

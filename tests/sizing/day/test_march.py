@@ -13,6 +13,7 @@ from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit, Tabl
 from sizing.day.balance import PowerBalance, crossing_fraction, positive_part_wh, ramp_fraction
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
+from sizing.day.march import ChargingDay
 from solar.types import FloatArray
 
 TABLE = TableChargeLimit(
@@ -38,6 +39,11 @@ def laid_out(case):
     """Balance and batteries of a case in one dimension."""
     balance = balance_of(case.time_h, case.solar_w, case.load_w)
     return balance, case.store.flat(case.solar_w.shape[:-1])
+
+
+def final_energy_wh(balance, store, energy_wh):
+    """Stored energy at the end of the time axis, marched over its surpluses alone."""
+    return ChargingDay.of(balance).end_wh(store, energy_wh)
 
 
 @st.composite
@@ -89,6 +95,27 @@ def test_ramp_fraction_is_where_the_share_is_reached(left, right, share):
     reached = left * s + (right - left) * s * s / 2.0
     # The root's rounding is squared away; relative to the interval's whole.
     assert reached == pytest.approx(share * (left + right) / 2.0, abs=1e-9 * (1.0 + left + right))
+
+
+def test_battery_that_empties_in_a_falling_power_is_found_by_hand():
+    # Deficit of 100 t W over two hours, one that empties 50 Wh of a lossless battery: t = 1 h.
+    balance = balance_of(np.array([0.0, 2.0]), np.array([0.0, 0.0]), np.array([0.0, 200.0]))
+    store = Store.of(
+        Battery(
+            mass_kg=1.0,
+            specific_energy_wh_per_kg=100.0,
+            charge_efficiency=1.0,
+            discharge_efficiency=1.0,
+        )
+    )
+    (step,) = march(balance, store, np.array([50.0]))
+    # Arithmetic by hand: rounding alone.
+    assert step.empty_after_h() == pytest.approx(1.0, rel=1e-12)
+    assert step.unserved_h() == pytest.approx(1.0, rel=1e-12)
+    assert step.unserved_wh == pytest.approx(150.0, rel=1e-12)
+    day = ChargingDay.of(balance)
+    empty_at_wh, _, _ = day.flight(store, np.array([50.0]), np.zeros(1))
+    assert day.hour_of_deficit(empty_at_wh, np.zeros(1, int)) == pytest.approx(1.0)
 
 
 def test_time_must_increase_and_be_the_first_axis():
@@ -169,3 +196,13 @@ def test_element_does_not_depend_on_the_batch_or_on_what_is_kept(case):
             np.testing.assert_array_equal(getattr(batch, name)[index], getattr(one, name), name)
             np.testing.assert_array_equal(getattr(light, name)[index], getattr(one, name), name)
         np.testing.assert_array_equal(batch.energy_wh[index], one.energy_wh)
+
+
+@settings(max_examples=50, deadline=None)
+@given(case=cases())
+def test_cycle_repeats_itself(case):
+    balance, store = laid_out(case)
+    energy = simulate_cycle(*case).energy_wh[..., 0].reshape(-1)
+    again = final_energy_wh(balance, store, energy)
+    # The search's own tolerance is far finer; rounding of 30 sums.
+    assert np.all(np.abs(again - energy) <= 1e-9 * store.battery_energy_wh)

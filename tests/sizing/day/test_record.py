@@ -105,7 +105,7 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         there = air_at(warm_k[day, node], own_air.pressure_pa)
         load = load_of_days(mission, run.axis)[day, node]
         thrust_w = level_w * level.efficiency * faster * load
-        exact_w = chain.bus_power_w(chain.shaft(thrust_w, speed * faster, there), volts)
+        exact_w = chain.bus_power_w(thrust_w, speed * faster, there, volts)
         # Polynomials of load and temperature: 1e-4.
         expected = float(exact_w) + float(design.constant_power_w)
         assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
@@ -179,6 +179,23 @@ def test_records_in_universal_time_have_the_days_of_their_longitude(longitude_de
     assert np.abs(axis.midnight_h).max() < 1.8
     if first is not None:
         assert axis.date[0] == np.datetime64(first)
+
+
+def test_cold_air_carries_better_and_keeps_the_modules_cool():
+    runs = []
+    for temperature_c in (-10.0, 30.0):
+        record = clear_record(3, first="2001-07-14", temperature_c=np.full(72, temperature_c))
+        runs.append(weather_performance(AS2, mission_at(record), record).recorded)
+    cold, hot = runs
+    assert cold.load_w.mean() < hot.load_w.mean()
+    # Level power goes with the root of the absolute temperature, avionics do not.
+    lapse = 0.0065 * (536.0 - SITE.altitude_m)
+    ratio = np.sqrt((273.15 - 10.0 - lapse) / (273.15 + 30.0 - lapse))
+    fixed = AS2.power.avionics_w
+    powers = [run.load_w[0, 0] - fixed for run in runs]
+    assert powers[0] / powers[1] == pytest.approx(ratio, rel=0.02)
+    # 0.3 % per kelvin, of which radiation takes back a sixth.
+    assert cold.solar_power_w.max() / hot.solar_power_w.max() == pytest.approx(1.10, abs=0.01)
 
 
 @pytest.mark.parametrize("model", ["VM", "FM"])
