@@ -3,10 +3,6 @@ from pathlib import Path
 
 import pytest
 
-import missions
-import sizing
-import solar
-import studies
 from missions.files.errors import InputError
 from missions.files.shipped import find_document
 from missions.files.validation import validate
@@ -94,11 +90,6 @@ def test_files_show_themselves_in_one_line():
     odd = aircraft.model_copy(update={"name": "<b>"})
     assert "<td>&lt;b&gt;</td>" in odd._repr_html_()
     assert repr(load_mission("rafz-july")).count("15 Jul") == 1
-
-
-def test_every_package_says_its_version():
-    versions = {package.__version__ for package in (solar, missions, sizing, studies)}
-    assert versions == {solar.__version__}
 
 
 @pytest.mark.parametrize(

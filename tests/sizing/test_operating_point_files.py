@@ -109,13 +109,3 @@ def test_constants_of_the_catalogue_have_their_source():
     resistance = values["airframe.propulsion.motor.resistance_ohm"]
     assert resistance.value == 0.299
     assert "148867" in resistance.source
-
-
-def test_a_climb_has_the_operating_point_of_every_altitude():
-    subject = aircraft()
-    mission = load_mission("rafz-july", {"climb": {"strategy": "surplus", "ceiling_m": 2500.0}})
-    assert sizing.analyse(subject, mission).performance.cycle.perpetual.all()
-    high = load_mission("rafz-july", {"climb": {"strategy": "surplus", "ceiling_m": 6000.0}})
-    # Faster in thinner air, so that the empty battery's voltage does not suffice.
-    with pytest.raises(sizing.ImpossibleDesignError, match=r"bus voltage 18 V is below"):
-        sizing.analyse(subject, high)

@@ -149,24 +149,6 @@ def test_the_rated_power_ends_the_airspeed(tmp_path):
     assert missed & {"power_against_wind", "energy_balance", "battery_capacity"}
 
 
-@pytest.mark.long
-def test_latitudes_that_would_do_end_where_the_table_of_winds_does():
-    """The shipped winds end at 88 degrees: easier latitudes are not looked for beyond."""
-    where = mission(
-        latitude_deg=80.0,
-        dates={"on": "08-20"},
-        altitude_m=20000.0,
-        wind={"percentile": 95.0, "hold_station": True},
-    )
-    study = size(DESIGN, where)
-    assert not study.feasible
-    assert all(
-        abs(relaxation.value) <= 88.0
-        for relaxation in study.relaxations
-        if "latitude" in relaxation.parameter
-    )
-
-
 def test_what_cannot_be_answered_is_refused(tmp_path):
     with pytest.raises(ValueError, match="is a measured aircraft, whose power is known at one"):
         station_keeping(AS2, in_winds(tmp_path, 6.0, 12.0))

@@ -94,15 +94,6 @@ def test_an_own_efficiency_follows_the_load_of_each_design():
         assert efficiency == pytest.approx(0.7 - 0.004 * thrust_w, rel=1e-9)
 
 
-def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients():
-    space = {"design_space.lift_coefficient": {"minimum": 0.7, "maximum": 1.2}}
-    shipped, user_defined = (sizing.load_aircraft(NAME, c | space) for c in SHIPPED_AND_OWN["drag"])
-    sized, best = (sizing.size(subject, MISSION) for subject in (user_defined, shipped))
-    assert sized.variables.lift_coefficient == pytest.approx(
-        best.variables.lift_coefficient, rel=1e-4
-    )
-
-
 def test_an_own_structure_sees_what_it_carries():
     seen = []
 

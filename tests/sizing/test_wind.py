@@ -7,7 +7,7 @@ from wind_tables import winds_file
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
-from sizing import analyse, size
+from sizing import size
 from sizing.day.light import day_axis_h
 from sizing.day.module_power import modelled_power, surroundings_in_flight
 from sizing.library import load_aircraft
@@ -72,25 +72,6 @@ def test_a_path_is_flown_in_the_wind_of_each_scenario(windy):
         single = Scenarios(scenarios.latitude_deg[i : i + 1], scenarios.day_of_year[i : i + 1])
         alone = modelled_power(aircraft, windy.in_wind(wind), "FM", single, noon, around)
         assert np.array_equal(together[i], alone[0])
-
-
-def test_an_analysis_tells_the_winds(windy):
-    analysis = analyse(load_aircraft("atlantiksolar-as2"), windy)
-    record = analysis.to_dict()
-    assert record["wind"]["scenarios_m_per_s"] == pytest.approx([2.0, 4.0, 6.0, 10.5])
-    assert record["airspeed_above_wind"] is False
-    assert "2.0 to 10.5 m/s" in str(analysis)
-    assert "wind" not in analyse(load_aircraft("atlantiksolar-as2"), windy.in_wind(5.0)).to_dict()
-
-
-def test_a_map_has_the_wind_of_each_cell(windy):
-    aircraft = load_aircraft("atlantiksolar-as2")
-    data = feasibility_map(aircraft, windy, latitudes=[40.0, 50.0], days=[166, 196])
-    assert data["wind"].to_numpy() == pytest.approx(np.array([[2.0, 4.0], [6.0, 10.5]]))
-    assert "1 of 4 cells" in str(data.attrs["extrapolations"])
-    calm = feasibility_map(aircraft, windy.in_wind(0.0), latitudes=[40.0, 50.0], days=[166, 196])
-    assert "wind" not in calm
-    assert calm["excess_time"].equals(data["excess_time"])
 
 
 def test_a_map_has_no_wind_where_the_table_ends(windy):

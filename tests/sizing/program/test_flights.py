@@ -175,14 +175,6 @@ def test_where_an_aircraft_flies_perpetually_the_longest_flight_is_unlimited():
     assert longest_flight_of_all(DESIGN, mission()).objective_value == math.inf
 
 
-def test_in_the_dark_a_reserve_is_taken_off_the_longest_flight():
-    night = mission(latitude_deg=80.0, dates={"on": "12-21"})
-    longest_h = longest_flight_of_all(DESIGN, night).objective_value
-    kept = longest_flight_of_all(DESIGN, night, required_excess_time_h=longest_h - 0.5)
-    assert kept.objective_value == pytest.approx(0.5, abs=0.02)
-    assert not longest_flight_of_all(DESIGN, night, required_excess_time_h=longest_h + 0.5).feasible
-
-
 def test_no_neighbour_of_a_flight_with_two_mornings_is_better():
     # Light wings with few modules are as good as those with many: steps led to and fro.
     there = shipped_mission(flight={"launch": "sunrise", "hours": 30.0})

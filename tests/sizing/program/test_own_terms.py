@@ -87,18 +87,6 @@ def test_an_infeasible_answer_names_the_constraint():
         assert found.to_dict()["violated_requirements"]
 
 
-def test_the_function_counts_as_it_is_when_it_is_given():
-    weight = 0.0
-
-    def weighted(it):
-        return it.total_mass_kg + weight * it.wingspan_m
-
-    light = sizing.size(DESIGN, MISSION, weighted)
-    weight = 10.0
-    short = sizing.size(DESIGN, MISSION, weighted)
-    assert short.variables.wingspan_m < 0.95 * light.variables.wingspan_m
-
-
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_a_constraint_of_a_batch_has_an_answer_for_each_design(count):
     held, _ = with_own_terms(DESIGN, JULY, None, [lambda it: it.wingspan_m <= 4.5])

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from missions.files.shipped import shipped_names
 from missions.library import load_mission
 from missions.uncertainty import LogNormal
 from sizing.day.light import UNCORRECTED_CAM
@@ -83,19 +82,3 @@ def test_scatter_of_a_class_is_an_input_where_the_file_has_no_other():
     assert BUILD not in keys("stratosphere-design", {BUILD: 1.85})
     # This file says how its calibration scatters.
     assert BUILD not in keys("atlantiksolar-design", {})
-
-
-def test_shipped_designs_say_how_they_are_built():
-    for name in shipped_names("aircraft"):
-        airframe = load_aircraft(name).airframe
-        if airframe.kind == "parametric":
-            assert airframe.structure.build == "record", name
-
-
-def test_init_asks_for_it_first_and_writes_careful():
-    text = (resources.files("studies") / "templates" / "aircraft.yaml").read_text(encoding="utf-8")
-    lines = text.splitlines()
-    assert "airframe.structure.build" in lines[0]
-    printed = dict(line.split()[1:3] for line in lines[1:4])
-    assert printed == {name: f"{quality.factor:.2f}" for name, quality in build_qualities().items()}
-    assert "    build: careful " in text

@@ -10,7 +10,6 @@ from builders import aircraft as shipped_aircraft
 from scipy.optimize import brentq
 
 from missions.files.shipped import shipped_names
-from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
@@ -21,7 +20,6 @@ from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import (
     as_text,
     cell_texts,
-    collect_extrapolations,
     extrapolations,
     from_text,
     merge_extrapolations,
@@ -344,14 +342,3 @@ def test_text_and_record_keep_what_is_told():
     notes = extrapolations(dense, performance(dense, mission()))
     assert "battery.specific_energy_wh_per_kg" in {note.quantity for note in notes}
     assert from_text(as_text(notes)) == tuple(notes)
-
-
-def test_cells_are_counted_and_the_farthest_is_told():
-    from sizing.validity.checks import correction_check
-
-    cells = Scenarios(np.array([47.6, 20.0, 60.0]), np.array([182, 182, 355]))
-    checks = list(correction_check(cells, SolarModel("FM", "report"), mission()))
-    (note,) = collect_extrapolations(checks, of=3, what="cells")
-    assert (note.count, note.of) == (2, 3)
-    # 60° N in December: 90 - 60 - 23.4 deg.
-    assert note.value == pytest.approx(6.6, abs=0.1)

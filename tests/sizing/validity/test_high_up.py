@@ -126,13 +126,6 @@ def test_a_sizing_tells_the_worth_of_its_own_design():
     assert noted[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
 
 
-@pytest.mark.slow
-def test_an_infeasible_sizing_tells_the_worth_of_its_nearest_design():
-    study = size(DESIGN, HIGH, "min_mass", required_excess_time_h=12.0)
-    assert not study.feasible
-    assert "instead of" in notes(study)[BATTERY].text
-
-
 def test_a_map_tells_the_worth_in_its_best_cell():
     data = feasibility_map(DESIGN, HIGH, latitudes=[35.0, 45.0], days=[80, 172])
     noted = notes(extrapolations_of(data))
@@ -162,20 +155,6 @@ def test_captions_say_what_is_assumed_and_its_worth():
         assert f"{what} ({otherwise}: excess time {hours})" in caption
 
 
-AT_10_KM = ("mission.altitude_m=10000", "mission.dates={on: 06-21}", "mission.air={}")
-
-
-@pytest.mark.long
-def test_a_report_tells_the_worth(run, tmp_path):
-    page = tmp_path / "report.html"
-    high = tuple(word for value in AT_10_KM for word in ("--set", value))
-    run("report", "atlantiksolar-design", *high, "--no-uncertainty", "--out", str(page))
-    text = page.read_text(encoding="utf-8")
-    assert "unheated at \u221249.9 °C, with 60 % of its capacity, the excess time is" in text
-    assert "as cold as the air, \u221249.9 °C, they would give 5 % more solar energy" in text
-    assert "the solar power model's error, measured at 0.5 km" in text
-
-
 @pytest.mark.parametrize(("height_m", "is_told"), [(1990.0, False), (2010.0, True)])
 def test_a_record_far_below_the_flight_is_told(height_m, is_told):
     record = clear_record(3, first="2001-07-14")
@@ -185,21 +164,6 @@ def test_a_record_far_below_the_flight_is_told(height_m, is_told):
     if is_told:
         assert noted[RECORD].value == pytest.approx(height_m)
         assert "% of the clear sky's light" in noted[RECORD].text
-
-
-def test_a_record_tells_the_cold_of_its_days():
-    cold = np.full(40 * 24, -30.0)
-    record = clear_record(40, first="2001-07-14", share=0.75, temperature_c=cold)
-    where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + 3000.0)
-    result = sizing.analyse_weather(AS2, where, record)
-    noted = notes(result)
-    assert set(noted) == {MODULES, BATTERY, RECORD}
-    assert "as cold as the air they would give +" in noted[MODULES].text
-    unheated = shipped_aircraft(AS2.name, "battery.temperature={}")
-    closes = sizing.analyse_weather(unheated, where, record).to_dict()["days_that_close"]
-    before = result.to_dict()["days_that_close"]
-    assert closes < before
-    assert f"unheated {closes} instead of {before} days close" in noted[BATTERY].text
 
 
 def test_the_error_of_the_sun_is_not_told_as_known_high_up():

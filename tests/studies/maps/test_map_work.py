@@ -16,12 +16,10 @@ import xarray as xr
 from figure_checks import heading
 
 from missions.library import load_mission
-from missions.mission.scenarios import Dates
 from sizing.day.light import SolarModel
 from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
-from sizing.program.size import size_aircraft
 from studies.engine.run import ComputationError
 from studies.maps import study as map_study
 from studies.maps.plots import plot_map, plot_resized_map
@@ -169,28 +167,6 @@ def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft():
     again = sized_cells(pickle.loads(pickle.dumps(asked)), np.array([[0.0, 172.0]]))
     assert once["status"].tolist() == again["status"].tolist() == [SizingStatus.cross_checked]
     assert once["wingspan"].tolist() == again["wingspan"].tolist()
-
-
-def test_cells_are_sizings_of_their_own(sized):
-    mission = JULY.model_copy(update={"latitude_deg": 47.6, "dates": Dates(on="06-21")})
-    result = size_aircraft(DESIGN, mission, Objective.min_wingspan)
-    cell = sized.sel(latitude=47.6, day=172)
-    assert int(cell["status"]) == SizingStatus.cross_checked
-    # Two searches that both stop within 0.012 h of the requirement.
-    assert float(cell["wingspan"]) == pytest.approx(result.objective_value, rel=2e-3)
-    assert float(cell["excess_time"]) > 0.0
-    assert float(cell["module_area"]) <= 0.85 * float(cell["wingspan"]) ** 2 / 18.5 * (1 + 1e-6)
-
-
-def test_infeasible_cells_say_what_is_missing(sized):
-    winter = sized.sel(latitude=47.6, day=355)
-    assert int(winter["status"]) == SizingStatus.infeasible
-    assert winter["violated_requirement"].item() == "energy_balance"
-    assert float(winter["shortfall"]) > 0.0
-    assert np.isnan(winter["wingspan"])
-    night = sized.sel(latitude=75.0, day=355)
-    assert int(night["status"]) == SizingStatus.infeasible
-    assert "polar night" in night["message"].item()
 
 
 def test_sized_map_follows_cf_and_survives_its_file(sized, tmp_path):
