@@ -1,6 +1,7 @@
 """Logs as different loggers write them: columns, units, separators, clocks, messages."""
 
 import struct
+from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -90,20 +91,7 @@ def own_names(table):
     return pd.DataFrame(columns).to_csv(index=False, sep="|")
 
 
-OWN_NAMES_MAP = """\
-separator: "|"
-timezone: "+05:30"
-columns:
-  time: {name: A, format: "%m/%d/%Y %I:%M:%S.%f %p"}
-  latitude_deg: C
-  longitude_deg: B
-  altitude_m: D [km]
-  roll_deg: E [rad]
-  pitch_deg: {name: F, unit: rad, factor: -1}
-  yaw_deg: G [rad]
-  solar_power_w: U1 * I1 + U2 [mV] * I2
-  mppt_voltage_v: U1
-"""
+OWN_NAMES_MAP = Path(__file__).with_name("own_names.yaml").read_text("utf-8")
 
 LAYOUTS = {
     "ground_station": ground_station,

@@ -9,30 +9,7 @@ from sizing.propulsion.propeller_files import read_propeller
 
 UIUC = Path(__file__).parent / "uiuc"
 # Rows and spaces as in APC's file of the 11x5.5E of 2014.
-APC = """
-         11x5.5E                  (11x55E.dat)                                 12/20/14
-
-         ====== PERFORMANCE DATA (versus advance ratio and MPH) ======
-
-         DEFINITIONS:
-         J=V/nD (advance ratio)
-
-         PROP RPM =       1000
-
-         V          J           Pe         Ct          Cp          PWR         Torque      Thrust
-       (mph)     (Adv Ratio)                                       (Hp)        (In-Lbf)     (Lbf)
-         0.0        0.00      0.0000      0.1015      0.0391       0.001       0.032       0.047
-         3.0        0.29      0.5524      0.0742      0.0389       0.001       0.032       0.035
-         7.3        0.70     -0.0001      0.0000      0.0051       0.000       0.004       0.000
-
-         PROP RPM =       4000
-
-         V          J           Pe         Ct          Cp          PWR         Torque      Thrust
-       (mph)     (Adv Ratio)                                       (Hp)        (In-Lbf)     (Lbf)
-         0.0        0.00      0.0000      0.1017      0.0393       0.033       0.513       0.759
-        13.1        0.31      0.5789      0.0710      0.0385       0.032       0.503       0.530
-        14.1        0.34      0.6027      0.0673      0.0378       0.031       0.493       0.502
-"""
+APC = (UIUC.parent / "apc_11x5.5E.dat").read_text("utf-8")
 
 
 def written(folder, text, name="table.csv"):
