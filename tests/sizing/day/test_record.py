@@ -105,7 +105,7 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         there = air_at(warm_k[day, node], own_air.pressure_pa)
         load = load_of_days(mission, run.axis)[day, node]
         thrust_w = level_w * level.efficiency * faster * load
-        exact_w = chain.bus_power_w(thrust_w, speed * faster, there, volts)
+        exact_w = chain.bus_power_w(chain.shaft(thrust_w, speed * faster, there), volts)
         # Polynomials of load and temperature: 1e-4.
         expected = float(exact_w) + float(design.constant_power_w)
         assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
