@@ -10,17 +10,17 @@ UAVs", table 3 and section 4.1.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.module_power import modelled_power, surroundings_in_flight
 from sizing.library import load_aircraft
+from sizing.parameters import all_replaced
 from sizing.results.result import Result
 from solar.names import MODEL_NAMES, ModelName
 from solar.schema import spell
@@ -42,8 +42,7 @@ PERIOD_H = (4.17, 9.72)
 _STEP_H = 1.0 / 120.0
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(NamedTuple):
     """Time window of the report: means of Full Model and flight."""
 
     from_h: float
@@ -110,7 +109,7 @@ class Reproduction(Result):
             },
             "measured_w": MEASURED_W,
             "windows": [
-                asdict(window) | {"computed_w": computed}
+                window._asdict() | {"computed_w": computed}
                 for window, computed in zip(WINDOWS, self.windows_w, strict=True)
             ],
             "assumptions": assumptions(self.mission),
@@ -187,33 +186,22 @@ def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Re
 
 def _variations(mission: Mission) -> list[tuple[str, str, Mission]]:
     """Return missions with one assumption changed: its name, its value, the mission."""
-    path = mission.flight_path
-    assert isinstance(path, Circle)
     air_c = mission.air.ambient_temperature_c
     assert air_c is not None
-
-    def with_path(**change: float | str) -> Mission:
-        return mission.model_copy(update={"flight_path": path.model_copy(update=change)})
-
-    def with_air(celsius: float) -> Mission:
-        update = {"ambient_temperature_c": celsius, "module_temperature_c": celsius}
-        return mission.model_copy(update={"air": mission.air.model_copy(update=update)})
-
-    return [
+    path, air = "flight_path", ("air.ambient_temperature_c", "air.module_temperature_c")
+    changes: list[tuple[str, str, dict[str, Any]]] = [
+        *(("wind from east", f"{spell(w)} m/s", {"wind_m_per_s": w}) for w in (0.0, 1.0, 3.0)),
         *(
-            ("wind from east", f"{spell(w)} m/s", mission.model_copy(update={"wind_m_per_s": w}))
-            for w in (0.0, 1.0, 3.0)
-        ),
-        *(
-            ("2 m/s wind from", name, mission.model_copy(update={"wind_from_deg": degrees}))
+            ("2 m/s wind from", name, {"wind_from_deg": degrees})
             for name, degrees in (("north", 0.0), ("south", 180.0), ("west", 270.0))
         ),
-        *(("radius", f"{spell(r)} m", with_path(radius_m=r)) for r in (50.0, 200.0)),
-        *(("airspeed", f"{spell(v)} m/s", with_path(airspeed_m_per_s=v)) for v in (8.0, 10.0)),
-        *(("pitch", f"{p:+g} deg", with_path(pitch_deg=p)) for p in (-3.0, 3.0)),
-        *(("turns", d, with_path(direction=d)) for d in ("clockwise", "counterclockwise")),
-        *(("temperature", f"{spell(air_c + d)} C", with_air(air_c + d)) for d in (-5.0, 5.0)),
+        *(("radius", f"{spell(r)} m", {f"{path}.radius_m": r}) for r in (50.0, 200.0)),
+        *(("airspeed", f"{spell(v)} m/s", {f"{path}.airspeed_m_per_s": v}) for v in (8.0, 10.0)),
+        *(("pitch", f"{p:+g} deg", {f"{path}.pitch_deg": p}) for p in (-3.0, 3.0)),
+        *(("turns", d, {f"{path}.direction": d}) for d in ("clockwise", "counterclockwise")),
+        *(("temperature", f"{spell(c)} C", dict.fromkeys(air, c)) for c in (air_c - 5, air_c + 5)),
     ]
+    return [(name, value, all_replaced(mission, changed)) for name, value, changed in changes]
 
 
 def assumptions(mission: Mission) -> dict[str, Any]:

@@ -26,6 +26,7 @@ _MAXIMUM_VALUES = 10_000
 
 # Design variables: their short names, and the keys of the aircraft file.
 DESIGN_KEYS = design_keys()
+DESIGN_VARIABLES = {key: name for name, key in DESIGN_KEYS.items()}
 
 _NAMED_LABELS: dict[Kind, str] = {
     "cells": "solar cell",
@@ -75,12 +76,7 @@ class Axis:
     @property
     def design_variable(self) -> str | None:
         """Short name of the varied design variable, None for other keys."""
-        return design_variable(self.key)
-
-
-def design_variable(key: str) -> str | None:
-    """Return the short name of a key's design variable, None for other keys."""
-    return next((name for name, place in DESIGN_KEYS.items() if place == key), None)
+        return DESIGN_VARIABLES.get(self.key)
 
 
 def unit_of(key: str) -> str:

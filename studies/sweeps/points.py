@@ -44,7 +44,7 @@ from studies.quantities import (
     described,
 )
 from studies.render.words import percent
-from studies.sweeps.axes import DESIGN_KEYS, design_variable
+from studies.sweeps.axes import DESIGN_KEYS, DESIGN_VARIABLES
 
 _DESCRIBED = gridded.DESCRIBED | {
     ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
@@ -135,7 +135,7 @@ def valid_groups(
     Sets the rows of cells that are invalid or cannot fly.
     """
     measured = configuration.measured
-    in_files = [measured or design_variable(key) is None for key in configuration.keys]
+    in_files = [measured or key not in DESIGN_VARIABLES for key in configuration.keys]
     keys = list(itertools.compress(configuration.keys, in_files))
     groups: dict[tuple[float, ...], list[int]] = {}
     for number, cell in enumerate(cells):
@@ -216,7 +216,7 @@ def columns_of(
 def _variables(
     configuration: SweepConfiguration, aircraft: Aircraft, cells: FloatArray
 ) -> DesignVariables:
-    varied = dict(zip(map(design_variable, configuration.keys), cells.T, strict=True))
+    varied = dict(zip(map(DESIGN_VARIABLES.get, configuration.keys), cells.T, strict=True))
     chosen = variables_of(aircraft).chosen().items()
     variables = DesignVariables(
         **{name: varied.get(name, np.full(len(cells), value)) for name, value in chosen}
@@ -329,7 +329,7 @@ def size_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[st
     rows: dict[int, dict[str, Any]] = {}
     for numbers, aircraft, mission in valid_groups(configuration, cells, rows, SizingStatus):
         for number in numbers:
-            names = map(design_variable, configuration.keys)
+            names = map(DESIGN_VARIABLES.get, configuration.keys)
             values = zip(names, cells[number].tolist(), strict=True)
             fixed = {name: value for name, value in values if name is not None}
             sized = with_fixed_variables(aircraft, fixed)
