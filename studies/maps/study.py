@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from enum import IntEnum
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.dates import DAYS_PER_YEAR, days_of_year, month_and_day
 from missions.files.errors import InputError
+from missions.files.overrides import with_values
 from missions.flight_path import largest_wind_m_per_s
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -174,10 +174,7 @@ def resized_map(
         If every cell failed.
     """
     if required_excess_time_h is not None:
-        if not 0.0 <= required_excess_time_h < math.inf:
-            raise ValueError(f"required_excess_time_h must be >= 0 (got {required_excess_time_h})")
-        update = {"required_excess_time_h": float(required_excess_time_h)}
-        mission = mission.model_copy(update=update)
+        mission = with_values(mission, {"required_excess_time_h": required_excess_time_h})
     solar = SolarModel(model, correction)
     study = prepare(aircraft, mission, latitudes, days, solar, objective=objective)
     return study.computed(workers, scheduler, progress).to_xarray()

@@ -235,7 +235,7 @@ UNKNOWN = "unknown objective '{}'; allowed: max_excess_time"
 RESIZED = [
     *[({"objective": one}, UNKNOWN.format(one)) for one in ("min_price", "longest_season")],
     ({"aircraft": AS2}, "atlantiksolar-as2 is measured"),
-    ({"required_excess_time_h": -1.0}, "required_excess_time_h must be >= 0"),
+    ({"required_excess_time_h": -1.0}, "required_excess_time_h: must be at least 0"),
 ]
 
 
