@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from missions.dates import date_code
 from missions.files.errors import (
     OVERRIDE,
     InputError,
@@ -172,8 +173,17 @@ def load(options: Options) -> Case:
         case.refuse("mission.wind.hold_station", message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is used; the one beside: -m {beside}")
-    if options.mission_values:
-        case = case.with_mission(**options.mission_values)
+    changes: dict[str, Any] = {}
+    if options.latitude is not None:
+        changes["latitude_deg"] = options.latitude
+    day = options.day_of_year if options.date is None else options.date
+    if day is not None:
+        changes["dates"] = {"on": date_code(day)}
+    if changes:
+        changes["launch"] = None  # which is at the mission's own place and date
+    if options.required_h is not None:
+        changes["required_excess_time_h"] = options.required_h
+    case = case.with_mission(**changes) if changes else case
     return case if options.mass_kg is None else _of_known_mass(case, options.mass_kg)
 
 

@@ -60,11 +60,10 @@ class Case(CommandOptions):
     model: ModelName = "CAM"
     correction: CorrectionName = "none"
     mass_kg: float | None = None
-
-    @property
-    def mission_values(self) -> dict[str, Any]:
-        """Values that stand in place of the mission's own."""
-        return {}
+    latitude: float | None = None
+    day_of_year: int | None = None
+    date: int | None = None
+    required_h: float | None = None
 
 
 class Model(Case):
@@ -125,32 +124,16 @@ class Place(Case):
         if self.day_of_year is not None and self.date is not None:
             raise click.UsageError("give --day-of-year or --date, not both")
 
-    @property
-    def day(self) -> int | None:
-        """Day of the year, however it is given."""
-        return self.date if self.day_of_year is None else self.day_of_year
-
-    @property
-    def mission_values(self) -> dict[str, Any]:
-        """Place and day, without the launch, which is at the mission's own."""
-        from missions.dates import date_code  # not for help
-
-        values: dict[str, Any] = {}
-        if self.latitude is not None:
-            values["latitude_deg"] = self.latitude
-        if self.day is not None:
-            values["dates"] = {"on": date_code(self.day)}
-        return super().mission_values | values | ({"launch": None} if values else {})
-
     def refuse_with_weather(self) -> None:
         """Refuse a place or a day beside that of a weather record."""
         if self.latitude is not None:
             raise click.UsageError(
                 "a weather record has its own place: give --latitude or --weather"
             )
-        if self.day is not None:
-            dated = "--date" if self.date is not None else "--day-of-year"
-            raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
+        for name, day in (("--date", self.date), ("--day-of-year", self.day_of_year)):
+            if day is not None:
+                text = f"a weather record has its own days: give {name} or --weather"
+                raise click.UsageError(text)
 
 
 class Requirement(Case):
@@ -161,12 +144,6 @@ class Requirement(Case):
         "--required-excess-time",
         type=RealRange(0.0, 1000.0, unit="hours"),
     )
-
-    @property
-    def mission_values(self) -> dict[str, Any]:
-        """Required excess time, where it is chosen."""
-        required = {} if self.required_h is None else {"required_excess_time_h": self.required_h}
-        return super().mission_values | required
 
 
 class Work(CommandOptions):
