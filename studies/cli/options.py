@@ -38,11 +38,6 @@ def mission_option(default: str | None) -> Any:
     return option(text, "-m", default=default, type=click.Path(), metavar="TEXT")
 
 
-def json_option(text: str = "Print JSON instead of tables.") -> Any:
-    """Return option ``--json``."""
-    return option(text)
-
-
 class Case(CommandOptions):
     """What a command is asked about: an aircraft on a mission."""
 
@@ -86,7 +81,7 @@ class Model(Case):
 class Json(Case):
     """A case whose result may be printed as JSON."""
 
-    as_json: bool = json_option()
+    as_json: bool = option("Print JSON instead of tables.")
 
 
 class Level(Json):

@@ -89,8 +89,7 @@ def deliver(
         except Exception:
             write_files_atomically(made)  # data, where they cannot be drawn
             raise
-        if made:
-            write_files_atomically(made)
+        write_files_atomically(made)
         if folder is not None and places["out_dir"] is not None:
             written.append(places["out_dir"])
             inputs, tables, figures = folder()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from studies.cli.command import CommandOptions, argument, command, option
-from studies.cli.options import EXIT_BAD_INPUT, json_option
+from studies.cli.options import EXIT_BAD_INPUT
 from studies.cli.values import OutputFile
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class List(CommandOptions):
     motors: bool = option("List the motors.")
     propellers: bool = option("List the propellers.")
     mppts: bool = option("List the MPPTs.")
-    as_json: bool = json_option("Print JSON.")
+    as_json: bool = option("Print JSON.")
 
     def refuse(self) -> None:
         """Refuse what does not go together."""

@@ -214,7 +214,7 @@ class ReproduceReport(options.Drawn):
     All four models, beside the report's own numbers and the power measured in flight.
     """
 
-    as_json: bool = options.json_option("Print JSON.")
+    as_json: bool = option("Print JSON.")
     out_dir: str | None = options.out("figure and table")
 
     def run(self) -> None:
