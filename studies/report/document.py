@@ -22,7 +22,7 @@ from studies import quantities as q
 from studies.output.run_folder import InputFile, RunInputs
 from studies.render.analysis import landing
 from studies.render.words import amount, given, hours, percent
-from studies.report.blocks import Fact
+from studies.report.blocks import Fact, Section
 from studies.report.sections import AT_THE_END, OF_A_DESIGN, OF_A_LOG, Make
 from studies.report.subject import Subject
 
@@ -105,8 +105,8 @@ def make_report(
     )
 
 
-def makers(subject: Subject) -> tuple[Make, ...]:
-    """Return what makes the sections of a report; some make none of this subject."""
+def makers(subject: Subject) -> tuple[tuple[str, str, Make], ...]:
+    """Return key, heading and maker of the sections of a report; some have nothing to show."""
     of_subject = OF_A_DESIGN if subject.verification is None else OF_A_LOG
     return (*of_subject, *AT_THE_END)
 
@@ -114,8 +114,8 @@ def makers(subject: Subject) -> tuple[Make, ...]:
 def render(subject: Subject, progress: Callable[[int, int], None] | None = None) -> str:
     """Return the page; ``progress`` takes the numbers of finished and of all sections."""
     sections = []
-    for number, make in enumerate(every := makers(subject), 1):
-        sections.append(make(subject))
+    for number, (key, title, make) in enumerate(every := makers(subject), 1):
+        sections.append(Section(key, title, [*make(subject)]))
         if progress is not None:
             progress(number, len(every))
     environment = Environment(
@@ -130,7 +130,7 @@ def render(subject: Subject, progress: Callable[[int, int], None] | None = None)
         subject=subject,
         verdict=verdict(subject),
         facts=tuple(key_facts(subject)),
-        sections=[section for section in sections if section is not None],
+        sections=[section for section in sections if section.blocks],
         run=subject.run,
         # No text within may end the element that holds it.
         results=to_json(subject.results(), sort_keys=True).replace("<", "\\u003c"),

@@ -51,7 +51,7 @@ from studies.render.sizing import (
 )
 from studies.render.tables import ALL, Column, Line, Table, facts
 from studies.render.words import percent, required, with_unit
-from studies.report.blocks import Bars, Block, Listing, Section, page_figure, page_options
+from studies.report.blocks import Bars, Block, Listing, page_figure, page_options
 from studies.report.geometry import Drawing
 from studies.report.subject import Subject
 from studies.report.three_view import description, plot_three_view
@@ -69,56 +69,53 @@ SUMS = frozenset((LIGHT, ELECTRIC, LOAD))
 _SHOWN_WH = 0.5  # smaller losses are left out
 
 
-def aircraft_section(subject: Subject) -> Section:
-    """Return three views to scale, and the quantities of the design."""
+def aircraft_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield three views to scale, and the quantities of the design."""
     aircraft, balance = subject.aircraft, subject.analysis.balance
     drawing, points = Drawing(aircraft), {}
     if balance is not None:
         points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.neutral_point.x_m)}
-    views = page_figure(
+    if aircraft.description:
+        yield Line(aircraft.description, "strong")
+    yield page_figure(
         plot_three_view(drawing, **points, figure=page_options(_WIDTH_IN)),
         f"Three views to scale. {' '.join(drawing.notes)}",
         title=f"Three views of {aircraft.name}",
         words=description(drawing),
         key="views",
     )
-    blocks: list[Block] = [Line(aircraft.description, "strong")] if aircraft.description else []
-    blocks.append(views)
-    if subject.verification is None:
-        required_h = max(subject.mission.required_excess_time_h, 0.0)
-        margins = requirement_margins(aircraft, subject.analysis.performance, required_h)
-        rows = [
-            (entry.group, entry.quantity.label, " ".join(entry.shown()).strip())
-            for entry in design_sheet(subject.analysis).quantities
-            if entry.group not in ("masses", "balance")
-        ]
-        rows += [("flight", *row) for row in wind_rows(subject.analysis.wind)]
-        if subject.mission.holds_station:
-            rows.append(("flight", "flown, to hold its place", "as fast as the wind at least"))
-        groups = dict.fromkeys(group for group, *_ in rows)
-        tables = (facts(name, [(a, b) for of, a, b in rows if of == name]) for name in groups)
-        blocks += [tuple(tables), requirement_table(margins)]
-    return Section("aircraft", "The aircraft", blocks)
+    if subject.verification is not None:
+        return
+    rows = [
+        (entry.group, entry.quantity.label, " ".join(entry.shown()).strip())
+        for entry in design_sheet(subject.analysis).quantities
+        if entry.group not in ("masses", "balance")
+    ]
+    rows += [("flight", *row) for row in wind_rows(subject.analysis.wind)]
+    if subject.mission.holds_station:
+        rows.append(("flight", "flown, to hold its place", "as fast as the wind at least"))
+    groups = dict.fromkeys(group for group, *_ in rows)
+    yield tuple(facts(name, [(a, b) for of, a, b in rows if of == name]) for name in groups)
+    required_h = max(subject.mission.required_excess_time_h, 0.0)
+    yield requirement_table(requirement_margins(aircraft, subject.analysis.performance, required_h))
 
 
 # ---- Masses and power
 
 
-def budget_section(subject: Subject) -> Section:
-    """Return where mass, power and the energy of the day go."""
+def budget_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield where mass, power and the energy of the day go."""
     analysis = subject.analysis
     where = analysis.worst_scenario.label
     measured = not isinstance(subject.aircraft.airframe, ParametricAirframe)  # in a single part
     names = {"other": "airframe, propulsion and avionics (measured)"} if measured else {}
     each = analysis.performance.design.masses._asdict().items()
     masses = tuple((names.get(name, words(name)), float(kg)) for name, kg in each if kg > 0.0)
-    blocks: list[Block] = [
-        Bars("mass budget", "kg", ".3f", masses, "total mass"),
-        Bars("load in level flight", "W", ".2f", power_rows(analysis.power_budget), "load"),
-        Bars(f"from the sun to the load: energy of the day, {where}", "Wh", ".0f",
-             loss_chain(analysis), sums=SUMS),
-    ]  # fmt: skip
-    return Section("budgets", "Mass, power and energy", [*blocks, *subject.sections["parts"]])
+    yield Bars("mass budget", "kg", ".3f", masses, "total mass")
+    yield Bars("load in level flight", "W", ".2f", power_rows(analysis.power_budget), "load")
+    title = f"from the sun to the load: energy of the day, {where}"
+    yield Bars(title, "Wh", ".0f", loss_chain(analysis), sums=SUMS)
+    yield from subject.sections["parts"]
 
 
 def loss_chain(analysis: Analysis) -> tuple[tuple[str, float], ...]:
@@ -184,33 +181,31 @@ def _of_modules(analysis: Analysis, solar_wh: float) -> list[tuple[str, float]]:
 # ---- Sizing
 
 
-def sizing_section(subject: Subject) -> Section | None:
-    """Return what was optimised, what limits it, how sensitive it is, and its cross-check."""
-    sizing = subject.sizing
-    if sizing is None:
-        return None
+def sizing_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield what was optimised, what limits it, how sensitive it is, and its cross-check."""
+    if (sizing := subject.sizing) is None:
+        return
     objective = Objective(sizing["objective"]["name"])
     value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
     text = f"Sized for the {objective_caption(objective)}: {with_unit(value, objective)}"
     if required_h:
         text += f", with {required(required_h)} required in every scenario"
-    blocks: list[Block] = [f"{text} ({sizing['status'].replace('_', ' ')})."]
+    yield f"{text} ({sizing['status'].replace('_', ' ')})."
     if (reliability := sizing.get("reliability")) is not None:
         achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
-        draws = f"{reliability['samples']} draws"
-        blocks.append(f"Reliability: {achieved} of {draws}; required {least}.")
+        yield f"Reliability: {achieved} of {reliability['samples']} draws; required {least}."
     if active := sizing["active_constraints"]:
-        blocks.append(limits_line(active, subject.aircraft, keys=True))
+        yield limits_line(active, subject.aircraft, keys=True)
     if (cells := sizing.get("whole_cells")) is not None:
-        blocks.append(loss_line(cells, objective))
+        yield loss_line(cells, objective)
     if sizing.get("sensitivities") is None and not objective.of_range:
-        blocks.append(Line("The sensitivities were not computed.", "faint"))
+        yield Line("The sensitivities were not computed.", "faint")
     if (record := sizing.get("cross_check")) is not None:
         text = cross_check_line(record, objective)
-        blocks.append(Line(text, "good" if record["cross_checked"] else "warning"))
+        yield Line(text, "good" if record["cross_checked"] else "warning")
     elif not objective.of_range:
-        blocks.append(Line("The optimum was not cross-checked.", "faint"))
-    return Section("sizing", "Sizing", [*blocks, *record_blocks(sizing, objective)])
+        yield Line("The optimum was not cross-checked.", "faint")
+    yield from record_blocks(sizing, objective)
 
 
 # ---- The day
@@ -225,8 +220,8 @@ _MOST_RINGS = 30
 _ON_CELLS = "#111111"
 
 
-def day_section(subject: Subject) -> Section:
-    """Return the weakest scenario's day, all scenarios, and the flight on the calendar."""
+def day_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield the weakest scenario's day, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
     where, several = analysis.worst_scenario.label, len(analysis.scenarios) > 1
     caption = (
@@ -238,28 +233,27 @@ def day_section(subject: Subject) -> Section:
     _, least = MINIMUM_CHARGE.fact(analysis.minimum_state_of_charge)
     charge, title = f"The charge is least, {least}, in the morning.", f"Day cycle at {where}"
     plot = plot_cycle(analysis, figure=options)
-    blocks: list[Block] = [page_figure(plot, caption, title=title, words=charge, key="cycle")]
+    yield page_figure(plot, caption, title=title, words=charge, key="cycle")
     if several:
         excess_h = analysis.performance.cycle.excess_time_h
         weakest = np.argsort(excess_h, kind="stable")[:_MOST_SCENARIOS]
         if len(weakest) == len(excess_h):
-            blocks.append(scenario_table(analysis))
+            yield scenario_table(analysis)
         else:
             note = f"the {_MOST_SCENARIOS} weakest of {len(excess_h)} scenarios"
-            blocks.append(replace(scenario_table(analysis, weakest), notes=(note,)))
+            yield replace(scenario_table(analysis, weakest), notes=(note,))
     if analysis.flight is not None:
         plot = plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8))
         caption = "Solar power, load and state of charge from the mission's launch. Grey: night."
-        blocks.append(page_figure(plot, caption, title="Flight on the calendar", key="calendar"))
-        blocks += subject.sections["flight"]
-    return Section("day", "The day", blocks)
+        yield page_figure(plot, caption, title="Flight on the calendar", key="calendar")
+        yield from subject.sections["flight"]
 
 
 # ---- Season
 
 
-def season_section(subject: Subject) -> Section:
-    """Return where and when the flight is perpetual, and the months."""
+def season_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield where and when the flight is perpetual, and the months."""
     analysis, mission, solar = subject.analysis, subject.mission, subject.solar
     scenarios = analysis.performance.day.scenarios
     climbing = CLIMBING_CELLS if mission.climb is not None else CELLS
@@ -271,7 +265,8 @@ def season_section(subject: Subject) -> Section:
     data = prepare(subject.aircraft, mission, latitudes, days, solar).computed()
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
-    season = _season_text(subject)
+    if season := _season_text(subject):
+        yield season
     conditions = [
         "Excess time of this aircraft on every day at every latitude, in the mission's air",
         "black line: edge of perpetual flight",
@@ -280,9 +275,8 @@ def season_section(subject: Subject) -> Section:
         f"with {mission.climb_label}" if mission.climb is not None else "",
     ]
     caption = f"{'; '.join(filter(None, conditions))}."
-    drawing = page_figure(plot, caption, title="Season map", words=season, key="season")
-    blocks: list[Block] = [season] if season else []
-    return Section("season", "The season", [*blocks, drawing, _months(subject)])
+    yield page_figure(plot, caption, title="Season map", words=season, key="season")
+    yield _months(subject)
 
 
 def _months(subject: Subject) -> Table:
@@ -338,12 +332,11 @@ def _places(latitudes: Sequence[float]) -> str:
 # ---- Models
 
 
-def models_section(subject: Subject) -> Section:
-    """Return all solar power models side by side."""
-    title, comparison = "Solar power models", subject.comparison
-    if comparison is None:
-        text = f"The solar power models are not compared: {subject.path_trouble}."
-        return Section("models", title, [text])
+def models_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield all solar power models side by side."""
+    if (comparison := subject.comparison) is None:
+        yield f"The solar power models are not compared: {subject.path_trouble}."
+        return
     options = page_options(_WIDE_IN, 1.9 + 0.26 * len(comparison.cases))
     at = comparison.mission.latitudes()
     where = "" if len(at) == len(subject.mission.latitudes()) else f" at {_places(at)}"
@@ -351,109 +344,101 @@ def models_section(subject: Subject) -> Section:
         f"What each model predicts{where}: solar energy and excess time with bars of the model's "
         "RMS error, and the perpetual season."
     )
-    words = "The same numbers are in the table below."
-    plot = plot_comparison(comparison, figure=options)
-    blocks: list[Block] = [
-        f"{comparison.headline()} {comparison.perpetual_line()}",
-        page_figure(plot, caption, title=title, words=words, key="models"),
-        *comparison.scenario_tables(),
-        *(f"- {note}" for note in comparison.notes),
-    ]
-    return Section("models", title, blocks)
+    yield f"{comparison.headline()} {comparison.perpetual_line()}"
+    yield page_figure(
+        plot_comparison(comparison, figure=options),
+        caption,
+        title="Solar power models",
+        words="The same numbers are in the table below.",
+        key="models",
+    )
+    yield from comparison.scenario_tables()
+    yield from (f"- {note}" for note in comparison.notes)
 
 
 # ---- Scatter, weather, logs
 
 
-def uncertainty_section(subject: Subject) -> Section | None:
-    """Return how likely the flight is perpetual when inputs scatter, if any do."""
+def uncertainty_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield how likely the flight is perpetual when inputs scatter, if any do."""
     if (uncertainty := subject.uncertainty) is None:
-        return None
-    plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
-    drawing = page_figure(
-        plot,
+        return
+    first, *others = uncertainty.at_level(ALL).blocks
+    yield first
+    yield page_figure(
+        plot_uncertainty(uncertainty, figure=page_options(9.6)),
         f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
         "inputs, and what it depends on.",
         title="Excess time under uncertain inputs",
         words=f"{uncertainty.headline()}. The shares are in the table below.",
         key="scatter",
     )
-    first, *others = uncertainty.at_level(ALL).blocks
-    return Section("uncertainty", "Uncertain inputs", [first, drawing, *others])
+    yield from others
 
 
-def weather_section(subject: Subject) -> Section | None:
-    """Return the flight through a weather record; None without one."""
+def weather_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield the flight through a weather record; None without one."""
     if (weather := subject.weather) is None:
-        return None
-    drawing = page_figure(
+        return
+    first, *others = weather.at_level(ALL).blocks
+    yield first
+    yield page_figure(
         plot_weather(weather, figure=page_options(_WIDE_IN, 6.4)),
         "State of charge at every dawn, survival of launches, and the season in this weather.",
         title="Flight through the weather record",
         words=f"{weather.headline()}.",
         key="weather",
     )
-    first, *others = weather.at_level(ALL).blocks
-    return Section("weather", "Weather", [first, drawing, *others])
+    yield from others
 
 
-def verification_section(subject: Subject) -> Section | None:
-    """Return the models against a flight log; None without one."""
+def verification_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield the models against a flight log; None without one."""
     if (verification := subject.verification) is None:
-        return None
+        return
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
-    drawings = (
-        page_figure(
-            draw(),
-            f"Measured and modelled power: {name}.",
-            title=f"Log and models, {name}",
-            key=f"log-{name}",
-        )
-        for name, draw in figures(verification, figure=page_options(_WIDE_IN))
-    )
-    title, blocks = "Models against the flight log", verification.at_level(ALL).blocks
-    return Section("verification", title, [*blocks, *drawings])
+    yield from verification.at_level(ALL).blocks
+    for name, draw in figures(verification, figure=page_options(_WIDE_IN)):
+        title, caption = f"Log and models, {name}", f"Measured and modelled power: {name}."
+        yield page_figure(draw(), caption, title=title, key=f"log-{name}")
 
 
 # ---- Margins, confidence, inputs
 
 
-def margins_section(subject: Subject) -> Section:
-    """Return how much worse each assumption may become."""
-    text = (
-        "Each quantity changes alone until the weakest scenario just meets the requirement; all "
-        "else stays as it is, the mass with the battery's specific energy as well."
-    )
-    table = margin_table(subject)
-    if table is None:
+def margins_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield how much worse each assumption may become."""
+    if (table := margin_table(subject)) is None:
         text = (
             "None: the weakest scenario has just what is required. A little less of any quantity, "
             "of the sun or the battery, ends it."
         )
-        return Section("margins", "Margins", [Line(text, "warning")])
-    return Section("margins", "Margins", [table, Line(text, "faint")])
+        yield Line(text, "warning")
+        return
+    yield table
+    text = (
+        "Each quantity changes alone until the weakest scenario just meets the requirement; all "
+        "else stays as it is, the mass with the battery's specific energy as well."
+    )
+    yield Line(text, "faint")
 
 
-def belief_section(subject: Subject) -> Section:
-    """Return what is extrapolated, the solar models' errors, and what is left out."""
-    blocks: list[Block] = []
+def belief_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield what is extrapolated, the solar models' errors, and what is left out."""
     if subject.verification is None:
         within = Line("Nothing lies outside the range of a model.", "good")
-        blocks = [
-            *subject.sections["warnings"],
-            *(subject.sections["extrapolations"] or [within]),
-            *subject.sections["error"],
-        ]
+        yield from subject.sections["warnings"]
+        yield from subject.sections["extrapolations"] or [within]
+        yield from subject.sections["error"]
     columns = group("model average_error rms_error scatter_of_error")
     rows = tuple((model, of.average, of.rms, of.scatter) for model, of in MODELS.items())
     note = (
         "of the mean measured power; one flight of AtlantikSolar AS-2, 47.6° N, 1 July 2015, "
         "sunrise to 9.72 h (Oettershagen, High-Fidelity Solar Power Income Modeling, table 3)"
     )
-    blocks.append(Table("published errors of the solar power models", columns, rows, (note,)))
-    left_out = [f"- {text}" for text in _left_out(subject)]
-    return Section("belief", "Confidence", [*blocks, *left_out])
+    yield Table("published errors of the solar power models", columns, rows, (note,))
+    yield from (f"- {text}" for text in _left_out(subject))
 
 
 def _left_out(subject: Subject) -> Iterator[str]:
@@ -481,34 +466,34 @@ def _left_out(subject: Subject) -> Iterator[str]:
         yield "The mission's uncertainty margins are taken off every number here."
 
 
-def glossary_section(_: Subject) -> Section:
-    """Return the words of the report: quantities, and solar power models."""
+def glossary_blocks(_: Subject) -> Iterator[Block]:
+    """Yield the words of the report: quantities, and solar power models."""
     models = "; ".join(f"{name}: {model.label}" for name, model in MODELS.items())
     rows = [(each.label, each.definition) for each in TABLE.values() if each.definition]
     rows.append(("solar power models", f"{models}."))
-    return Section("glossary", "Glossary", [Table("Words", group("word meaning"), tuple(rows))])
+    yield Table("Words", group("word meaning"), tuple(rows))
 
 
-def inputs_section(subject: Subject) -> Section:
-    """Return aircraft and mission as they were used."""
-    blocks: list[Block] = []
+def inputs_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield aircraft and mission as they were used."""
     if subject.overrides:
-        blocks.append("Values given in place of the files' own:")
-        blocks += [f"- {override}" for override in subject.overrides]
+        yield "Values given in place of the files' own:"
+        yield from (f"- {override}" for override in subject.overrides)
     if subject.mission_is_default:
-        blocks.append(Line("The mission is the default one: --mission names another.", "warning"))
+        yield Line("The mission is the default one: --mission names another.", "warning")
     if taken := subject.aircraft.from_catalogues():
         columns = (Column("key"), *group("value product source"))
         rows = [(entry.key, entry.text, entry.label, entry.source) for entry in taken]
-        blocks.append(Table("values from catalogues", columns, tuple(rows)))
-    inputs, names = subject.inputs, (subject.aircraft.name, subject.mission.name)
-    files = (to_yaml(data, compact=True) for data in (inputs.aircraft, inputs.mission))
-    of_aircraft, of_mission = map(Listing, (f"aircraft {names[0]}", f"mission {names[1]}"), files)
-    return Section("inputs", "Inputs", [*blocks, of_aircraft, of_mission])
+        yield Table("values from catalogues", columns, tuple(rows))
+    for title, data in (
+        (f"aircraft {subject.aircraft.name}", subject.inputs.aircraft),
+        (f"mission {subject.mission.name}", subject.inputs.mission),
+    ):
+        yield Listing(title, to_yaml(data, compact=True))
 
 
-def provenance_section(subject: Subject) -> Section:
-    """Return the command line, software and files of the report."""
+def provenance_blocks(subject: Subject) -> Iterator[Block]:
+    """Yield the command line, software and files of the report."""
     run = subject.run
     made = [
         ("date (UTC)", run["date_utc"].replace("T", " ").removesuffix("+00:00")),
@@ -521,12 +506,9 @@ def provenance_section(subject: Subject) -> Section:
         (kind, file["source"], file["sha256"] or "not read again (a pipe)")
         for kind, file in run["inputs"].items()
     )
-    blocks: list[Block] = [
-        Listing("command line", run["command"]),
-        (facts("software", made), facts("libraries", run["libraries"].items())),
-        Table("files", group("what file sha256"), files),
-    ]
-    return Section("provenance", "How this report was made", blocks)
+    yield Listing("command line", run["command"])
+    yield facts("software", made), facts("libraries", run["libraries"].items())
+    yield Table("files", group("what file sha256"), files)
 
 
 # The weakest scenarios, of which one remains the weakest.
@@ -611,19 +593,29 @@ def _spare_h(cycle: Cycle, required: float) -> float:
 
 # ---- In the order of reading
 
-Make: TypeAlias = Callable[[Subject], Section | None]
-# In the order in which a design review reads them.
-OF_A_DESIGN: tuple[Make, ...] = (
-    aircraft_section,
-    budget_section,
-    day_section,
-    season_section,
-    sizing_section,
-    margins_section,
-    uncertainty_section,
-    weather_section,
-    belief_section,
-    models_section,
+Make: TypeAlias = Callable[[Subject], Iterator[Block]]
+AIRCRAFT = "aircraft", "The aircraft", aircraft_blocks
+BELIEF = "belief", "Confidence", belief_blocks
+# Key, heading and what makes the blocks, in the order in which a design review reads them.
+OF_A_DESIGN: tuple[tuple[str, str, Make], ...] = (
+    AIRCRAFT,
+    ("budgets", "Mass, power and energy", budget_blocks),
+    ("day", "The day", day_blocks),
+    ("season", "The season", season_blocks),
+    ("sizing", "Sizing", sizing_blocks),
+    ("margins", "Margins", margins_blocks),
+    ("uncertainty", "Uncertain inputs", uncertainty_blocks),
+    ("weather", "Weather", weather_blocks),
+    BELIEF,
+    ("models", "Solar power models", models_blocks),
 )
-OF_A_LOG: tuple[Make, ...] = (aircraft_section, verification_section, belief_section)
-AT_THE_END: tuple[Make, ...] = (glossary_section, provenance_section, inputs_section)
+OF_A_LOG: tuple[tuple[str, str, Make], ...] = (
+    AIRCRAFT,
+    ("verification", "Models against the flight log", verification_blocks),
+    BELIEF,
+)
+AT_THE_END: tuple[tuple[str, str, Make], ...] = (
+    ("glossary", "Glossary", glossary_blocks),
+    ("provenance", "How this report was made", provenance_blocks),
+    ("inputs", "Inputs", inputs_blocks),
+)

@@ -31,12 +31,12 @@ from studies.report.blocks import Bars
 from studies.report.document import key_facts, verdict
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.sections import (
-    aircraft_section,
-    budget_section,
+    aircraft_blocks,
+    budget_blocks,
     loss_chain,
     margin_table,
-    margins_section,
-    sizing_section,
+    margins_blocks,
+    sizing_blocks,
 )
 from studies.report.subject import Subject
 
@@ -261,7 +261,7 @@ def test_weather_is_a_section():
 
 def test_load_and_energy_add_up():
     subject = subject_of(DESIGN, mission(payload={"mass_kg": 0.5, "power_w": 4.0}))
-    _, power, energy, *_ = budget_section(subject).blocks
+    _, power, energy, *_ = budget_blocks(subject)
     assert isinstance(power, Bars)
     assert isinstance(energy, Bars)
     assert power.sum == pytest.approx(subject.record["power_out_w"])
@@ -301,10 +301,10 @@ def test_project_and_author_stand_on_the_head():
 
 
 def test_an_aircraft_known_by_its_power_alone_has_no_airspeed():
-    section = aircraft_section(subject_of(aircraft("sky-sailor-2008"), mission()))
-    assert "battery energy" in str(section.blocks)
-    assert "airspeed" not in str(section.blocks)
-    assert "Reynolds" not in str(section.blocks)
+    blocks = str([*aircraft_blocks(subject_of(aircraft("sky-sailor-2008"), mission()))])
+    assert "battery energy" in blocks
+    assert "airspeed" not in blocks
+    assert "Reynolds" not in blocks
 
 
 @pytest.mark.parametrize("avionics_w", [6.0, 25.0])
@@ -327,18 +327,15 @@ def test_margins_are_where_the_requirement_ends(avionics_w):
 def test_a_sizing_ends_with_the_same_by_each_class_of_building():
     study = size(aircraft("atlantiksolar-design"), mission(), with_builds=True)
     subject = subject_of(study.aircraft, study.mission)
-    section = sizing_section(dataclasses.replace(subject, sizing=study.to_dict()))
-    assert section is not None
-    rows = section.blocks[-1].rows
-    assert [row[0] for row in rows] == ["record (this file)", "careful", "ordinary"]
+    *_, table = sizing_blocks(dataclasses.replace(subject, sizing=study.to_dict()))
+    assert [row[0] for row in table.rows] == ["record (this file)", "careful", "ordinary"]
 
 
 def test_a_design_on_the_edge_has_no_margins():
     study = size(aircraft("atlantiksolar-design"), mission())
     on_edge = subject_of(study.sized_aircraft(), study.sized_mission())
     assert margin_table(on_edge) is None
-    section = margins_section(on_edge)
-    assert "has just what is required" in str(section.blocks)
+    assert "has just what is required" in str([*margins_blocks(on_edge)])
 
 
 def test_the_verdicts_page_has_the_probability():
