@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -77,7 +77,7 @@ def sections(analysis: Analysis, level: int = ALL) -> dict[str, list[Any]]:
         relaxations = relaxation_table(alone, "perpetual")
     return {
         "answer": [Line(title, "strong"), answer(analysis), *facts],
-        "parts": part_blocks(analysis) if everything else [],
+        "parts": [*part_blocks(analysis)] if everything else [],
         "scenarios": [scenario_table(analysis)] if everything and scenarios > 1 else [],
         "relaxations": [relaxations] if alone else [],
         "flight": flight,
@@ -256,28 +256,28 @@ def part_tables(result: Any, *parts: str) -> tuple[Table, ...]:
     return tuple(facts(part, rows) for part, rows in tables if rows)
 
 
-def part_blocks(analysis: Analysis, *, cells: bool = True) -> list[Any]:
-    """Return wind, structure, drag and balance, the facts of all parts, and what is wrong.
+def part_blocks(analysis: Analysis, *, cells: bool = True) -> Iterator[Any]:
+    """Yield wind, structure, drag and balance, the facts of all parts, and what is wrong.
 
     ``cells``: whether those of the file are the design's.
     """
     wind, shares, balance = analysis.wind, analysis.drag_coefficients, analysis.balance
-    shown: list[Any] = []
     if wind is not None:
         held = "; airspeed at least that of the wind, to hold its place" * wind.hold_station
-        shown.append(f"winds from {wind.source}{held}")
-    shown += structure_lines(analysis)
-    shown += [] if shares is None else [drag_table(shares)]
-    shown += [] if balance is None else [balance_table(balance)]
+        yield f"winds from {wind.source}{held}"
+    yield from structure_lines(analysis)
+    if shares is not None:
+        yield drag_table(shares)
+    if balance is not None:
+        yield balance_table(balance)
     for parts in (("propulsion", "cells"), ("balance", "battery")):  # beside each other
         known = (part for part in parts if cells or part != "cells")
-        shown += filter(None, [part_tables(analysis, *known)])
+        yield from filter(None, [part_tables(analysis, *known)])
     if cells and (placed := (analysis.cells or {}).get("solar_cells")) is not None:
-        shown.append(cells_line(placed))
-    shown += [] if balance is None else balance_notes(balance)
+        yield cells_line(placed)
+    yield from [] if balance is None else balance_notes(balance)
     if analysis.beyond_parts is not None:
-        shown.append(f"beyond the parts: {analysis.beyond_parts}")
-    return shown
+        yield f"beyond the parts: {analysis.beyond_parts}"
 
 
 def sources(result: Analysis | SizingStudy, level: int) -> list[Any]:

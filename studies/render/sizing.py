@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -68,41 +68,42 @@ def _sized_for(study: SizingStudy) -> str:
     return name if survival is None else f"{name} in the weather of {survival.weather.site.label}"
 
 
-def blocks(study: SizingStudy, level: int) -> list[Any]:
-    """Return the design, what limits it, what was requested besides, and how sure it is."""
+def blocks(study: SizingStudy, level: int) -> Iterator[Any]:
+    """Yield the design, what limits it, what was requested besides, and how sure it is."""
     title = f"{study.aircraft.name} sized for {_sized_for(study)} ({study.objective.value})"
-    shown: list[Any] = [Line(f"{title}: {study.status.label}", "strong")]
-    if study.design is None:
-        return [*shown, *_without_design(study, level), *_builds(study, level)]
+    yield Line(f"{title}: {study.status.label}", "strong")
+    if study.optimum is None:
+        yield from _without_design(study, level)
+        yield from _builds(study, level)
+        return
     if study.coverage is not None and study.coverage.first is not None:
-        shown.append(_range_text(study.coverage))
+        yield _range_text(study.coverage)
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
-        shown.append(Line(f"at the end of the design space: {words}", "warning"))
-    assert study.optimum is not None
-    shown += in_columns(_sizing_facts(study, level), study.optimum, level)
-    shown += _limits(study, level, at_bounds)
-    shown += [*without_climbs(study), *_whole_cells(study, level), *_reliability(study)]
-    shown += _survival(study, level)
+        yield Line(f"at the end of the design space: {words}", "warning")
+    yield from in_columns(_sizing_facts(study, study.optimum, level), study.optimum, level)
+    yield from _limits(study, level, at_bounds)
+    yield from without_climbs(study)
+    yield from _whole_cells(study, level)
+    yield from _reliability(study)
+    yield from _survival(study, level)
     if study.sensitivities is not None and level < ALL:
-        shown.append(sensitivities_line(study))
+        yield sensitivities_line(study)
     if study.cross_check is not None:
         line = cross_check_line(vars(study.cross_check), study.objective)
         passed = study.cross_check.cross_checked and level < ALL
-        shown.append(line.partition(",")[0] if passed else line)
+        yield line.partition(",")[0] if passed else line
     if level >= ALL:
-        shown += record_blocks(study.to_dict(), study.objective)
-        shown += [
-            *part_blocks(study.optimum, cells=study.whole_cells is not None),
-            requirement_table(study.margins),
-        ]
-    return [*shown, *_builds(study, level), *_confidence(study, level)]
+        yield from record_blocks(study.to_dict(), study.objective)
+        yield from part_blocks(study.optimum, cells=study.whole_cells is not None)
+        yield requirement_table(study.margins)
+    yield from _builds(study, level)
+    yield from _confidence(study, level)
 
 
-def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
-    optimum, flight, objective = study.optimum, study.mission.flight, study.objective
-    assert optimum is not None
+def _sizing_facts(study: SizingStudy, optimum: Analysis, level: int) -> list[tuple[str, str]]:
+    flight, objective = study.mission.flight, study.objective
     rows = q.facts_of(q.SIZED, study.values, level)
     if objective.variable not in (*(each.name for each in q.SIZED), "worst_excess_time_h"):
         value = with_unit(study.result.objective_value, objective)
@@ -117,110 +118,103 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     return [*rows, *wind_rows(study.wind), (where, excess), charge, *climb_facts(optimum, level)]
 
 
-def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
-    """Return what limits a design; the excess time is no limit where it is the objective."""
-    active = study.result.active_constraints
+def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> Iterator[str]:
+    """Yield what limits a design; the excess time is no limit where it is the objective."""
+    active = [name for name in study.result.active_constraints if name not in others]
     if study.objective.value == "max_excess_time" or not study.feasible:
-        active = tuple(name for name in active if not name.startswith("excess_time"))
-    active = tuple(name for name in active if name not in others)
-    return [limits_line(active, study.aircraft, keys=level >= ALL)] if active else []
+        active = [name for name in active if not name.startswith("excess_time")]
+    if active:
+        yield limits_line(active, study.aircraft, keys=level >= ALL)
 
 
-def _whole_cells(study: SizingStudy, level: int) -> list[Any]:
-    """Return what whole cells cost, and where they lie, which level 2 has with the parts."""
+def _whole_cells(study: SizingStudy, level: int) -> Iterator[str]:
+    """Yield what whole cells cost, and where they lie, which level 2 has with the parts."""
     if study.whole_cells is None:
-        return []
-    placed = None if level >= ALL else (study.cells or {}).get("solar_cells")
-    return [
-        loss_line(serialise(study.whole_cells), study.objective),
-        *([] if placed is None else [cells_line(placed)]),
-    ]
+        return
+    yield loss_line(serialise(study.whole_cells), study.objective)
+    if level < ALL and (placed := (study.cells or {}).get("solar_cells")) is not None:
+        yield cells_line(placed)
 
 
-def _survival(study: SizingStudy, level: int) -> list[Any]:
-    """Return the season's days that close, year by year, beside the design for a clear sky."""
+def _survival(study: SizingStudy, level: int) -> Iterator[Any]:
+    """Yield the season's days that close, year by year, beside the design for a clear sky."""
     if (survival := study.survival) is None:
-        return []
-    shown: list[Any] = [survival_text(survival, study)]
+        return
+    yield survival_text(survival, study)
     if level >= ALL:
         if survival.by_year:
             years = (year | {"year": str(year["year"])} for year in survival.by_year)
-            shown.append(q.table_of("year by year", "year days days_that_close share", years))
-        shown += [Line(f"record: {text}", "faint") for text in survival.weather.repairs]
-    return shown + [Line(text, "faint") for text in survival.notes]
+            yield q.table_of("year by year", "year days days_that_close share", years)
+        yield from (Line(f"record: {text}", "faint") for text in survival.weather.repairs)
+    yield from (Line(text, "faint") for text in survival.notes)
 
 
-def _without_design(study: SizingStudy, level: int) -> list[Any]:
-    """Return the violated requirements, what limits the nearest design, and what would help."""
+def _without_design(study: SizingStudy, level: int) -> Iterator[Any]:
+    """Yield the violated requirements, what limits the nearest design, and what would help."""
     violations, cells, everything = study.result.violations, study.whole_cells, level >= ALL
     most = len(violations) if everything else _MOST_VIOLATIONS
-    left = len(violations) - most
-    shown: list[Any] = [
-        *(f"  {violation.text}" for violation in violations[:most]),
-        *([f"  and {left} more"] if left > 0 else []),
-        *_limits(study, level),
-        *nearest_lines(study),
-        *(f"{label}: {wind}" for label, wind in wind_rows(study.wind)),
-        *(structure_lines(study) if everything else []),
-        *extrapolation_blocks(study.extrapolations, level),
-    ]
+    yield from (f"  {violation.text}" for violation in violations[:most])
+    if len(violations) > most:
+        yield f"  and {len(violations) - most} more"
+    yield from _limits(study, level)
+    yield from nearest_lines(study)
+    yield from (f"{label}: {wind}" for label, wind in wind_rows(study.wind))
+    if everything:
+        yield from structure_lines(study)
+    yield from extrapolation_blocks(study.extrapolations, level)
+    yield from _reliability(study)
     if study.reliability is not None:
-        return [*shown, *_reliability(study)]
-    shown += [*_survival(study, level), *_whole_cells(study, level)]
-    if cells is not None:
-        return [*shown, *([neighbour_table(serialise(cells), study.objective)] * everything)]
-    if study.status.name != "infeasible" or study.coverage is not None:
-        return shown
-    if not study.relaxations:
-        return [*shown, NONE_ALONE.format(study.objective.value)]
-    return [*shown, relaxation_table(study.relaxations[: None if everything else _FEW])]
+        return
+    yield from _survival(study, level)
+    yield from _whole_cells(study, level)
+    if cells is not None and everything:
+        yield neighbour_table(serialise(cells), study.objective)
+    if cells is None and study.status.name == "infeasible" and study.coverage is None:
+        few = study.relaxations if everything else study.relaxations[:_FEW]
+        yield relaxation_table(few) if few else NONE_ALONE.format(study.objective.value)
 
 
-def record_blocks(sizing: Mapping[str, Any], objective: Objective) -> list[Any]:
-    """Return the tables of what was requested of an optimum besides, from a sizing's record."""
-    tables: list[Any] = []
+def record_blocks(sizing: Mapping[str, Any], objective: Objective) -> Iterator[Table]:
+    """Yield the tables of what was requested of an optimum besides, from a sizing's record."""
     if (cells := sizing.get("whole_cells")) is not None:
-        tables.append(neighbour_table(cells, objective))
+        yield neighbour_table(cells, objective)
     if (sensitivities := sizing.get("sensitivities")) is not None:
-        tables.append(sensitivity_table(sensitivities, objective))
+        yield sensitivity_table(sensitivities, objective)
     if multipliers := sizing.get("constraint_multipliers"):
-        tables.append(multiplier_table(multipliers, objective))
+        yield multiplier_table(multipliers, objective)
     if (guarded := sizing.get("with_margin")) is not None and guarded["status"] == "optimal":
-        tables.append(margin_table(objective, sizing, guarded))
+        yield margin_table(objective, sizing, guarded)
     if builds := sizing.get("builds"):
-        tables.append(build_table(builds, objective))
-    return tables
+        yield build_table(builds, objective)
 
 
-def _builds(study: SizingStudy, level: int) -> list[Any]:
-    """Return the designs of each build quality, where no record has shown them."""
-    if not study.builds or (level >= ALL and study.design is not None):
-        return []
-    table = build_table(serialise(study.builds), study.objective)
-    return [table if level >= ALL else replace(table, title="")]
+def _builds(study: SizingStudy, level: int) -> Iterator[Table]:
+    """Yield the designs of each build quality, where no record has shown them."""
+    if study.builds and (level < ALL or study.design is None):
+        table = build_table(serialise(study.builds), study.objective)
+        yield table if level >= ALL else replace(table, title="")
 
 
-def _confidence(study: SizingStudy, level: int) -> list[Any]:
-    """Return how sure the answer is: ranges of the models, their error, margins."""
-    optimum = study.optimum
-    shown: list[Any] = [*extrapolation_blocks(study.extrapolations, level), *sources(study, level)]
-    if optimum is not None:
-        shown.append(Line(uncertainty_line(optimum), "faint"))
+def _confidence(study: SizingStudy, level: int) -> Iterator[Any]:
+    """Yield how sure the answer is: ranges of the models, their error, margins."""
+    yield from extrapolation_blocks(study.extrapolations, level)
+    yield from sources(study, level)
+    if (optimum := study.optimum) is not None:
+        yield Line(uncertainty_line(optimum), "faint")
         required_h, low_h = study.result.required_excess_time_h, optimum.low.least_excess_time_h
         guarded = study.mission.uncertainty_margins.is_set or study.reliability is not None
         guarded = guarded or study.survival is not None
         if study.with_margin is not None:
-            shown.append(_margin_line(optimum, study.with_margin, level))
+            yield _margin_line(optimum, study.with_margin, level)
         elif low_h < max(required_h, 0.0) and not guarded:
             missed = f"misses the required {given(required_h, 'h')}"
             what = "ends perpetual flight" if low_h <= 0.0 else missed
             measured = model_error_note(study.mission.altitude_m)
             text = f"on the edge: one RMS error{measured} less solar power {what}; {_TO_GUARD}"
-            shown.append(Line(text, "warning"))
+            yield Line(text, "warning")
     if study.as_assumed is not None:
         reached = hours(study.as_assumed.excess_time_h)
-        shown.append(f"without the mission's uncertainty margins the excess time is {reached}")
-    return shown
+        yield f"without the mission's uncertainty margins the excess time is {reached}"
 
 
 _TO_GUARD = "to size with that margin: --set mission.uncertainty_margins.solar_model_sigmas=1"
