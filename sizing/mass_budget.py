@@ -23,6 +23,7 @@ from sizing.balance.in_design import (
     structure_inputs,
     structure_with_tail,
 )
+from sizing.balance.surfaces import wing_of
 from sizing.design import (
     Design,
     DesignVariables,
@@ -107,14 +108,14 @@ def level_flight(
 ) -> tuple[Propulsion, Value, Value]:
     """Return propulsion, electric power [W] and airspeed of level flight at a total mass."""
     airframe, density = aircraft.parametric, air.density_kg_per_m3
-    span_m, aspect_ratio = variables.wingspan_m, variables.aspect_ratio
+    wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
     polar = polar_at(airframe.aerodynamics, variables.lift_coefficient)
-    area_m2, lift = span_m**2 / aspect_ratio, polar.flight_lift_coefficient
-    airspeed = level_airspeed_m_per_s(lift, total_mass_kg / area_m2, density)
+    lift, loading = polar.flight_lift_coefficient, total_mass_kg / wing.area_m2
+    airspeed = level_airspeed_m_per_s(lift, loading, density)
     polar = polar_with_wires(aircraft, polar, variables, air, total_mass_kg, airspeed)
-    reynolds = density * airspeed * (span_m / aspect_ratio) / air.dynamic_viscosity
-    drag = drag_coefficient(airframe, polar, span_m, aspect_ratio, reynolds)
-    thrust_w = 0.5 * density * airspeed**3 * (area_m2 * drag)
+    reynolds = density * airspeed * wing.mean_chord_m / air.dynamic_viscosity
+    drag_m2 = wing.area_m2 * drag_coefficient(airframe, polar, wing, reynolds)
+    thrust_w = 0.5 * density * airspeed**3 * drag_m2
     propulsion = (chain or airframe.propulsion).sized(*variables.of_propulsion)
     links = propulsion.in_flight(thrust_w, airspeed, air.air, aircraft.battery.ends_v)
     return links, thrust_w / links.efficiency, airspeed

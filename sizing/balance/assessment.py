@@ -97,8 +97,8 @@ def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
     polar = polar_at(airframe.aerodynamics, design.lift_coefficient)
-    size = design.variables.wingspan_m, design.variables.aspect_ratio
-    shares = drag_by_parts(airframe, polar, *size, design.reynolds_number)
+    wing = wing_of(airframe.planform, design.variables.wingspan_m, design.variables.aspect_ratio)
+    shares = drag_by_parts(airframe, polar, wing, design.reynolds_number)
     assert shares is not None
     return DragShares(*(float(share) for share in shares))
 
@@ -134,8 +134,8 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
                     span_efficiency=efficiency)  # fmt: skip
 
     def drag_at(lift: float, reynolds: Value) -> float:
-        polar, size = polar_at(airframe.aerodynamics, lift), (wing.wingspan_m, wing.aspect_ratio)
-        return float(drag_coefficient(airframe, polar, *size, reynolds))
+        polar = polar_at(airframe.aerodynamics, lift)
+        return float(drag_coefficient(airframe, polar, wing, reynolds))
 
     level, slow, stall = trimmed(lift), trimmed(slow_lift), trimmed(stall_lift)
     slow_ratio = (lift / slow_lift) ** 0.5

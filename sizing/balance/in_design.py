@@ -15,7 +15,7 @@ from sizing.aerodynamics.wing_polar import Polar, WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import DragShares
 from sizing.balance.masses import SPAR, TAIL_MASS, WING_PARTS, Item, centre_of_gravity
-from sizing.balance.surfaces import neutral_point, trim, wing_of
+from sizing.balance.surfaces import Wing, neutral_point, trim, wing_of
 from sizing.design import DesignVariables, FlightConditions
 from sizing.parameters import all_replaced
 from sizing.roots import bracketed_root
@@ -43,11 +43,7 @@ def structure_with_tail(
 
 
 def drag_by_parts(
-    airframe: ParametricAirframe,
-    polar: Polar,
-    wingspan_m: Value,
-    aspect_ratio: Value,
-    reynolds: Value,
+    airframe: ParametricAirframe, polar: Polar, wing: Wing, reynolds: Value
 ) -> DragShares | None:
     """Return the drag of wing, tail, booms and pods, and of trim, if required.
 
@@ -61,8 +57,7 @@ def drag_by_parts(
     if tail is None or (it is None and margin is None):
         return None
     assert isinstance(polar, DragPolar | WingPolar)  # others are refused at validation
-    wing = wing_of(airframe.planform, wingspan_m, aspect_ratio)
-    profile, induced, other = polar.parts(aspect_ratio, reynolds)
+    profile, induced, other = polar.parts(wing.aspect_ratio, reynolds)
     shares = DragShares(profile, induced, other=other)
     if it is not None:
         parts = it.coefficients(wing, tail, structure, reynolds)
@@ -85,15 +80,11 @@ def drag_by_parts(
 
 
 def drag_coefficient(
-    airframe: ParametricAirframe,
-    polar: Polar,
-    wingspan_m: Value,
-    aspect_ratio: Value,
-    reynolds: Value,
+    airframe: ParametricAirframe, polar: Polar, wing: Wing, reynolds: Value
 ) -> Value:
     """Return the drag coefficient of the aircraft in level flight; see :func:`drag_by_parts`."""
-    shares = drag_by_parts(airframe, polar, wingspan_m, aspect_ratio, reynolds)
-    return polar.drag_coefficient(aspect_ratio, reynolds) if shares is None else shares.total
+    shares = drag_by_parts(airframe, polar, wing, reynolds)
+    return polar.drag_coefficient(wing.aspect_ratio, reynolds) if shares is None else shares.total
 
 
 def polar_with_wires(

@@ -97,8 +97,8 @@ def _drag(aircraft: Aircraft) -> tuple[ProfileDrag | None, float]:
         drag, highest = polar.profile_drag_coefficient, polar.maximum_lift_coefficient
         profile = ((-highest, 0.0, highest), (drag, drag, drag))
     if airframe.drag is not None:
-        size = airframe.wingspan_m, airframe.aspect_ratio
-        shares = drag_by_parts(airframe, polar, *size, reynolds)
+        wing = wing_of(airframe.planform, airframe.wingspan_m, airframe.aspect_ratio)
+        shares = drag_by_parts(airframe, polar, wing, reynolds)
         assert shares is not None
         other = shares.parasitic
     return profile, float(other)
