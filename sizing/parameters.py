@@ -13,7 +13,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
 
-from sizing.data_rows import data_rows
+from missions.files.data_rows import data_rows
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -62,7 +62,7 @@ class Parameter:
 def catalogue() -> Mapping[str, Parameter]:
     """Return the parameters by their keys, in the order of the file."""
     known = {}
-    for row in data_rows("parameters"):
+    for row in data_rows("parameters", "sizing"):
         ends = {end: float(row[end]) for end in ("minimum", "maximum")}
         words = {"name": row["name"] or row["key"], "about": row["about"] or ""}
         values: dict[str, Any] = row | ends | words | {"sensitive": row["sensitive"] == "yes"}

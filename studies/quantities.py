@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from sizing.data_rows import data_rows
+from missions.files.data_rows import data_rows
 from sizing.parameters import parameter, unit_text
 from sizing.performance import MEASURES, Performance
 from studies.render.tables import ALL, CLOCK, UNLIMITED, Column, Table

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import shown
-from missions.logs.units import SCALES
+from missions.units import SCALES
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 

@@ -24,14 +24,10 @@ from missions.logs.units import (
     EPOCH,
     MPPT,
     QUANTITIES,
-    SCALES,
-    SPELLED,
     TIME,
-    UNITS,
-    Dimension,
-    known_unit,
     split_unit,
 )
+from missions.units import SCALES, SPELLED, known_unit, spellings
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 
@@ -282,7 +278,7 @@ def _read_product(key: str, quantity: str, text: str, header: Sequence[str]) -> 
     parts = [text.strip()] if text.strip() in header else text.strip().split(" * ")
     if len(parts) > 2:
         raise ValueError(f"{key}: a product is that of a voltage and a current (got {shown(text)})")
-    alone: tuple[Dimension, ...] = (QUANTITIES[quantity].dimension,)
+    alone: tuple[str, ...] = (QUANTITIES[quantity].dimension,)
     dimensions = alone if len(parts) == 1 else ("voltage", "current")
     factors = []
     for part in map(str.strip, parts):
@@ -303,12 +299,11 @@ def _read_product(key: str, quantity: str, text: str, header: Sequence[str]) -> 
     return tuple(factors)
 
 
-def _allowed_unit(key: str, text: str, *dimensions: Dimension) -> str:
+def _allowed_unit(key: str, text: str, *dimensions: str) -> str:
     """Return the spelling of a unit in ``UNITS``, refused if of other dimensions."""
     if (unit := known_unit(text, *dimensions)) is not None:
         return unit
-    allowed = ", ".join(SPELLED[unit] for dimension in dimensions for unit in UNITS[dimension])
-    raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
+    raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {spellings(*dimensions)}")
 
 
 def _words_of_name(name: str) -> list[str]:

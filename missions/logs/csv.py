@@ -29,12 +29,12 @@ from missions.logs.units import (
     EPOCH,
     MPPT,
     QUANTITIES,
-    SPELLED,
     TIME,
     in_radians,
     recognised,
     surely_radians,
 )
+from missions.units import SPELLED
 
 _RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and none exceeds it"
 

@@ -18,7 +18,7 @@ from missions.files.errors import InputError, Problem, printable, refused
 from missions.files.texts import decoded, read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import MAXIMUM_DROPPED, first_few
-from missions.logs.units import SCALES
+from missions.units import SCALES
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}

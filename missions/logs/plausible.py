@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from missions.logs.clock import Span
-from missions.logs.units import QUANTITIES, UNITS, Dimension, quantity_of
+from missions.logs.units import QUANTITIES, quantity_of
+from missions.units import UNITS
 from solar.schema import spell
 from solar.types import BoolArray, FloatArray
 
@@ -100,7 +101,7 @@ def left_out(
     return LeftOut(column, kind, int(mask.sum()), example, tuple(spans))
 
 
-def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
+def codes(dimension: str, values: FloatArray) -> BoolArray:
     """Flag values that stand for no value, in any unit of the dimension, far from all others."""
     written = (*_SIGNED_CODES, *((-1.0,) if dimension == "share" else ()))
     every = {u.factor * c + u.offset for u in UNITS[dimension].values() for c in written}

@@ -11,18 +11,19 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from missions.air import GRAVITY_M_PER_S2, ZERO_CELSIUS_K, pressure_altitude_m
+from missions.air import pressure_altitude_m
 from missions.files.errors import refused
 from missions.mission import Mission
+from missions.units import unit_of
 from missions.weather.checks import MISSING
-from missions.weather.raw import END, START, RawTable
+from missions.weather.raw import END, START, RawTable, columns_of
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds import netcdf
 from missions.winds.table import neighbours
@@ -34,20 +35,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_SHORTWAVE = "surface_downwelling_shortwave_flux_in_air"
-# Names of a quantity in files: short names of ERA5 (accumulated, then mean rates), NASA POWER,
-# pvlib, and the CF standard name.
-_NAMES = {
-    "ghi": ("ssrd", "msdwswrf", "avg_sdswrf", "ALLSKY_SFC_SW_DWN", "ghi", _SHORTWAVE),
-    "direct": ("fdir", "msdrswrf", "avg_sdirswrf", "bhi"),
-    "dni": ("ALLSKY_SFC_SW_DNI", "dni"),
-    "dhi": ("ALLSKY_SFC_SW_DIFF", "dhi", "surface_diffuse_downwelling_shortwave_flux_in_air"),
-    "temp_air": ("t2m", "T2M", "temp_air", "t", "ta", "air_temperature"),
-    "wind_speed": ("WS10M", "wind_speed"),
-    "u": ("u10", "u", "eastward_wind"),
-    "v": ("v10", "v", "northward_wind"),
-    "ground": ("z", "orography", "elevation", "surface_altitude"),
-    "pressure": ("sp", "surface_air_pressure"),
+_NAMES = columns_of("grid")
+_DIMENSIONS = {
+    "temp_air": ("temperature",),
+    "ground": ("length", "geopotential"),
+    "pressure": ("pressure",),
+    **dict.fromkeys(("wind_speed", "u", "v"), ("speed",)),
+    **dict.fromkeys(("ghi", "direct", "dni", "dhi"), ("irradiance",)),
 }
 _ERA5 = {*_NAMES["ghi"][:3], *_NAMES["direct"]}
 _POWER_UNITS = {"temp_air": "C", "wind_speed": "m/s"} | dict.fromkeys(("ghi", "dni", "dhi"), "W/m2")
@@ -242,25 +236,5 @@ def _values_at_point(
 
 def _convert_units(values: FloatArray, unit: str, key: str) -> FloatArray:
     """Convert values to W/m2, C, m/s, m or Pa."""
-    units = next((units for keys, units in _UNITS.items() if key in keys), None)
-    return values if units is None else netcdf.by_unit(units, unit, key)(values)
-
-
-_Change = Callable[[FloatArray], FloatArray]
-_UNITS: dict[tuple[str, ...], dict[tuple[str, ...], _Change]] = {
-    ("ghi", "direct", "dni", "dhi"): {
-        ("jm^-2", "j/m^2"): lambda v: v / SECONDS_PER_HOUR,
-        ("wm^-2", "w/m^2", "whm^-2", "wh/m^2", "kw-hr/m^2/day"): lambda v: v,
-        ("mjm^-2", "mj/m^2", "mj/hr", "mj/m^2/hr"): lambda v: v * 1e6 / SECONDS_PER_HOUR,
-    },
-    ("temp_air",): {
-        ("k", "kelvin"): lambda v: v - ZERO_CELSIUS_K,
-        ("c", "degc", "degree_celsius", "celsius", "°c"): lambda v: v,
-    },
-    ("wind_speed", "u", "v"): {("ms^-1", "m/s"): lambda v: v},
-    ("ground",): {
-        ("m^2s^-2", "m^2/s^2"): lambda v: v / GRAVITY_M_PER_S2,
-        ("m", "meters", "metres"): lambda v: v,
-    },
-    ("pressure",): {("pa",): lambda v: v, ("hpa", "mbar"): lambda v: 100.0 * v},
-}
+    scale = unit_of(unit, key, *_DIMENSIONS[key])
+    return scale.factor * values + scale.offset

@@ -24,7 +24,16 @@ from missions.files.errors import InputError, Problem, printable, refused, short
 from missions.files.tables import number_of, text_table
 from missions.mission import Mission
 from missions.weather.gridded import columns_named, read_era5_csv, read_netcdf, read_power_csv
-from missions.weather.raw import END, HEAD_LENGTH, MIDDLE, START, RawTable, as_file, text_of
+from missions.weather.raw import (
+    END,
+    HEAD_LENGTH,
+    MIDDLE,
+    START,
+    RawTable,
+    as_file,
+    columns_of,
+    text_of,
+)
 from missions.weather.record import TYPICAL_YEAR, Site
 from solar.schema import Allowed, refusal, spell
 
@@ -168,26 +177,7 @@ def _pvgis_site(inputs: dict[str, Any]) -> Site:
     return _site("", inputs.get("location", inputs), altitude="elevation")
 
 
-# Names of SAM (System Advisor Model, weather file format CSV), whose layout NSRDB PSM has too; in
-# the order of what is read.
-_SAM_HEAD = {
-    "latitude": ("latitude", "lat"),
-    "longitude": ("longitude", "lon", "long", "lng"),
-    "altitude": ("elevation", "elev", "el", "site elevation"),
-    "Time Zone": ("time zone", "timezone", "tz"),
-}
-_SAM_COLUMNS = {
-    "year": ("year", "yr"),
-    "month": ("month", "mo"),
-    "day": ("day",),
-    "hour": ("hour", "hr"),
-    "minute": ("minute", "min"),
-    "ghi": ("ghi", "gh", "global", "global horizontal", "global horizontal irradiance"),
-    "dni": ("dni", "dn", "beam", "direct normal", "direct normal irradiance"),
-    "dhi": ("dhi", "df", "diffuse", "diffuse horizontal", "diffuse horizontal irradiance"),
-    "temp_air": ("tdry", "temperature", "dry bulb", "dry bulb temp", "ambient", "ambient temp"),
-    "wind_speed": ("wspd", "wind speed"),
-}
+_SAM_HEAD, _SAM_COLUMNS = columns_of("sam_head"), columns_of("sam")  # as read, in this order
 
 
 def _sam(text: str) -> RawTable:
@@ -236,21 +226,7 @@ def _site(
     return Site(name, *values)
 
 
-# Plain CSV tables, with the site in comment lines.
-_CSV_COLUMNS = {
-    "time_utc": "time",
-    "time": "time",
-    "ghi": "ghi",
-    "ghi_w_per_m2": "ghi",
-    "dni": "dni",
-    "dni_w_per_m2": "dni",
-    "dhi": "dhi",
-    "dhi_w_per_m2": "dhi",
-    "temperature_c": "temp_air",
-    "temp_air": "temp_air",
-    "wind_m_per_s": "wind_speed",
-    "wind_speed": "wind_speed",
-}
+_CSV_COLUMNS = {name: key for key, names in columns_of("csv").items() for name in names}
 _CSV_HELP = (
     "a plain table begins with lines '# latitude_deg: 46.8', '# longitude_deg: 6.9' and "
     "'# altitude_m: 491', then a line of column names: time_utc (ISO 8601, start of the interval), "

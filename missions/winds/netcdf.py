@@ -7,16 +7,17 @@ or from -180 to 180, latitudes and levels up or down.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import reduce
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, pressure_altitude_m
 from missions.files.errors import InputError, in_file, printable, refused
 from missions.files.texts import open_plain
+from missions.units import known_unit, unit_of
 from missions.winds.table import STRONGEST_M_PER_S, WindTable
 from solar.schema import spell, spell_ends
 from solar.types import FloatArray
@@ -39,21 +40,6 @@ _COMPONENTS = (
     ("eastward_wind", "u", "u_component_of_wind", "ua"),
     ("northward_wind", "v", "v_component_of_wind", "va"),
 )
-# Pascals or metres per unit of levels, and whether they are pressures.
-_LEVELS: dict[tuple[str, ...], tuple[float, bool]] = {
-    ("hpa", "millibars", "millibar", "mbar"): (100.0, True),
-    ("pa",): (1.0, True),
-    ("m", "metre", "meter", "metres", "meters"): (1.0, False),
-    ("km",): (1000.0, False),
-}
-_SPEEDS: dict[tuple[str, ...], float] = {
-    ("m/s", "ms-1", "meters/second", "metres/second", "metersecond-1"): 1.0,
-    ("km/h", "kmh-1", "kmhr-1", "kph"): 1.0 / 3.6,
-    ("knots", "knot", "kt", "kts", "kn"): 1852.0 / 3600.0,
-}
-
-
-T = TypeVar("T")
 _HDF5 = b"\x89HDF"
 # A century of hours is 0.9 million; values read at once take some 2 GB of memory.
 _LONGEST_AXIS, _MOST_AT_ONCE = 10_000_000, 100_000_000
@@ -67,7 +53,8 @@ def wind_table_from_netcdf(
     with in_file(source), opened(path) as data:
         u, v = (_component(data, *names) for names in _COMPONENTS)
         factors = [
-            by_unit(_SPEEDS, str(wind.attrs.get("units", "m/s")), str(wind.name)) for wind in (u, v)
+            unit_of(str(wind.attrs.get("units", "m/s")), str(wind.name), "speed").factor
+            for wind in (u, v)
         ]
         if u.shape != v.shape:
             raise refused("has components of the wind on different axes")
@@ -199,17 +186,6 @@ def find_variable(data: xr.Dataset, names: Iterable[str]) -> xr.DataArray | None
     return None
 
 
-def by_unit(units: Mapping[tuple[str, ...], T], unit: str, what: str) -> T:
-    """Return what a table has for a unit, by any of its spellings."""
-    signs = str.maketrans("", "", " *^·")
-    plain = unit.lower().translate(signs)
-    for names, value in units.items():
-        if plain in [name.translate(signs) for name in names]:
-            return value
-    allowed = ", ".join(names[0] for names in units)
-    raise refused(f"has {what} in {printable(unit) or 'no unit'} (known: {allowed})")
-
-
 def _component(data: xr.Dataset, *names: str) -> xr.DataArray:
     """Return a component of the wind over time, latitude, level and longitude, in this order."""
     component = find_variable(data, names)
@@ -253,7 +229,10 @@ def not_of_the_mission(name: str, known: FloatArray, needed: float) -> InputErro
 
 def altitudes_m(level: Any) -> FloatArray:
     """Return the altitude of levels [m]; of pressures in the standard atmosphere."""
-    factor, are_pressures = by_unit(_LEVELS, str(level.attrs.get("units", "")), "levels")
-    values = np.asarray(factor * level.to_numpy().astype(float))
+    text = str(level.attrs.get("units", ""))
+    unit = unit_of(text, "levels", "pressure", "length")
+    values = np.asarray(unit.factor * level.to_numpy().astype(float))
+    if known_unit(text, "pressure") is None:
+        return values
     # Pressures of zero or below are as high as the least one.
-    return pressure_altitude_m(np.maximum(values, 1e-9)) if are_pressures else values
+    return pressure_altitude_m(np.maximum(values, 1e-9))

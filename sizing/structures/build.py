@@ -14,8 +14,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args
 
 from pydantic import BeforeValidator, model_validator
 
+from missions.files.data_rows import data_rows
 from missions.files.errors import shown
-from sizing.data_rows import data_rows
 from sizing.smooth import Value
 from solar.schema import PositiveReal, Record, is_positive, refusal
 
@@ -44,7 +44,7 @@ def build_qualities() -> Mapping[str, BuildQuality]:
     ``s^2 = sum (ln r - mean)^2/(N - classes)`` (Montgomery, Design and Analysis of Experiments,
     section 3.3), as a class of two aircraft is too small for its own.
     """
-    rows = data_rows("built-structures")
+    rows = data_rows("built-structures", "sizing")
     logs: dict[str, dict[str, float]] = {quality: {} for quality in QUALITIES}
     for row in rows:
         logs[row["quality"]][row["aircraft"]] = math.log(float(row["ratio"]))

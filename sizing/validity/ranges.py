@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sizing.data_rows import data_rows
+from missions.files.data_rows import data_rows
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import Parameter, unit_text
 from solar.types import BoolArray, FloatArray
@@ -112,7 +112,7 @@ class Extrapolation(Range):
 def ranges() -> Mapping[tuple[str, str], Range]:
     """Return the ranges of all models, by quantity and model."""
     known = {}
-    for row in data_rows("validity"):
+    for row in data_rows("validity", "sizing"):
         low, high = (
             None if row[end] in ("", "own") else float(row[end]) for end in ("low", "high")
         )

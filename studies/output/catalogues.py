@@ -6,9 +6,9 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
+from missions.files.data_rows import data_rows
 from sizing.catalogues.choice import Kind, entries
 from sizing.catalogues.entries import BatteryEntry, Entry
-from sizing.data_rows import data_rows
 from studies.render.tables import MISSING, Column, Table
 
 # Values that an entry has by another name, or computes.

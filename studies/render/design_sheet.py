@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from missions.files.data_rows import data_rows
 from sizing.aircraft import ParametricAirframe
-from sizing.data_rows import data_rows
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, parameter_value
 from sizing.results.analysis import Analysis

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missions.dates import date_label
-from sizing.data_rows import data_rows
+from missions.files.data_rows import data_rows
 from sizing.design_space import DesignSpace
 from sizing.parameters import catalogue, label, unit_text
 from sizing.results.result import relative_change

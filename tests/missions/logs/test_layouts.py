@@ -18,7 +18,8 @@ from missions.logs.columns import (
 )
 from missions.logs.csv import read_flight_log
 from missions.logs.table import log_from_table
-from missions.logs.units import UNITS, in_radians, recognised, surely_radians
+from missions.logs.units import in_radians, recognised, surely_radians
+from missions.units import UNITS
 
 COUNT = 200
 MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"
@@ -268,7 +269,7 @@ ONE_OF_EACH = {
     "power": {1.0: "w watt watts", 1000.0: "kw", 0.001: "mw"},
     "voltage": {1.0: "v volt volts", 0.001: "mv", 1000.0: "kv"},
     "current": {1.0: "a amp amps ampere", 0.001: "ma", 0.01: "ca"},
-    "temperature": {1.0: "c degc °c celsius k kelvin", 1.0 / 1.8: "f degf"},
+    "temperature": {1.0: "c degc °c celsius degree_celsius k kelvin", 1.0 / 1.8: "f degf"},
     "share": {1.0: "- 1 share", 0.01: "% percent pct"},
 }
 # Freezing water and absolute zero.

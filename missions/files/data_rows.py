@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-def data_rows(name: str, package: str = "sizing") -> list[dict[str, str]]:
+def data_rows(name: str, package: str) -> list[dict[str, str]]:
     """Return the rows of ``data/NAME.csv`` of a package by its heads.
 
     Lines from ``#`` on are comments.
