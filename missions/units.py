@@ -1,4 +1,4 @@
-"""Units in files of logs, winds and weather, by their spellings."""
+"""Units in files of logs, winds and weather by their spellings, and names of columns."""
 
 from __future__ import annotations
 
@@ -52,3 +52,9 @@ def unit_of(text: str, what: str, *dimensions: str) -> Unit:
         known = spellings(*dimensions)
         raise refused(f"has {what} in {printable(text) or 'no unit'} (known: {known})")
     return SCALES[unit]
+
+
+def columns_of(layout: str) -> dict[str, tuple[str, ...]]:
+    """Return the names that columns and axes of a layout have in files, by quantity."""
+    rows = data_rows("columns", "missions")
+    return {r["quantity"]: tuple(r["names"].split("|")) for r in rows if r["layout"] == layout}

@@ -21,9 +21,9 @@ import pandas as pd
 from missions.air import pressure_altitude_m
 from missions.files.errors import refused
 from missions.mission import Mission
-from missions.units import unit_of
+from missions.units import columns_of, unit_of
 from missions.weather.checks import MISSING
-from missions.weather.raw import END, START, RawTable, columns_of
+from missions.weather.raw import END, START, RawTable
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds import netcdf
 from missions.winds.table import neighbours

@@ -23,6 +23,7 @@ import pandas as pd
 from missions.files.errors import InputError, Problem, printable, refused, shortened, shown
 from missions.files.tables import number_of, text_table
 from missions.mission import Mission
+from missions.units import columns_of
 from missions.weather.gridded import columns_named, read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.raw import (
     END,
@@ -31,7 +32,6 @@ from missions.weather.raw import (
     START,
     RawTable,
     as_file,
-    columns_of,
     text_of,
 )
 from missions.weather.record import TYPICAL_YEAR, Site

@@ -11,7 +11,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
-from missions.files.data_rows import data_rows
 from missions.files.errors import refused
 from missions.files.texts import decoded, open_plain, read_plain_file
 from missions.weather.record import Site
@@ -85,12 +84,6 @@ def text_of(path: Path) -> str | None:
                 place = f"line {number} has more than {_LONGEST_LINE} characters"
                 raise refused(f"{place}: no row of a weather file")
     return decoded(content)[0]
-
-
-def columns_of(layout: str) -> dict[str, tuple[str, ...]]:
-    """Return the names that columns of a layout have in files, by quantity."""
-    rows = data_rows("weather_columns", "missions")
-    return {r["quantity"]: tuple(r["names"].split("|")) for r in rows if r["layout"] == layout}
 
 
 @contextmanager

@@ -17,7 +17,7 @@ import numpy as np
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, pressure_altitude_m
 from missions.files.errors import InputError, in_file, printable, refused
 from missions.files.texts import open_plain
-from missions.units import known_unit, unit_of
+from missions.units import columns_of, known_unit, unit_of
 from missions.winds.table import STRONGEST_M_PER_S, WindTable
 from solar.schema import spell, spell_ends
 from solar.types import FloatArray
@@ -28,18 +28,8 @@ if TYPE_CHECKING:
 
 # Percentiles that a file is reduced to, besides the requested one.
 PERCENTILES = (5.0, 10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0)
-# Names of axes in ERA5 before and after its change of 2024, and in the CF conventions.
-AXES = {
-    "time": ("time", "valid_time"),
-    "latitude": ("latitude", "lat"),
-    "level": ("level", "pressure_level", "isobaricInhPa", "plev", "height", "altitude"),
-    "longitude": ("longitude", "lon"),
-}
+AXES = columns_of("axis")
 _EVERY = ", ".join(AXES)
-_COMPONENTS = (
-    ("eastward_wind", "u", "u_component_of_wind", "ua"),
-    ("northward_wind", "v", "v_component_of_wind", "va"),
-)
 _HDF5 = b"\x89HDF"
 # A century of hours is 0.9 million; values read at once take some 2 GB of memory.
 _LONGEST_AXIS, _MOST_AT_ONCE = 10_000_000, 100_000_000
@@ -51,7 +41,7 @@ def wind_table_from_netcdf(
     """Compute percentiles of the wind speed from components over time."""
     source = printable(path)
     with in_file(source), opened(path) as data:
-        u, v = (_component(data, *names) for names in _COMPONENTS)
+        u, v = (_component(data, *names) for names in columns_of("wind").values())
         factors = [
             unit_of(str(wind.attrs.get("units", "m/s")), str(wind.name), "speed").factor
             for wind in (u, v)

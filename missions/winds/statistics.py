@@ -12,7 +12,6 @@ from pydantic import Field, SerializationInfo, Strict, field_serializer
 from missions.dates import month_and_day
 from missions.files.errors import printable
 from missions.files.texts import read_text, reading
-from missions.winds.netcdf import wind_table_from_netcdf
 from missions.winds.table import WindTable, shipped_winds, wind_table_from_text
 from solar.schema import Flag, Record, Text
 from solar.types import FloatArray, IntArray
@@ -78,4 +77,6 @@ def _read(
     """Read the table of a file, cached until its ``state`` changes."""
     if percentile is None:
         return wind_table_from_text(read_text(path), printable(path))
+    from missions.winds.netcdf import wind_table_from_netcdf  # which few missions need
+
     return wind_table_from_netcdf(path, longitude_deg, also=percentile)
