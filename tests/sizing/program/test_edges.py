@@ -6,8 +6,6 @@ import builders
 import numpy as np
 import pytest
 
-from missions.mission import Scenarios
-from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
@@ -51,28 +49,3 @@ def test_mass_is_not_bounded_unless_the_design_space_says_so(objective):
     assert result.status is SizingStatus.optimal
     assert not any("total_mass_kg" in text for text in result.active_constraints)
     assert result.design.total_mass_kg > 8.0
-
-
-@pytest.mark.parametrize(
-    ("objective", "size_of"),
-    [(Objective.max_payload_mass, 100.0), (Objective.max_payload_power, 1000.0)],
-)
-def test_map_of_large_payloads_leaves_no_cell_open(objective, size_of):
-    plane = builders.aircraft(
-        "atlantiksolar-design",
-        "airframe.structure={model: rib_wing, calibration: 1.188}",
-        "design_space.wingspan_m.maximum=80",
-        "design_space.battery_mass_kg.maximum=1500",
-        "design_space.module_area_m2.maximum=800",
-    )
-    latitudes, days = np.linspace(-42.0, 42.0, 4).repeat(4), np.tile([15, 87, 195, 303], 4)
-    cells = size_cells(plane, builders.mission(), Scenarios(latitudes, days), objective)
-    assert set(cells.status) <= {SizingStatus.cross_checked, SizingStatus.infeasible}
-    assert np.nanmax(cells.objective_value) > size_of
-    largest = int(np.nanargmax(cells.objective_value))
-    dates = {15: "01-15", 87: "03-28", 195: "07-14", 303: "10-30"}
-    alone = builders.mission(
-        latitude_deg=float(latitudes[largest]), dates={"on": dates[int(days[largest])]}
-    )
-    result = size_aircraft(plane, alone, objective)
-    assert cells.objective_value[largest] == pytest.approx(result.objective_value, rel=1e-4)

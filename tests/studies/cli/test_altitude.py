@@ -6,20 +6,6 @@ import pytest
 pytestmark = pytest.mark.slow
 
 AS2 = "atlantiksolar-as2"
-CLIMB = """\
-name: climb
-latitude_deg: 47.6
-dates: {on: 06-21}
-altitude_m: 536
-climb:
-  ceiling_m: 3536
-"""
-
-
-@pytest.fixture
-def climb(tmp_path):
-    (tmp_path / "climb.yaml").write_text(CLIMB)
-    return "climb.yaml"
 
 
 def test_ceiling_writes_table_and_figure(run, tmp_path):
@@ -55,30 +41,3 @@ def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run):
     hopeless = run(*standard, "--set", "mission.clearness=0.05", "--set", "mission.altitude_m=9000")
     assert hopeless.code == 1
     assert " ".join(hopeless.out.split()).count("-24.00") == 2
-
-
-def test_size_tells_the_climb_and_the_optimum_of_level_flight(run, climb):
-    given = ("size", "atlantiksolar-design", "-m", climb, "--objective", "min_wingspan")
-    outcome = run(*given, "--out", "sized").good()
-    said = " ".join(outcome.out.split())
-    assert "highest altitude 3536 m" in said
-    assert "in level flight at 536 m: wingspan" in said
-    record = run(*given, "--json").json()
-    level, up = record["without_climbs"], record["climb"]
-    plain = run(*given, "--set", "mission.climb=null", "--json").json()
-    assert "climb" not in plain
-    assert "without_climbs" not in plain
-    assert level["wingspan_m"] == pytest.approx(plain["wingspan_m"], rel=1e-4)  # the solver's
-    assert f"in level flight at 536 m: wingspan {level['wingspan_m']:.3f} m" in said
-    assert record["wingspan_m"] < 0.98 * level["wingspan_m"]
-    assert up["maximum_altitude_m"] == pytest.approx(3536.0)
-    # Dawn lies between two nodes of the heights: within 1 % of the way up.
-    assert up["dawn_altitude_m"] == pytest.approx(536.0, abs=30.0)
-    assert 0.0 < up["gliding_h"] < 12.0
-    # What is written flies as the sizing says.
-    flown = run("analyse", "sized", "--json").json()
-    assert flown["climb"]["gliding_h"] == pytest.approx(up["gliding_h"])
-    assert flown["excess_time_h"] == pytest.approx(
-        record["simulated"]["excess_time_h"],
-        abs=0.02,  # steps of 1 min and of 5
-    )

@@ -14,19 +14,6 @@ SIZE = (
 CELLS = ("--set", "modules.cell=sunpower-e60", "--set", LAYOUT, "--set", PACK)
 
 
-def test_record_has_cells_and_loss(run):
-    record = run(*SIZE, *CELLS, "--json").json()
-    cells = record["whole_cells"]
-    value, relaxed = record["objective"]["value"], cells["relaxed"]["value"]
-    assert cells["loss"] == pytest.approx(value / relaxed - 1.0, rel=1e-9)
-    assert cells["chosen"]["value"] == value
-    assert cells["solar_cells"]["count"] == cells["chosen"]["cells"]
-    assert cells["solar_cells"]["area_m2"] == pytest.approx(record["module_area_m2"], rel=1e-12)
-    pack = cells["battery_pack"]
-    assert pack["cells_in_series"] * pack["cells_in_parallel"] == cells["chosen"]["battery_cells"]
-    assert pack["mass_kg"] == pytest.approx(record["battery_mass_kg"], rel=1e-12)
-
-
 @pytest.mark.slow
 def test_folder_has_the_figure_and_a_file_that_flies_the_same(run, tmp_path):
     folder = tmp_path / "sized"

@@ -12,7 +12,6 @@ from synthetic_logs import START_UTC_S, Faults, Settings, synthetic_log
 
 from benchmarks.independent_logs import Truth
 from benchmarks.independent_logs import made as made_elsewhere
-from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.logs.table import EulerAngles, log_from_table
 from sizing.library import load_aircraft
@@ -109,15 +108,6 @@ def test_all_models_agree_with_the_library_on_single_samples():
         for model, specific in power.items():
             expected = modules.area_m2 * float(specific)
             assert result.samples.modelled_w[model][place] == pytest.approx(expected, rel=1e-9)
-
-
-def test_windows_of_every_day_and_of_one():
-    log = made()
-    every, item = verified(log, windows=[Window(10, 12), parse_window("2015-07-01@10:12")]).windows
-    # On the first day the aircraft starts at 9.7 h solar time.
-    assert every.samples == pytest.approx(2 * item.samples, rel=0.02)
-    assert item.label == "2015-07-01, 10 to 12 h"
-    assert item.filter_s == 1.0
 
 
 def test_gap_is_not_filtered_over():
@@ -537,30 +527,6 @@ def test_result_prints_itself_and_reads_its_own_log(log_file):
     assert len(frame) == result.to_dict()["log"]["sunlit_samples"]
     assert frame["fm_w"].to_numpy() == pytest.approx(result.samples.modelled_w["FM"])
     assert result.to_csv().count("\n") == len(frame) + 1
-
-
-def test_command_names_mistakes_in_the_map(log_file, tmp_path):
-    file = tmp_path / "map.yaml"
-    file.write_text("columns:\n  solar_power_w: P\ntimezone: 25\n")
-    result = run(log_file, "--columns", file)
-    assert isinstance(result.exception, InputError)
-    assert "map.yaml:3:11: timezone" in str(result.exception)
-
-
-def test_text_fits_80_columns_for_large_and_small_aircraft():
-    log = made(start_utc_s=MORNING_S, duration_h=3.0, faults=Faults(mppt=(0.5, 2.0)))
-    result = verified(log, windows=["5:6"])
-    (small,) = result.windows
-    errors = {
-        model: {
-            key: value * (1.0 if key.endswith("relative") else 1e3) for key, value in of.items()
-        }
-        for model, of in small.models.items()
-    }
-    large = replace(small, measured_mean_w=1e3 * small.measured_mean_w, models=errors)
-    for item in (result, replace(result, windows=(large,))):
-        for level in (1, 2):
-            assert max(map(len, item.at_level(level).to_text().splitlines())) <= 80
 
 
 def test_a_log_in_the_folder_of_results_is_not_overwritten(tmp_path):

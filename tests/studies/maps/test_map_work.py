@@ -206,21 +206,6 @@ def test_figure_of_best_designs_hatches_what_has_none(sized):
     assert any(c.get_hatch() for c in figure.axes[0].collections)
 
 
-def test_maps_in_python_are_those_of_the_command(run, tmp_path):
-    where = {"latitudes": [40.0, 47.0], "days": [100, 172]}
-    grid = ["--latitudes", "40:47:7", "--days", "100:172:72"]
-    found = feasibility_map(AS2, JULY, model="CDM", correction="report", **where)
-    asked = ["atlantiksolar-as2", *grid, "--model", "CDM", "--correction", "report"]
-    assert run("map", *asked, "--out", "m.nc").code == 0
-    xr.testing.assert_equal(found, xr.load_dataset(tmp_path / "m.nc", engine="h5netcdf"))
-    found = resized_map(DESIGN, JULY, "min_mass", required_excess_time_h=2.0, **where)
-    asked = ["atlantiksolar-design", *grid, "--resize", "min_mass"]
-    asked += ["--set", "mission.required_excess_time_h=2"]
-    assert run("map", *asked, "--out", "s.nc").code == 0
-    xr.testing.assert_equal(found, xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf"))
-    assert found.attrs["required_excess_time_h"] == 2.0
-
-
 BOTH = [
     ({"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM, VM, FM"),
     ({"correction": "some"}, "unknown correction 'some'; allowed: none, report, loiter"),

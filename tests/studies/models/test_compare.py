@@ -185,31 +185,12 @@ def test_whole_comparison_as_json(run):
     assert record["summary"].startswith(f"According to uncorrected CDM {AS2} flies perpetually, ")
 
 
-def test_table_for_the_terminal(run, tmp_path):
-    result = run("compare", AS2, "--models", "cam,CDM", "--corrections", "none").good()
-    assert result.out.index("CDM") < result.out.index("CAM")
-    assert "reference: corrected FM" in result.out
-    assert "VM" not in result.out
-    assert not list(tmp_path.iterdir())
-
-
 def test_aircraft_without_surfaces_is_compared_without_them(run):
     record = run("compare", "sky-sailor", "--no-design", "--json").json()
     cases = [(c["model"], c["correction"]) for c in record["cases"]]
     assert cases == list(product(("CDM", "CAM"), ("none", "report")))
     assert record["reference"] == {"model": "CAM", "correction": "report"}
     assert "modules.geometry of sky-sailor" in record["notes"][0]
-
-
-def test_midnight_sun_has_no_end(run, tmp_path):
-    place = ["--set", "mission.latitude_deg=85.0", "--set", "mission.dates={on: 06-21}"]
-    models = ("--models", "CDM,CAM", "--corrections", "none")
-    record = run("compare", AS2, *models, *place, "--json").json()
-    assert {c["excess_time_h"] for c in record["cases"]} == {None}
-    assert {c["status"] for c in record["cases"]} == {"always_lit"}
-    assert "as solar power always exceeds the load" in record["summary"]
-    run("compare", AS2, "--models", "CDM", *place, "--plot", "sun.png").good()
-    assert (tmp_path / "sun.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_no_design_at_all_ends_with_1(run):
