@@ -13,16 +13,19 @@ from missions.air import standard_air
 from missions.dates import date_code, day_of_year
 from sizing.battery.battery import RuleChargeLimit
 from sizing.day.battery import Store
+from sizing.day.flight import Endurance
 from sizing.day.heights import ClimbLimitError, check_climb_limits, climb_limits, flight_levels
 from sizing.day.light import solar_day
 from sizing.day.metrics import Status
 from sizing.mass_budget import design_of
+from sizing.performance import performance
 from sizing.program.schedule import flown_along
 from sizing.results.analysis import analyse
 
 SOLSTICES = "06-21", "12-21"  # five days between them, 21 September and 5 November included
 # What intervals of 40 a day leave of the best schedule, and corners that 5 min round off.
 STEPS_H = 0.03
+AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  # as the air
 
 
 def mission(ceiling_m, **changes):
@@ -47,13 +50,23 @@ def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(aircraft):
     assert ours.energy_wh == pytest.approx(theirs.energy_wh, abs=1e-6)
     assert np.all(result.altitude_m == FLOOR_M)
     assert np.all(result.gliding_h == 0.0)
+    ours, theirs = result.performance, result.constant
+    assert np.isfinite(ours.endurance_h[-1])
+    assert ours.endurance_h == pytest.approx(np.asarray(theirs.endurance_h), abs=1e-9)
+    # Days whose losses are alike to 1e-4 of the battery are skipped.
+    hours, expected_h = (one.flight_time_h(3, np.array([2.0, 7.5, 17.3])) for one in (ours, theirs))
+    assert hours == pytest.approx(expected_h, abs=0.01)
 
 
-def by_rule_h(aircraft, ceiling_m, day, *, surplus):
-    """Excess time with climbs by a rule: once the battery is full, or on any surplus."""
+def by_a_rule(aircraft, ceiling_m, date, surplus):
+    """Climbs by a rule: once the battery is full, or on any surplus."""
     limit = aircraft.battery.charge_limit
     limited = limit if isinstance(limit, RuleChargeLimit) else None
-    plain = PlainClimb(day, ceiling_m, surplus=surplus, limit=limited, step_s=20.0)
+    return PlainClimb(day_of_year(date), ceiling_m, surplus=surplus, limit=limited, step_s=20.0)
+
+
+def by_rule_h(plain):
+    """Excess time with climbs by a rule."""
     energy, height, dawn = np.array([732.0]), np.array([FLOOR_M]), -1.0
     for k in range(round(48.0 / plain.step_h)):  # it is full by the first evening
         hour = k * plain.step_h
@@ -69,13 +82,9 @@ def by_rule_h(aircraft, ceiling_m, day, *, surplus):
 @pytest.mark.parametrize("ceiling_m", [1536.0, 3536.0, 9000.0])
 @pytest.mark.parametrize("date", ["06-21", "09-10"])
 def test_no_rule_has_more_excess_time(aircraft, ceiling_m, date):
-    as_cold = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}
-    where = mission(ceiling_m, air=as_cold, dates={"on": date})
+    where = mission(ceiling_m, air=AS_COLD, dates={"on": date})
     ours_h = float(climb_performance(aircraft, where).performance.cycle.excess_time_h[0])
-    rules = [
-        by_rule_h(aircraft, ceiling_m, day_of_year(date), surplus=surplus)
-        for surplus in (False, True)
-    ]
+    rules = [by_rule_h(by_a_rule(aircraft, ceiling_m, date, surplus)) for surplus in (False, True)]
     assert ours_h >= max(rules) - STEPS_H
     # By constant efficiencies and with a slow charger little is left to win.
     assert ours_h <= max(rules) + 0.5
@@ -205,3 +214,71 @@ def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight():
     efficiency, maximum_w = climb_limits(DESIGN, design)
     assert maximum_w == pytest.approx(5.03 * float(design.propulsion_power_w))
     assert efficiency == pytest.approx(0.97 * 0.82 * 0.96 * 0.82)
+
+
+# ---- the longest flight
+
+
+def longest(perf):
+    return Endurance(perf.endurances.endurance_h[0], perf.endurances.launch_h[0])
+
+
+@pytest.fixture(scope="module")
+def climbing():
+    """AtlantikSolar with climbs to 3536 m in December."""
+    return performance(AS2, mission(3536.0, dates={"on": "12-21"}))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("aircraft", "date", "ceiling_m"),
+    [
+        (UNLIMITED_AS2, "12-21", 3536.0),  # a day, then its night
+        (AS2, "11-06", 3536.0),  # two nights; climbs as the charger is slow
+        (AS2, "10-31", 1536.0),
+    ],
+)
+def test_no_launch_by_a_rule_flies_longer(aircraft, date, ceiling_m):
+    flight = longest(performance(aircraft, mission(ceiling_m, dates={"on": date}, air=AS_COLD)))
+    best = 0.0
+    for surplus in (False, True):
+        plain = by_a_rule(aircraft, ceiling_m, date, surplus)
+        hours = plain.flight_h(np.arange(0.0, 24.0, 1.0 / 6.0))
+        assert not np.isnan(hours).any()
+        best = max(best, float(hours.max()))
+    # Launches 10 min apart, and intervals of half an hour: 0.2 h a day.
+    assert flight.endurance_h > best - 0.2 * flight.endurance_h / 24.0
+    # It is the climb that gives it: level flight is far off.
+    level = longest(performance(aircraft, builders.mission(dates={"on": date})))
+    assert flight.endurance_h > level.endurance_h + 0.1
+
+
+def test_flight_that_is_drawn_ends_with_the_endurance(climbing):
+    perf = climbing
+    flight = longest(perf)
+    course = perf.course(0, flight.launch_h, flight.endurance_h)
+    clock_h, solar_w, load_w, charge, altitude_m = course
+    assert clock_h[[0, -1]] == pytest.approx(
+        [flight.launch_h, flight.launch_h + flight.endurance_h]
+    )
+    assert charge[0] == 1.0
+    # The endurance is known to some seconds, of which each takes 3e-5 of the charge.
+    assert charge[-1] == pytest.approx(0.0, abs=2e-3)
+    assert np.all(charge[:-2] > 0.0)
+    # It climbs, and glides: the load is above that of level flight, and far below it.
+    assert load_w.max() > 1.3 * float(perf.nominal_load_w[0])
+    assert load_w.min() < 0.5 * float(perf.nominal_load_w[0])
+    assert solar_w.min() == 0.0
+    assert altitude_m[[0, -1]] == pytest.approx(FLOOR_M)
+    assert FLOOR_M + 500.0 < altitude_m.max() <= 3536.0 + 1e-6
+
+
+def test_analysis_gives_the_flight_with_climbs(climbing):
+    analysis = analyse(AS2, mission(3536.0, dates={"on": "12-21"}))
+    expected = longest(climbing)
+    assert analysis.endurance_h == pytest.approx(expected.endurance_h, rel=1e-12)
+    assert analysis.to_dict()["endurance_h"] == pytest.approx(expected.endurance_h, rel=1e-12)
+    limited = analysis.limited_flight
+    assert limited.endurance_h == pytest.approx(expected.endurance_h)
+    assert limited.from_noon_h < limited.endurance_h
+    assert f"{expected.endurance_h:.2f} h" in str(analysis)
