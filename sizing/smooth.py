@@ -16,15 +16,15 @@ Value = Any
 BLEND = 0.02
 
 
-def smooth_maximum(first: Value, second: Value, blend: float = BLEND) -> Value:
+def smooth_maximum(first: Value, second: Value) -> Value:
     """Return the larger of two values of positive sum, smoothly.
 
-    ``(s + sqrt(d^2 + (blend s)^2)) / 2`` with sum s and difference d. It exceeds the larger value
-    by at most ``blend`` times it, where both are equal, and rises with either value.
+    ``(s + sqrt(d^2 + (BLEND s)^2)) / 2`` with sum s and difference d. It exceeds the larger value
+    by at most ``BLEND`` times it, where both are equal, and rises with either value.
     """
     total = first + second
     gap = first - second
-    return (total + (gap * gap + (blend * total) ** 2) ** 0.5) / 2.0
+    return (total + (gap * gap + (BLEND * total) ** 2) ** 0.5) / 2.0
 
 
 def smooth_minimum(first: Value, second: Value) -> Value:

@@ -22,18 +22,9 @@ from solar.schema import Allowed, refusal, spell
 from solar.types import FloatArray
 
 # Metres per second of the units in XFLR5.
-_SPEED_UNITS = {
-    "m/s": 1.0,
-    "km/h": 1.0 / 3.6,
-    "ft/s": 0.3048,
-    "ft/min": 0.3048 / 60.0,
-    "mph": 0.44704,
-    "mi/h": 0.44704,
-    "kt": 0.514444,
-    "kts": 0.514444,
-    "knot": 0.514444,
-    "knots": 0.514444,
-}
+_SPEED_UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "ft/s": 0.3048, "ft/min": 0.3048 / 60.0}
+_SPEED_UNITS |= dict.fromkeys(("mph", "mi/h"), 0.44704)
+_SPEED_UNITS |= dict.fromkeys(("kt", "kts", "knot", "knots"), 0.514444)
 # Lift without power is at most 4 pi, see LiftCoefficient; drag of a plate across the flow is 2.
 LIFT = Allowed(-12.57, 12.57)
 # Largest share of rows with impossible lift or drag that is left out of a table or a polar.
