@@ -192,7 +192,7 @@ def add_legend(
     from matplotlib.colors import to_rgba_array
     from matplotlib.patches import Patch
 
-    # Matplotlib before 3.10 refuses bands of a sub-figure in the legend of the whole one.
+    # Matplotlib 3.10 and before refuse bands of a sub-figure in the legend of the whole one.
     entries = list(handles)
     for i, band in enumerate(handles):
         if isinstance(band, PolyCollection):
