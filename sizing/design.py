@@ -79,14 +79,14 @@ def variable_keys() -> Mapping[str, str]:
 class Masses(NamedTuple):
     """Mass budget [kg]."""
 
-    structure: Value
-    propulsion: Value
-    battery: Value
-    modules: Value
-    mppt: Value
-    avionics: Value
-    payload: Value
-    other: Value
+    structure: Value = 0.0
+    propulsion: Value = 0.0
+    battery: Value = 0.0
+    modules: Value = 0.0
+    mppt: Value = 0.0
+    avionics: Value = 0.0
+    payload: Value = 0.0
+    other: Value = 0.0
 
     @property
     def total_kg(self) -> Value:

@@ -153,12 +153,8 @@ def measured_design(aircraft: Aircraft, mission: Mission | FlightConditions) -> 
         variables=variables_of(aircraft),
         total_mass_kg=total_kg,
         masses=Masses(
-            structure=0.0,
-            propulsion=0.0,
             battery=battery_kg,
             modules=modules_kg,
-            mppt=0.0,
-            avionics=0.0,
             payload=air.payload_mass_kg,
             other=airframe.mass_without_battery_kg - modules_kg,
         ),

@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev
 from pydantic import Field
 
 from missions.air import Air
-from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.chain import OperatingPointPropulsion, UnlimitedPropulsion
 from sizing.propulsion.operating_point import Shaft
 from sizing.smooth import Value
 from solar.types import FloatArray
@@ -24,7 +24,7 @@ from solar.types import FloatArray
 _HALF_WIDTHS, _DEGREES = (1.0, 0.35), (9, 4)
 
 
-class NearbyPropulsion(OperatingPointPropulsion):
+class NearbyPropulsion(UnlimitedPropulsion):
     """Parts with polynomials for their propeller, and without limits. Not in files.
 
     ``polynomials``: their centre, and those of the logarithms of ``n D / V`` and of shaft power
@@ -32,7 +32,6 @@ class NearbyPropulsion(OperatingPointPropulsion):
     """
 
     is_exact = False
-    is_limited = False
 
     polynomials: tuple[FloatArray, ...] = Field(exclude=True, repr=False)
 
