@@ -22,16 +22,12 @@ from sizing.performance import performance
 mission = partial(builders.mission, dates={"on": "06-21"})
 
 
-def aerodynamics(aircraft):
-    return aircraft.airframe.aerodynamics
-
-
 @pytest.mark.parametrize("altitude_m", [0.0, 3000.0, 11000.0, 15000.0, 20000.0])
 def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitude_m):
     there = mission(altitude_m=altitude_m)
     air = ambiance.Atmosphere(altitude_m)
     density = float(air.density[0])
-    polar = aerodynamics(DESIGN)
+    polar = DESIGN.airframe.aerodynamics
     flight = flight_at_altitude(DESIGN, there, UNCORRECTED_CAM, altitude_m)
     mass = performance(DESIGN, there).design.total_mass_kg
     span, aspect = 5.65, 18.5

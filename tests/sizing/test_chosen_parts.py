@@ -11,7 +11,6 @@ from missions.library import load_mission
 from sizing.ceiling import flight_at_altitude
 from sizing.day.light import SolarModel
 from sizing.mass_budget import level_point
-from sizing.propulsion.chain import OperatingPointPropulsion
 
 MISSION = load_mission("rafz-july")
 FACTOR = "airframe.propulsion.efficiency_factor"
@@ -23,12 +22,6 @@ def ranged(motor=PARTS["motor"], **ranges):
         for key, (low, high) in ranges.items()
     }
     return aircraft(space, motor=motor)
-
-
-def parts_of(subject):
-    parts = getattr(subject.airframe, "propulsion", None)
-    assert isinstance(parts, OperatingPointPropulsion)
-    return parts
 
 
 def test_the_efficiency_factor_is_one_of_the_power():
@@ -130,7 +123,7 @@ def test_a_sized_propeller_is_no_product():
         gear={"ratio": 2.5, "efficiency": 0.96},
     )
     study = sizing.size(subject, MISSION)
-    propeller = parts_of(study.sized_aircraft()).propeller
+    propeller = study.sized_aircraft().propulsion_by_parts.propeller
     assert propeller.product is None
     assert propeller.pitch_m == pytest.approx(0.3048)
     assert propeller.diameter_m == study.variables.propeller_diameter_m
