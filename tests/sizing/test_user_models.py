@@ -21,21 +21,15 @@ PARABOLIC = LIFT | {
 CHAIN = "airframe.propulsion"
 
 
-def _structure(inputs):
-    return 0.3 * inputs.wingspan_m**1.5 * inputs.aspect_ratio**-0.25
-
-
 def _drag(lift, aspect_ratio, reynolds):
     return 0.012 * (reynolds / 2e5) ** -0.35 + 0.008 + lift**2 / (pi * 0.9 * aspect_ratio)
 
 
-def _propulsion(rated_w):
-    return 0.0011 * rated_w
-
-
-sizing.register_structure("own law", _structure)
+sizing.register_structure(
+    "own law", lambda inputs: 0.3 * inputs.wingspan_m**1.5 * inputs.aspect_ratio**-0.25
+)
 sizing.register_drag("own polar", _drag)
-sizing.register_propulsion_mass("own motor", _propulsion)
+sizing.register_propulsion_mass("own motor", lambda rated_w: 0.0011 * rated_w)
 # Power-independent, as a chain of constants; then one that falls with the load.
 sizing.register_propulsion_efficiency(
     "own chain", lambda power_w, airspeed, density: 0.6 + 0.0 * power_w * airspeed * density
