@@ -69,29 +69,13 @@ SOURCES = {
 }
 
 
-def test_the_table_has_words_to_look_for():
-    words = replaced_words()
-    assert len(words) > 20
-    for text, word in (
-        ("at 33.9 S", "47.6 N"),
-        ("sky-sailor at 48 N, 1 May", "47.6 N"),
-        ("a motor of 0.4 m2, say", "m2"),
-        ("It tells how", "tells"),
-    ):
-        assert any(
-            pattern_of(one).search(text.replace(" S", " N")) for one in words if one == word
-        ), text
-    assert not pattern_of("47.6 N").search("a load of 2.4 N ultimate")
-    assert not pattern_of("lit").search("a split pod")
-
-
 @pytest.mark.parametrize("source", SOURCES)
 def test_people_read_one_word_for_one_thing(source):
-    texts = list(SOURCES[source]())
-    assert len(texts) > 20
+    texts, words = list(SOURCES[source]()), replaced_words()
+    assert min(len(texts), len(words)) > 20
     wrong = [
         f"{place}: {word}: ...{text[max(found.start() - 40, 0) : found.end() + 20]!r}"
-        for word in replaced_words()
+        for word in words
         for place, text in texts
         for found in pattern_of(word).finditer(text)
     ]

@@ -55,18 +55,6 @@ def test_draws_have_their_own_operating_points():
     assert drawn.flights.propulsion_power_w[least] == pytest.approx(power_w, rel=1e-3)
 
 
-@pytest.mark.slow
-def test_a_reliable_design_may_have_an_uncertain_chain():
-    mission = load_mission("rafz-july", {"required_excess_time_h": 3.0})
-    # Of one voltage a day is marched once, and the search marches thousands.
-    flat = VOLTAGE | {"cell_voltage_v": [3.7] * 4}
-    subject = aircraft({"uncertainty.inputs": {FACTOR: {"relative_sigma": 0.03}}}, voltage=flat)
-    study = sizing.size(subject, mission, reliability=0.9)
-    assert study.reliability.achieved.value == pytest.approx(0.9, abs=0.01)
-    design = sizing.design_of(study.sized_aircraft(), mission)
-    assert study.design.total_mass_kg == pytest.approx(float(design.total_mass_kg), rel=1e-4)
-
-
 def test_a_propeller_by_tables_is_not_chosen(tmp_path):
     ends = {"minimum": 0.4, "maximum": 1.0}
     with pytest.raises(InputError, match=r"goes with .*operating_point"):

@@ -18,8 +18,6 @@ from sizing.uncertainty.propagation import check_inputs, propagation_of
 from studies.ceiling import perpetual_ceiling
 from studies.maps.results import MapResult
 from studies.maps.study import feasibility_map
-from studies.models.comparison import compare
-from studies.models.solar_models import perpetual_by_model
 from studies.sweeps.results import SweepResult
 from studies.sweeps.study import sweep
 
@@ -83,26 +81,6 @@ def test_floor_of_a_file_can_be_varied():
     for floor_m, excess_h in zip([1e3, 2e3], data["excess_time"].to_numpy(), strict=True):
         alone = analysed(AS2, mission(altitude_m=floor_m))
         assert excess_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
-
-
-@pytest.mark.slow
-def test_models_are_compared_on_flights_with_climbs():
-    flown = mission()
-    compared = compare(AS2, flown, corrections=["none", "report"], design=False)
-    for case in compared.cases:
-        found, correction = case.prediction, case.solar.correction
-        assert found.maximum_altitude_m == pytest.approx(3536.0, abs=1.0)
-        # Corrected all of them, without a correction one.
-        if correction == "none" and case.solar.model != "CAM":
-            continue
-        alone = analysed(AS2, flown, model=case.solar.model, correction=correction)
-        assert found.excess_time_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
-        assert found.excess_time_low_h == pytest.approx(
-            alone.low.cycle.excess_time_h[0], abs=STEP_H
-        )
-    assert "climbs from 536 to 3536 m" in str(compared.at_level(2))
-    assert compared.to_dict()["climb"] == {"ceiling_m": 3536.0}
-    assert all(perpetual_by_model(AS2, flown).values())
 
 
 @pytest.mark.slow

@@ -88,17 +88,6 @@ def test_payload_of_each_cell_counts():
     assert np.all(np.diff(drawing.objective_value[:3]) > 0.0)
 
 
-def test_same_cells_give_the_same_bits():
-    one, other = (size_cells(AIRCRAFT, MISSION, CELLS, Objective.min_wingspan) for _ in range(2))
-
-    def columns(found):
-        plain = [found.status, found.objective_value, found.total_mass_kg, found.shortfall]
-        return [*plain, *found.variables.chosen().values()]
-
-    for a, b in zip(columns(one), columns(other), strict=True):
-        np.testing.assert_array_equal(a, b)
-
-
 def test_polar_night_and_midnight_sun_are_ordinary_cells():
     found = size_cells(AIRCRAFT, MISSION, Scenarios(np.array([80.0, 80.0]), np.array([355, 172])))
     assert found.status[0] == SizingStatus.infeasible

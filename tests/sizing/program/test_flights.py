@@ -137,23 +137,6 @@ def test_the_lightest_aircraft_of_a_flight_is_that_of_a_search(flight):
     assert found.objective_value == pytest.approx(-best, rel=5e-3)
 
 
-@pytest.mark.parametrize("launch", ["12:00", "21:30"])
-def test_a_flight_of_fewer_steps_than_a_program_has_intervals(launch):
-    # By night what is flown and what is left need the same battery, by day less.
-    lightest = [
-        size_aircraft(
-            DESIGN,
-            flying({"launch": launch, "hours": hours, "reserve_h": 9.5 - hours}),
-            Objective.min_mass,
-        ).objective_value
-        for hours in (0.4, 1.7, 3.5)
-    ]
-    if launch == "21:30":
-        assert lightest == pytest.approx([lightest[0]] * 3, rel=1e-3)
-    else:
-        assert lightest == sorted(lightest, reverse=True)
-
-
 def test_a_flight_that_no_design_makes_is_told_with_what_the_nearest_lacks():
     found = size_aircraft(DESIGN, flying({"hours": 70.0}, dates={"on": "12-21"}))
     assert found.status is SizingStatus.infeasible

@@ -199,15 +199,3 @@ def test_what_does_not_go_together_is_refused(options, words):
     aircraft = options.pop("aircraft", plane(WHOLE_CELLS))
     with pytest.raises(ValueError, match=words):
         sizing.size(aircraft, MISSION, whole_cells=True, **options)
-
-
-@pytest.mark.slow
-def test_unlimited_excess_time_is_no_loss_and_no_failure():
-    polar = plane(WHOLE_CELLS, **{"design_space.wingspan_m.maximum": 5.65})
-    summer = load_mission("rafz-july", {"latitude_deg": 82.0, "dates": {"on": "06-21"}})
-    study = sizing.size(polar, summer, "max_excess_time", whole_cells=True)
-    assert study.result.objective_value == np.inf
-    assert study.whole_cells.loss is None
-    assert "whole cells: excess time unlimited" in str(study.summary())
-    chosen = study.to_dict()["whole_cells"]["chosen"]
-    assert (chosen["value"], chosen["reason"]) == (None, "")

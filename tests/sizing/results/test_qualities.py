@@ -47,16 +47,3 @@ def test_a_calibration_without_build_may_hold_its_own_aircraft():
     for one, other in zip(own.builds, shipped.builds, strict=True):
         assert not one.of_file
         assert one.objective_value == pytest.approx(other.objective_value, rel=0.005)
-
-
-@pytest.mark.parametrize(
-    ("changes", "options"),
-    [
-        ({"airframe.structure": {"model": "own", "name": "of a test of rows"}}, {}),
-        pytest.param({}, {"objective": "longest_season"}, marks=pytest.mark.slow),
-    ],
-)
-def test_no_rows_of_a_structure_of_ones_own_and_of_ranges(changes, options):
-    found = study(changes, **options)
-    assert found.builds == ()
-    assert "builds" not in found.to_dict()

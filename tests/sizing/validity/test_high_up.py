@@ -12,7 +12,6 @@ from sizing.results.analysis import analyse
 from sizing.results.sizing import size
 from studies.maps.study import feasibility_map
 from studies.output.gridded import extrapolations_of
-from studies.render.words import extrapolation_caption
 
 # Perpetual there on the longest day, by less than the assumptions are worth.
 HIGH = mission(altitude_m=10000.0, dates={"on": "06-21"})
@@ -144,17 +143,6 @@ def test_a_map_tells_the_worth_in_its_best_cell():
     assert set(notes(extrapolations_of(dark))) == {MODULES, BATTERY, ERROR}
 
 
-def test_captions_say_what_is_assumed_and_its_worth():
-    extrapolations = analyse(DESIGN, HIGH).extrapolations
-    caption = extrapolation_caption(extrapolations)
-    for key, what, otherwise in (
-        (MODULES, "module temperature near the ground", "modules as cold as the air"),
-        (BATTERY, "battery without temperature", "unheated battery"),
-    ):
-        hours = f"{notes(extrapolations)[key].excess_time_h:.2f} h"
-        assert f"{what} ({otherwise}: excess time {hours})" in caption
-
-
 @pytest.mark.parametrize(("height_m", "is_told"), [(1990.0, False), (2010.0, True)])
 def test_a_record_far_below_the_flight_is_told(height_m, is_told):
     record = clear_record(3, first="2001-07-14")
@@ -172,3 +160,18 @@ def test_the_error_of_the_sun_is_not_told_as_known_high_up():
     )
     assert "the model's RMS error of 7 %" in " ".join(known.split())
     assert "its error at 9001 m is not known" in " ".join(unknown.split())
+
+
+def test_a_record_tells_the_cold_of_its_days():
+    cold = np.full(40 * 24, -30.0)
+    record = clear_record(40, first="2001-07-14", share=0.75, temperature_c=cold)
+    where = mission(latitude_deg=46.8, altitude_m=record.site.altitude_m + 3000.0)
+    result = sizing.analyse_weather(AS2, where, record)
+    noted = notes(result)
+    assert set(noted) == {MODULES, BATTERY, RECORD}
+    assert "as cold as the air they would give +" in noted[MODULES].text
+    unheated = shipped_aircraft(AS2.name, "battery.temperature={}")
+    closes = sizing.analyse_weather(unheated, where, record).to_dict()["days_that_close"]
+    before = result.to_dict()["days_that_close"]
+    assert closes < before
+    assert f"unheated {closes} instead of {before} days close" in noted[BATTERY].text

@@ -58,30 +58,8 @@ def test_wrong_calls(run, tmp_path, begin, call, message):
     assert files(tmp_path) == before
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (f"analyse {AS2} --plot no/a.png", "cannot write no/a.png: its folder does not exist"),
-        (f"analyse {AS2} --csv no/a.csv", "cannot write no/a.csv: its folder does not exist"),
-        (f"map {AS2} --out no/a.nc", "cannot write no/a.nc: its folder does not exist"),
-        (f"map {AS2} --plot no/a.png", "cannot write no/a.png: its folder does not exist"),
-        (f"report {AS2} --out no/a.html", "cannot write no/a.html: its folder does not exist"),
-        (f"analyse {AS2} --plot file/a.png", "cannot write file/a.png: a part of the path is a fi"),
-        (f"analyse {AS2} --csv file/a.csv", "cannot write file/a.csv: a part of the path is a fi"),
-        (f"analyse {AS2} --plot folder.png", "cannot write folder.png: it is a folder"),
-        (f"analyse {AS2} --table folder.csv", "cannot write folder.csv: it is a folder"),
-        (f"map {AS2} --out folder.nc", "cannot write folder.nc: it is a folder"),
-        (f"map {AS2} --out m.nc --work file", "cannot write to file: file is not a folder"),
-        (f"map {AS2} --out m.nc --work /proc/x", "/proc/x: no folder can be made there"),
-        (f"compare {AS2} --out file", "file is not a folder"),
-        # Before the sizing: nothing of it is shown.
-        *[
-            (f"size {DESIGN} -m rafz-july --out {folder}", f"cannot write to {folder}: ")
-            for folder in ("file", "file/design", "/proc/design")
-        ],
-    ],
-)
-def test_files_that_cannot_be_written(run, tmp_path, call, message):
+@pytest.mark.parametrize(("_", "call", "message"), refusals(TABLE.with_name("unwritable.txt")))
+def test_files_that_cannot_be_written(run, tmp_path, _, call, message):
     (tmp_path / "file").write_text("old")
     folders = {"folder.png", "folder.csv", "folder.nc"}
     for folder in folders:
