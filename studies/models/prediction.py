@@ -167,12 +167,9 @@ class Case:
 
 
 def _season(season: Season) -> dict[str, Any]:
-    return {
-        "days": season.days,
-        "window_days": season.window_days,
-        "first": None if season.first is None else date_code(season.first),
-        "last": None if season.last is None else date_code(season.last),
-    }
+    ends = {"first": season.first, "last": season.last}
+    dates = {end: None if day is None else date_code(day) for end, day in ends.items()}
+    return vars(season) | dates
 
 
 def predict(simulate: Callable[..., Performance], solar: SolarModel, day: SolarDay) -> Prediction:
