@@ -6,7 +6,6 @@ What a command needs of them is told in terms of their files.
 from __future__ import annotations
 
 import gc
-import hashlib
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -26,7 +25,7 @@ from missions.files.errors import (
     printable,
 )
 from missions.files.overrides import with_overrides
-from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
+from missions.files.shipped import Kind, find_document, shipped_file, shipped_names
 from missions.files.validation import validate
 from missions.files.yaml import Place
 from missions.library import MISSION_PREFIX
@@ -119,11 +118,10 @@ def opened(
     checked = validate(document, record)
     if is_aircraft and not of_run:
         refuse_named_twice(document)
-    if name_or_path in shipped_names(kind) and not Path(name_or_path).is_file():
-        sha256: str | None = hashlib.sha256(shipped_text(name_or_path).encode()).hexdigest()
-    else:
-        sha256 = InputFile.of(Path(name_or_path)).sha256
-    return Loaded(checked, document, sha256)
+    path = Path(name_or_path)
+    if name_or_path in shipped_names(kind) and not path.is_file():
+        path = Path(str(shipped_file(kind, name_or_path)))
+    return Loaded(checked, document, InputFile.of(path).sha256)
 
 
 def load(options: Options) -> Case:
