@@ -70,33 +70,26 @@ class MapResult(Result):
         landed = np.any(self.data["status"].to_numpy() == Status.lands)
         return "flights that land" if landed else "perpetual flight"
 
-    def _seasons(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
-        """Return the season of each latitude, and the largest excess time."""
+    def _seasons(self, record: dict[str, Any]) -> tuple[Sequence[Column], dict[str, list[Any]]]:
+        """Return the season of each latitude, and the largest excess time: columns, their cells."""
         days = self.data["day"].to_numpy()
         excess = replace(q.EXCESS_TIME, label="largest excess time")
         # The number of perpetual days means little unless all days are mapped.
         counted = [Column("perpetual_days", "days")] if len(days) == _DAYS else []
-        columns = [Column("season", self._goal), *counted, excess]
-        rows: list[dict[str, Any]] = [
-            {"season": season_text(days, perpetual), excess.name: most, "perpetual_days": count}
-            for perpetual, most, count in zip(
-                gridded.feasible(self.data),
-                self._least_and_largest(excess)[1].tolist(),
-                record["perpetual_days"],
-                strict=True,
-            )
-        ]
-        for quantity in self._ranged:
-            columns.append(replace(quantity, label="endurance on the other days", to_right=True))
-            rows = [
-                row | {quantity.name: text}
-                for row, text in zip(rows, self._range_texts(quantity), strict=True)
-            ]
-        return columns, rows
+        others = (
+            replace(quantity, label="endurance on the other days", to_right=True)
+            for quantity in self._ranged
+        )
+        return [Column("season", self._goal), *counted, excess, *others], {
+            "season": [season_text(days, perpetual) for perpetual in gridded.feasible(self.data)],
+            excess.name: self._least_and_largest(excess)[1].tolist(),
+            "perpetual_days": record["perpetual_days"],
+            **{quantity.name: self._range_texts(quantity) for quantity in self._ranged},
+        }
 
     # ---- Sized designs
 
-    def _designs(self, record: dict[str, Any]) -> tuple[Sequence[Column], list[dict[str, Any]]]:
+    def _designs(self, record: dict[str, Any]) -> tuple[Sequence[Column], dict[str, list[Any]]]:
         """Return the days with a design, and the range of its size."""
         groups = {
             f"designs on {len(record['days'])} days": gridded.SIZED,
@@ -111,11 +104,9 @@ class MapResult(Result):
         if "excess" not in self.objective:
             shown.remove(q.EXCESS_TIME)
         texts = {quantity.name: self._range_texts(quantity) for quantity in shown}
-        every = days | texts
-        rows = [dict(zip(every, row, strict=True)) for row in zip(*every.values(), strict=True)]
         short = {q.TOTAL_MASS: "mass"}
         heads = (replace(c, label=short.get(c, c.label), to_right=False) for c in shown)
-        return [*map(Column, days), *heads], rows
+        return [*map(Column, days), *heads], days | texts
 
     # ---- Both
 
@@ -168,7 +159,7 @@ def blocks(result: MapResult, level: int) -> list[Any]:
     """Return headline, table (round latitudes in a summary), and conditions."""
     data, days = result.data, result.data["day"].to_numpy()
     record, latitudes = result.to_dict(), result._latitudes
-    columns, rows = (result._designs if result.objective else result._seasons)(record)
+    columns, cells = (result._designs if result.objective else result._seasons)(record)
     without = {"failed_days": "failed", "too_windy_days": "too windy for the path"}
     lacking = {key: head for key, head in without.items() if any(record.get(key, ()))}
     places = gridded.shown_places(latitudes.tolist(), _ROWS[level])
@@ -177,7 +168,7 @@ def blocks(result: MapResult, level: int) -> list[Any]:
         (q.TABLE["latitude"], *columns, *(Column(*item) for item in lacking.items())),
         (
             {"latitude": latitude_label(latitudes[i])}
-            | rows[i]
+            | {key: column[i] for key, column in cells.items()}
             | {key: record[key][i] for key in lacking}
             for i in places
         ),
@@ -185,12 +176,11 @@ def blocks(result: MapResult, level: int) -> list[Any]:
     notes = [
         f"{gridded.flown_caption(data)}; {len(days)} days of the year, {days[0]} to {days[-1]}"
     ]
-    if len(places) < len(rows):
-        notes.insert(
-            0, f"{len(places)} of {len(rows)} latitudes shown; all with -v and in --out FILE"
-        )
+    if len(places) < len(latitudes):
+        shown = f"{len(places)} of {len(latitudes)} latitudes shown"
+        notes.insert(0, f"{shown}; all with -v and in --out FILE")
     outside = extrapolation_blocks(gridded.extrapolations_of(data), level)
-    if not result.objective and any(row[q.EXCESS_TIME.name] < 0.0 for row in rows):
+    if not result.objective and any(hours < 0.0 for hours in cells[q.EXCESS_TIME.name]):
         outside.append(q.BELOW_ZERO)
     return [Line(headline(result), "strong"), table, *notes, *outside]
 
