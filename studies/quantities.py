@@ -142,9 +142,9 @@ def table_of(
     return Table(title, columns, cells, tuple(notes), sections=tuple(sections))
 
 
-def text_of(key: str, value: Any, form: str = "") -> str:
+def text_of(key: str, value: Any) -> str:
     """Return the value of a quantity with its unit."""
-    return TABLE[key].fact(value, form)[1]
+    return TABLE[key].fact(value)[1]
 
 
 WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA = group(

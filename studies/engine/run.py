@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import itertools
 import threading
 import warnings
 from collections import deque
@@ -262,7 +261,9 @@ class Study:
         chunk_s = min(max(count * self.cell_s / _CHUNKS, _LEAST_CHUNK_S), _CHUNK_S)
         order = np.arange(count) if self.order is None else self.order
         each = max(round(chunk_s / self.cell_s), self.together)
-        chunks = [order[part] for part in pieces(count, each)]
+        # As even as possible.
+        edges = np.linspace(0, count, -(-count // each) + 1).round().astype(int)
+        chunks = np.split(order, edges[1:-1])
         blanks = blanks_of(self.described)
         return Job(self.function, self.configuration, self.cells, chunks, blanks)
 
@@ -376,13 +377,6 @@ def merged(
         for values, where in known:
             columns[name][where] = values
     return columns
-
-
-def pieces(count: int, each: int) -> list[slice]:
-    """Return slices of at most ``each`` (at least 1) that cover ``count``, as even as possible."""
-    number = -(-count // max(each, 1))
-    edges = np.linspace(0, count, number + 1).round().astype(int)
-    return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
 
 # ---- In a worker, or here

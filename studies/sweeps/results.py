@@ -48,9 +48,8 @@ class SweepResult(Result):
     @property
     def counts(self) -> dict[str, int]:
         """Number of points by status."""
-        return {
-            str(k): int(v) for k, v in gridded.to_table(self.data)["status"].value_counts().items()
-        }
+        counts = gridded.to_table(self.data)["status"].value_counts()
+        return {str(name): int(count) for name, count in counts.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """Return all points and the front, JSON-ready; undefined and infinite numbers are null."""
@@ -96,10 +95,8 @@ class SweepResult(Result):
     def _table(self, rows: pd.DataFrame) -> Table:
         """Return a table of rows: varied values, status, and the main results."""
         data, rows, varied = self.data, rows.copy(), self._varied
-        reasons = pd.Series(
-            gridded.reasons_without_result(data).ravel(), gridded.to_table(data).index
-        )
-        rows["why"] = reasons.reindex(rows.index)
+        # Rows are numbered as the points are.
+        rows["why"] = gridded.reasons_without_result(data).ravel()[rows.index]
         if "varied" in data.coords:
             # Each point differs from the file in one key.
             rows["value"] = [row.get(row["varied"], "") for _, row in rows.iterrows()]
