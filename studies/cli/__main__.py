@@ -23,7 +23,6 @@ from studies.signals import Signals, interruptible
 _SHOW_WARNING = warnings.showwarning
 
 
-_SPELLED = {"analyze": "analyse"}
 _EXAMPLES = (
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
     "solar-uav size atlantiksolar-design -m central-europe-summer --required-excess-time 3",
@@ -34,12 +33,8 @@ _EXAMPLES = (
 class _Group(click.Group):
     """Group of all commands, whose page has them by task, and the options of several of them."""
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command of a name, in either spelling; None where there is none."""
-        return super().get_command(ctx, _SPELLED.get(cmd_name, cmd_name))
-
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the names of all commands."""
+        """Return the names of all commands, in one spelling."""
         return list(COMMANDS)
 
     def resolve_command(
@@ -71,7 +66,7 @@ class _Group(click.Group):
 
 @click.group(
     cls=_Group,
-    commands=dict(COMMANDS),
+    commands={**COMMANDS, "analyze": COMMANDS["analyse"]},
     context_settings={"help_option_names": ["-h", "--help"], "show_default": True},
 )
 @click.version_option(__version__, prog_name="solar-uav")
