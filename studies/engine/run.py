@@ -362,20 +362,17 @@ def blanks_of(described: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def merged(
-    chosen: BoolArray, there: Mapping[str, Any], elsewhere: Mapping[str, Any]
+    able: BoolArray, known: Mapping[str, Any], others: Mapping[str, NDArray[Any]]
 ) -> dict[str, NDArray[Any]]:
-    """Merge columns of chosen cells and of the others, blank where a side lacks one."""
-    columns = {}
-    for name in {**there, **elsewhere}:
-        known = [
-            (np.asarray(side[name]), where)
-            for side, where in ((there, chosen), (elsewhere, ~chosen))
-            if name in side
-        ]
-        kind = np.result_type(*(values for values, _ in known))
-        columns[name] = np.full(len(chosen), np.nan if kind.kind == "f" else kind.type(), kind)
-        for values, where in known:
-            columns[name][where] = values
+    """Return columns of all cells: of those able to what is known of them, else of the others.
+
+    ``others``: a value for each of all cells; a column that it lacks is blank there.
+    """
+    place, columns = np.maximum(np.cumsum(able) - 1, 0), dict(others)
+    for name, values in known.items():
+        whole = np.asarray(values)[place]
+        blank = "" if whole.dtype.kind == "U" else np.nan
+        columns[name] = np.where(able, whole, others.get(name, blank))
     return columns
 
 

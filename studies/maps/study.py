@@ -309,7 +309,7 @@ def fixed_cells(
     if not able.all():
         known = fixed_cells(fixed, cells[able]) if able.any() else {}
         status = np.full(len(cells), Status.infeasible, np.int8)
-        return merged(able, known, {"status": status[~able]}) | winds
+        return merged(able, known, {"status": status}) | winds
     result = _simulated(aircraft, mission, solar, scenarios)
     others = {ENDURANCE: endurance, MAXIMUM_ALTITUDE: mission.climb is not None}
     quantities = (*MAP, *(quantity for quantity, is_there in others.items() if is_there))
@@ -396,10 +396,10 @@ def sized_cells(sized: Sized, cells: FloatArray) -> dict[str, NDArray[Any]]:
             ~windy,
             calm,
             {
-                "status": np.full(windy.sum(), SizingStatus.infeasible, np.int8),
-                "violated_requirement": np.full(windy.sum(), gridded.TOO_WINDY),
-                "shortfall": over_limit[windy] - 1.0,
-                "message": [f"flight path: {text}" for text in troubles if text is not None],
+                "status": np.full(len(cells), SizingStatus.infeasible, np.int8),
+                "violated_requirement": np.full(len(cells), gridded.TOO_WINDY),
+                "shortfall": over_limit - 1.0,
+                "message": np.array([f"flight path: {text}" for text in troubles]),
             },
         )
     from sizing.program.cells import size_cells  # with the optimiser, a seventh of a second
