@@ -315,15 +315,3 @@ def test_floor_that_a_file_names_moves_with_its_slider():
     with pytest.raises(RefusedError) as caught:
         one.inputs(one.settings({"mission.altitude_m": 4000.0}))
     assert caught.value.refusals[0].field == "mission.altitude_m"
-
-
-@pytest.mark.slow
-def test_season_with_climbs_is_the_map_of_the_command_line():
-    one = climbing()
-    found = one.season(one.settings())
-    made = one.inputs(one.settings())
-    latitudes, days = found["latitudes_deg"][4::14], found["days"][3::20]
-    block = map_block(made.aircraft, made.mission, latitudes, days, SolarModel())
-    shown = [row[3::20] for row in found["excess_time_h"][4::14]]
-    expected = np.where(np.isfinite(block["excess_time"]), block["excess_time"], np.nan)
-    assert_allclose(np.array(shown, float), expected, atol=1e-3, equal_nan=True)

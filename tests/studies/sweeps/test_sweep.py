@@ -4,12 +4,15 @@ import io
 import json
 import re
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+import yaml
 from figure_checks import heading
+from refusals import refusals
 
 from missions.files.errors import InputError
 from missions.flight_path import Circle
@@ -218,53 +221,16 @@ def test_held_variables_keep_their_values_and_others_are_sized():
 
 
 @pytest.mark.parametrize(
-    ("texts", "options", "words"),
-    [
-        (["battery.mas_kg=1,2"], {}, "unknown key; did you mean 'mass_kg'?"),
-        (["wingspan=4,5"], {}, "wingspan: unknown key; did you mean 'wingspan_m'?"),
-        (["cost=4,5"], {}, "cost: unknown key; allowed: wingspan_m, aspect_ratio, battery_mass"),
-        (["payload.mass_kg=0,1"], {}, "is a key of the mission: write mission.payload.mass_kg"),
-        (["wingspan_m=5,6"], {"aircraft": AS2}, "measured aircraft's power"),
-        (["name=1,2"], {}, "name"),
-        (["mission.clearness=0.5,1.5"], {}, "at most 1"),
-        (["wingspan_m=-1,2"], {}, "must be from 1e-09 to 1e+12 (got -1)"),
-        (["battery_mass_kg=1,1e300"], {}, "must be from 1e-09 to 1e+12 (got 1e+300)"),
-        (["wingspan_m=1,2", "airframe.wingspan_m=3"], {}, "varied twice"),
-        (["wingspan_m=3,4"], {"resize": Objective.min_wingspan}, "cannot be minimised"),
-        (["battery_mass_kg=3,4"], {"resize": Objective.min_mass, "cover": True}, "cover"),
-        (["module_area_m2=1,2"], {"cover": True}, "cannot follow the wing"),
-        (["wingspan_m=3:4"], {}, "needs a step"),
-        (["mission.latitude_deg=0,1"], {"sample": "one-at-a-time"}, "no single number"),
-        (["wingspan_m=3"], {"sample": "lhs", "samples": 4}, "needs a range"),
-        *(([text], {}, "write KEY=first") for text in ("wingspan_m", "=1", f"{WATTS}=")),
-        *(([f"{WATTS}={x}"], {}, " is not a number") for x in ("x", "1_000", "inf", "1:nan:1")),
-        *(([f"{WATTS}={x}"], {}, "must rise from first to last") for x in ("1:2:0", "2:1:1")),
-        ([f"{WATTS}=2:2"], {}, "must rise from first to last (got 2:2)"),
-        ([f"{WATTS}=1:2:1e-9"], {}, "has more than 10000 values"),
-        ([f"{WATTS}=1:2:3:4"], {}, "needs first:last:step, or first:last where samples are"),
-        *(([f"{WATTS}={x}"], {}, told) for x, told in (("1,1", "a value twice"), ("1,,2", "''"))),
-    ],
+    ("by", "call", "words"), refusals(Path(__file__).with_name("refusals.txt"))
 )
-def test_mistakes_are_named_before_the_work(texts, options, words):
+def test_mistakes_are_named_before_the_work(by, call, words):
+    options = yaml.safe_load(call)
+    vary, plane = options.pop("vary"), AS2 if options.pop("measured", False) else DESIGN
+    if by == "texts" and "resize" in options:
+        options["resize"] = Objective(options["resize"])
+    function, *rest = (study, SUMMER, *vary) if by == "texts" else (sweep, JULY, vary)
     with pytest.raises(ValueError, match=re.escape(words)):
-        study(options.pop("aircraft", DESIGN), SUMMER, *texts, **options)
-
-
-@pytest.mark.parametrize(
-    ("vary", "options", "words"),
-    [
-        ({"wingspan_m": [4, 5]}, {"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM"),
-        ({"wingspan_m": [4, 5]}, {"resize": "min_price"}, "unknown objective 'min_price'; allow"),
-        ({"wingspan_m": [4, 5]}, {"sample": "some"}, "unknown sample 'some'; allowed: grid, lhs"),
-        ({"wingspan_m": [4, 4]}, {}, "wingspan_m has a value twice"),
-        ({"wingspan_m": []}, {}, "wingspan_m needs"),
-        ({"wingspan_m": ["4"]}, {}, "wingspan_m needs a list of finite numbers"),
-        ({}, {}, "nothing is varied"),
-    ],
-)
-def test_python_refuses_what_is_not_allowed(vary, options, words):
-    with pytest.raises(ValueError, match=re.escape(words)):
-        sweep(DESIGN, JULY, vary, **options)
+        function(plane, *rest, **options)
 
 
 def test_front_is_that_of_comparing_all_pairs():
