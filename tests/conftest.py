@@ -8,10 +8,12 @@ from unittest.mock import patch
 # times the processor time. To be set before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+from functools import wraps
+
+import numpy as np
 import pytest
 from browser_pages import chromium, open_page, pytest_collection_modifyitems
 from command_line import Outcome
-from computed_once import computed_once
 from hypothesis import settings
 
 # Fixtures and hooks that pytest finds by their name here.
@@ -23,6 +25,29 @@ __all__ = ["chromium", "open_page", "pytest_collection_modifyitems"]
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
 settings.register_profile("explore", max_examples=500, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+
+def computed_once(function):
+    """Function that keeps its arrays by its arguments; they cannot be changed."""
+    known = {}
+
+    @wraps(function)
+    def remembered(*arguments, **options):
+        key = tuple(map(_key, arguments)), tuple((k, _key(v)) for k, v in options.items())
+        if key not in known:
+            known[key] = function(*arguments, **options)
+            known[key].flags.writeable = False
+        return known[key]
+
+    return remembered
+
+
+def _key(value):
+    if isinstance(value, np.ndarray):
+        return value.shape, str(value.dtype), value.tobytes()
+    if isinstance(value, tuple):
+        return tuple(map(_key, value))
+    return type(value), value
 
 
 @pytest.fixture(scope="session", autouse=True)
