@@ -104,7 +104,7 @@ def read_power_csv(text: str) -> RawTable:
         raise refused("does not name its place: write it with its first lines")
     latitude, longitude = float(place[1]), float(place[2])
 
-    def unit_of(key: str) -> str:
+    def written_unit(key: str) -> str:
         names = "|".join(map(re.escape, _NAMES[key]))
         match = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
         return _POWER_UNITS.get(key, "m") if match is None else match[1].strip()
@@ -114,7 +114,7 @@ def read_power_csv(text: str) -> RawTable:
         key: np.where(
             np.isin(values, MISSING) & (values < 0.0),
             np.nan,
-            _convert_units(values.to_numpy(float), unit_of(key), key),
+            _convert_units(values.to_numpy(float), written_unit(key), key),
         )
         for key, values in columns_named(data).items()
     }

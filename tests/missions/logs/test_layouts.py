@@ -19,7 +19,7 @@ from missions.logs.columns import (
 from missions.logs.csv import read_flight_log
 from missions.logs.table import log_from_table
 from missions.logs.units import in_radians, recognised, surely_radians
-from missions.units import UNITS
+from missions.units import SCALES, UNITS, known_unit
 
 COUNT = 200
 MINUTE = "2015-06-30T09:{:02d}:{:06.3f}Z"
@@ -249,40 +249,37 @@ def test_values_end_where_their_quantities_do(name, inside, outside):
     assert (omission.column, omission.kind, omission.values) == (name, "outside", 2)
 
 
-# What one of each unit is, from the definitions of its name.
-ONE_OF_EACH = {
-    "time": {1.0: "s sec seconds", 1e-3: "ms", 1e-6: "us µs", 1e-9: "ns", 60.0: "min", 3600.0: "h"},
-    "angle": {
-        1.0: "deg degree degrees °",
-        360.0 / (2.0 * np.pi): "rad radian radians",
-        0.36 / (2.0 * np.pi): "mrad",
-        0.01: "cdeg",
-        1e-7: "dege7 e7 1e-7deg",
-    },
-    "length": {
-        1.0: "m metre metres meter meters",
-        1000.0: "km",
-        0.01: "cm",
-        0.001: "mm",
-        12.0 * 0.0254: "ft feet",
-    },
-    "power": {1.0: "w watt watts", 1000.0: "kw", 0.001: "mw"},
-    "voltage": {1.0: "v volt volts", 0.001: "mv", 1000.0: "kv"},
-    "current": {1.0: "a amp amps ampere", 0.001: "ma", 0.01: "ca"},
-    "temperature": {1.0: "c degc °c celsius degree_celsius k kelvin", 1.0 / 1.8: "f degf"},
-    "share": {1.0: "- 1 share", 0.01: "% percent pct"},
-}
-# Freezing water and absolute zero.
-ZEROS = {"k": -273.15, "kelvin": -273.15, "f": -32.0 / 1.8, "degf": -32.0 / 1.8}
-
-
-@pytest.mark.parametrize("dimension", ONE_OF_EACH)
-def test_units_are_those_of_their_definitions(dimension):
-    expected = {n: f for f, names in ONE_OF_EACH[dimension].items() for n in names.split()}
-    assert UNITS[dimension].keys() == expected.keys()
-    for name, unit in UNITS[dimension].items():
-        assert unit.factor == pytest.approx(expected[name], rel=1e-12), name
-        assert unit.offset == pytest.approx(ZEROS.get(name, 0.0), rel=1e-12), name
+# By the definitions of their names.
+@pytest.mark.parametrize(
+    ("written", "units", "value"),
+    [
+        (1.0, "s deg m W V A C - W/m^2 m/s Pa", 1.0),
+        (1000.0, "ms mm mW mV mA", 1.0),
+        (0.001, "km kW kV", 1.0),
+        (100.0, "cdeg cm cA %", 1.0),
+        (1e6, "us µs", 1.0),
+        (1e9, "ns", 1.0),
+        (60.0, "min", 3600.0),
+        (24.0, "h", 86400.0),
+        (np.pi, "rad radians", 180.0),
+        (1000.0 * np.pi, "mrad", 180.0),
+        (1e7, "degE7 E7 1e-7deg", 1.0),
+        (1.0, "ft feet", 12.0 * 0.0254),
+        (0.0, "K kelvin", -273.15),
+        (32.0, "F degF", 0.0),
+        (212.0, "F degF", 100.0),
+        (3600.0, "knots kt", 1852.0),
+        (3.6, "km/h kmh**-1", 1.0),
+        (1013.25, "hPa mbar", 101325.0),
+        (3600.0, "Jm**-2 J/m^2", 1.0),
+        (3.6, "MJ/m^2 MJ/hr", 1000.0),
+        (9.80665, "m**2s**-2 m^2/s^2", 1.0),
+    ],
+)
+def test_units_are_those_of_their_definitions(written, units, value):
+    for text in units.split():
+        scale = SCALES[known_unit(f"[{text}]", *UNITS)]
+        assert scale.factor * written + scale.offset == pytest.approx(value, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize(
