@@ -142,20 +142,19 @@ def full_model(
     normals = np.einsum("...ij,sj->...si", rotation, geometry.normals())
     sun = np.asarray(sun_vector, float)
     cosine = cos_angle_of_incidence(normals, sun[..., np.newaxis, :])
-    direct = np.asarray(irradiance.dni)[..., np.newaxis] * np.maximum(cosine, 0.0)
+    on_each = Irradiance(*(np.asarray(part)[..., np.newaxis] for part in irradiance))
+    direct = on_each.dni * np.maximum(cosine, 0.0)
     if shading is not None and shading.model is not no_losses:
         sun_body = np.einsum("...ji,...j->...i", rotation, sun)
         shaded = shaded_fraction(geometry, shading.tail, sun_body)
         direct = apply_losses(direct, shaded, shading.model)
-    diffuse = np.asarray(irradiance.dhi)[..., np.newaxis]
+    diffuse = on_each.dhi
     if geometry.face_down.any():
         # The lower face sees the part of the sky that its tilt leaves (Liu & Jordan 1963).
         seen = np.where(geometry.face_down, (1.0 - normals[..., 2]) / 2.0, 1.0)
         diffuse = diffuse * seen
     if albedo:
-        dni, dhi = (np.asarray(part)[..., np.newaxis] for part in irradiance)
-        sky = Irradiance(dni, dhi)
-        diffuse = diffuse + _from_below(sky, sun[..., np.newaxis, :], normals, albedo)
+        diffuse = diffuse + _from_below(on_each, sun[..., np.newaxis, :], normals, albedo)
     light = direct + diffuse
     low_light = cell.low_light_efficiency(light)
     incidence = cell.incidence_efficiency(cosine)
