@@ -121,17 +121,9 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
     return [*rows, *aircraft.design_space.user_requirements(design)]
 
 
-def meets_requirements(
-    aircraft: Aircraft, design: Design, *, wind_m_per_s: Value | None = None
-) -> NDArray[np.bool_]:
-    """Return whether closed designs meet all requirements, of the designs' shape.
-
-    ``wind_m_per_s`` is that of each design, by default the mission's strongest.
-    """
+def meets_requirements(aircraft: Aircraft, design: Design) -> NDArray[np.bool_]:
+    """Return whether closed designs meet all requirements, of the designs' shape."""
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
-    if wind_m_per_s is not None:
-        windy = design.conditions._replace(wind_m_per_s=wind_m_per_s)
-        design = design._replace(conditions=windy)
     mass = np.asarray(design.total_mass_kg)
     met = np.isfinite(mass) & (mass <= heaviest * (1.0 + ROW_TOLERANCE))
     with np.errstate(invalid="ignore"):

@@ -270,11 +270,13 @@ class _Cells:
         chosen = [self.tasks[c].held | self.tasks[c].design_variables(d).chosen() for c, d in pairs]
         columns = {name: np.array([values[name] for values in chosen]) for name in names}
         variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, shape[1]))
+        winds = np.array([self.tasks[cell].conditions.wind_m_per_s for cell in cells.tolist()])
+        conditions = first.conditions._replace(wind_m_per_s=np.repeat(winds, shape[1]))
         perf = fly(
             first.simulated_aircraft,
             first.mission,
             first.solar,
-            closed_design(first.simulated_aircraft, first.mission, variables),
+            closed_design(first.simulated_aircraft, conditions, variables),
             self.day.at(places.ravel()),
             keep_trajectory=keep,
             paired=True,
@@ -319,7 +321,7 @@ class _Cells:
         ):
             task = self.tasks[cell]
             good = task.is_enough(perf.cycle.excess_time_h) & meets_requirements(
-                task.simulated_aircraft, perf.design, wind_m_per_s=task.conditions.wind_m_per_s
+                task.simulated_aircraft, perf.design
             )
             highest[place] = np.where(good, merit_of(first.objective, perf), -np.inf).max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission, shipped_mission
 
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.battery.battery import RuleChargeLimit, charge_rate_per_h
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import variables_of
+from sizing.limits import ROW_TOLERANCE
 from sizing.performance import performance_of_designs
+from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import SINGLE_OBJECTIVES, Objective
 from sizing.program.result import SizingStatus
@@ -209,6 +211,19 @@ def test_scenarios_that_join_late_do_not_end_a_search_far_from_its_start():
     from_far = size_aircraft(*case, day=dim, start=start, explain=False)
     assert from_far.design is not None
     assert from_far.merit == pytest.approx(size_aircraft(*case, day=dim).merit, rel=1e-3)
+
+
+def test_designs_of_cells_are_faster_than_the_wind_of_their_own_cell():
+    """Of two places the second is windier than the first: its lighter neighbour is none for it."""
+    here, plane = shipped_mission("stratosphere-mission"), aircraft("stratosphere-design")
+    places = Scenarios(np.array([0.0, 20.0, 40.0]), np.array([41, 201, 201]))
+    cells = size_cells(plane, here, places, MIN_MASS)
+    winds = here.scenario_winds_m_per_s(places)
+    assert winds[1] > 1.1 * max(winds[0], winds[2])
+    assert np.all(cells.airspeed_m_per_s >= winds * (1.0 - ROW_TOLERANCE))
+    light = solar_day(plane, here, SolarModel(), scenarios=places).at([1])
+    alone = size_aircraft(plane, here.in_wind(float(winds[1])), MIN_MASS, day=light)
+    assert cells.objective_value[1] == pytest.approx(alone.objective_value, rel=1e-3)
 
 
 def test_a_start_may_hold_arrays():
