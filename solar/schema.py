@@ -200,8 +200,9 @@ class Record(BaseModel, metaclass=_Described):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a changed copy as pydantic does, of declared fields, marked as not validated."""
         copied = super().model_copy(update=update, deep=deep)
+        values = _declared(copied) | dict(update or {})  # with keys that are none, to refuse them
         mark = {_UNCHECKED: True} if update or self.is_unchecked() else {}
-        object.__setattr__(copied, "__dict__", _declared(copied) | mark)
+        object.__setattr__(copied, "__dict__", values | mark)
         return copied
 
     def is_unchecked(self) -> bool:
