@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 from click.core import ParameterSource
@@ -39,9 +39,6 @@ from solar.schema import spell
 from studies.case import Case, Loaded
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder
-
-if TYPE_CHECKING:
-    from studies.cli.options import Case as Options
 
 _AIRCRAFT_PREFIX = "aircraft."
 _A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
@@ -124,11 +121,12 @@ def opened(
     return Loaded(checked, document, InputFile.of(path).sha256)
 
 
-def load(options: Options) -> Case:
+def load(options: Any) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
-    A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
-    options that are not given. A known total mass is that on the mission as it is flown.
+    ``options``: of a command that has a case. A folder that ``--out`` wrote stands for an aircraft,
+    and its mission, model and correction for options that are not given. A known total mass is that
+    on the mission as it is flown.
     """
     aircraft, mission = options.aircraft, options.mission
     model, correction = options.model, options.correction
