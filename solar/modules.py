@@ -78,9 +78,9 @@ class Curve(_Table):
 
     @cached_property
     def _pieces(self) -> tuple[FloatArray, FloatArray]:
-        """Ends of the pieces, the last one open, and their coefficients."""
+        """Ends of the pieces but the last, and their coefficients."""
         x = np.asarray(self.x)
-        return np.append(x[1:-1], np.inf), _cubics(x, np.asarray(self.y))
+        return x[1:-1], _cubics(x, np.asarray(self.y))
 
     def __call__(self, x: ArrayLike) -> FloatArray:
         """Return the value of the curve at ``x``, shape of ``x``."""

@@ -42,6 +42,7 @@ def test_curve_with_points_close_together_is_searched():
     expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
     np.testing.assert_allclose(curve(x), expected, rtol=1e-12)
     assert curve(0.5).shape == ()
+    np.testing.assert_equal(curve([np.nan, 1.0]), [np.nan, 2.0])
     assert curve(np.zeros((2, 3, 4))).shape == (2, 3, 4)
 
 
