@@ -206,8 +206,10 @@ def nearest(axis: str, values: FloatArray, degrees: float) -> int:
     """Return the index of the nearest latitude or longitude, at most a grid spacing away."""
     away = np.abs((values - degrees + 180.0) % 360.0 - 180.0)
     index = int(np.argmin(away))
-    spacing = float(np.min(np.diff(np.sort(values)))) if len(values) > 1 else 0.0
-    if away[index] > max(spacing, 1e-6):
+    around = np.sort(values % 360.0)
+    # The widest gap around the globe is where the grid has no values.
+    gaps = np.sort(np.diff(around, append=around[0] + 360.0))[:-1]
+    if away[index] > max(gaps.max(initial=0.0), 1e-6):
         raise not_of_the_mission(f"{axis}s", values, degrees)
     return index
 

@@ -9,7 +9,7 @@ from missions.air import standard_air
 from missions.files.errors import InputError
 from missions.mission import Mission
 from missions.weather.files import load_weather
-from missions.winds.netcdf import wind_table_from_netcdf
+from missions.winds.netcdf import nearest, wind_table_from_netcdf
 
 TIMES = np.arange("2020-01-01", "2021-01-01", dtype="datetime64[D]")
 LATITUDES, LONGITUDES, LEVELS = [50.0, 45.0, 40.0], [0.0, 5.0, 355.0], [30.0, 50.0, 100.0]
@@ -113,6 +113,21 @@ def test_the_level_without_pressure_is_left_out(tmp_path):
     levels = ("pressure_level", [0.0, *LEVELS[1:]], {"units": "hPa"})
     winds = wind_table_from_netcdf(written(era5().assign_coords(pressure_level=levels), tmp_path))
     assert len(winds.altitude_m) == len(LEVELS) - 1
+
+
+@pytest.mark.parametrize(
+    ("axis", "values", "degrees", "index"),
+    [
+        ("latitude", [40.0, 45.0, 46.0], 42.4, 0),
+        ("latitude", [46.0, 45.0, 40.0], 50.0, 0),
+        ("longitude", [350.0, 0.0, 5.0], -6.0, 0),
+        ("longitude", [-5.0, 0.0, 10.0], 19.0, 2),
+    ],
+)
+def test_places_between_uneven_values_or_a_spacing_beyond_are_near(axis, values, degrees, index):
+    assert nearest(axis, np.array(values), degrees) == index
+    with pytest.raises(InputError, match=f"has {axis}s .*, not 80 of the mission"):
+        nearest(axis, np.array(values), 80.0)
 
 
 SWAPPED = {"latitude": "longitude", "longitude": "latitude"}
