@@ -30,7 +30,7 @@ class TextTable(NamedTuple):
 
 def text_table(text: str) -> TextTable:
     """Split a text into comments, names and rows."""
-    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
+    lines = [(number, line.strip()) for number, line in enumerate(text.split("\n"), start=1)]
     header, places = {}, {}
     for number, line in lines:
         key, colon, value = line.lstrip("# \t").partition(":")

@@ -239,7 +239,8 @@ def _plain(text: str) -> RawTable:
     head = text_table(text[:HEAD_LENGTH])
     names = [name.strip('"') for name in head.names]
     chosen = [_CSV_COLUMNS[name] for name in names if name in _CSV_COLUMNS]
-    if head.line is None or "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen):
+    lacks = "time" not in chosen or not {"ghi", "dni", "dhi"} & set(chosen)
+    if head.line is None or head.separator is None or lacks:
         raise refused(f"is no weather file that is known: {_CSV_HELP}")
     problems = []
     if unknown := [name for name in names if name not in _CSV_COLUMNS]:

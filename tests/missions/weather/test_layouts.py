@@ -194,6 +194,8 @@ def test_plain_table_and_the_shipped_year(tmp_path):
     found = load_weather(write_plain(tmp_path / "a.csv", record))
     assert (found.layout, found.site) == ("CSV", Site("Somewhere", 46.8, 6.9, 491.0, 0.0))
     same_light(found, record, 1e-5)
+    paged = replace(record, site=replace(SITE, name="Some\fwhere"))  # lines end by line feeds alone
+    same_light(load_weather(write_plain(tmp_path / "b.csv", paged)), record, 1e-5)
     assert SITE.label.startswith("Somewhere (46.80° N, 6.90° E, 491 m)")
     assert shipped_names("record") == ["colorado-2023"]
     year = load_weather("colorado-2023")
@@ -207,6 +209,7 @@ def test_plain_table_and_the_shipped_year(tmp_path):
         (b"", "is empty"),
         (b"\0\1\2\0", "is no text file"),
         (b"hello\nworld\n", "is no weather file that is known"),
+        (b"time_utc ghi\n2023-06-21T00:00Z 0\n", "is no weather file that is known"),
         (b"LOCATION,X,-,CHE,IWEC,1,95.0,6.9,1.0,491.0\n", "is no readable EPW file|latitude"),
         (b'{"inputs": {"meteo_data": 1', "is no readable PVGIS typical year file"),
         (b"*U0001\n 21  6 2016  1\n", "is no readable BSRN file"),
