@@ -153,8 +153,10 @@ class SizingTask:
 
     @cached_property
     def has_polar_night(self) -> bool:
-        """Whether a repeated day has no sun at all, so that no design flies through it."""
-        return self.window_h is None and bool(self.day.scenarios.in_polar_night().any())
+        """Whether a repeated day has no sun at all, or a flight no sunrise to begin with."""
+        if self.window_h is not None:
+            return bool((np.ptp(self.window_h, axis=1) == 0.0).any())
+        return bool(self.day.scenarios.in_polar_night().any())
 
     @property
     def goal_h(self) -> float:

@@ -113,9 +113,6 @@ def size(
         longest = longest_flight_of_all(subject, mission, solar, required_excess_time_h=required_h)
         launched = mission if longest.simulated is None else longest.simulated.mission
         return study_of(subject, launched, longest, solar)
-    if mission.flight is not None:
-        flight = size_aircraft(subject, mission, goal, solar, required_excess_time_h=required_h)
-        return study_of(subject, mission, flight, solar)
     demanding = mission
     if required_h is not None:
         # The mission's rules for its own requirement hold for another one, too.

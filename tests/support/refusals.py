@@ -1,15 +1,16 @@
 """Tables of what is refused, and in which words.
 
 ``[BEGIN]`` heads rows ``REST => MESSAGE`` of what begins with it; ``NAME := TEXT`` gives a piece of
-text a name, which rows write as ``$NAME``.
+text a name, which rows write as ``$NAME``; ``$HERE`` is the folder that tests run in.
 """
 
+from pathlib import Path
 from string import Template
 
 
 def refusals(path):
     """Return the rows of a table: what it begins with, the rest, the message."""
-    names, begin, rows = {}, "", []
+    names, begin, rows = {"HERE": str(Path.cwd())}, "", []
     for line in path.read_text(encoding="utf-8").splitlines():
         left, sign, right = Template(line).substitute(names).partition(" => ")
         if sign:

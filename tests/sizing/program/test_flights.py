@@ -6,16 +6,21 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission, shipped_mission
 
+from missions.mission import Scenarios
+from missions.mission.mission import Payload
 from sizing.day.light import FINE_STEP_H, solar_day
 from sizing.day.metrics import Status
 from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.performance import performance, performance_of_designs
+from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
+from sizing.results.sizing import size
+from sizing.results.uncertainty import analyse_uncertainty
 
 # The loop over minutes knows no charge limit.
 LARGE_BATTERY = aircraft("atlantiksolar-as2", "battery.charge_limit={kind: none}")
@@ -163,3 +168,46 @@ def test_no_neighbour_of_a_flight_with_two_mornings_is_better():
     there = shipped_mission(flight={"launch": "sunrise", "hours": 30.0})
     found = size_aircraft(DESIGN, there, Objective.min_mass, required_excess_time_h=0.0)
     assert cross_check(DESIGN, there, found).advantage <= 0.005 * found.objective_value
+
+
+def test_whatever_is_asked_of_a_cycle_is_answered_for_a_flight():
+    there = shipped_mission(flight={"launch": "sunrise", "land": "sunset"})
+    asked = size(DESIGN, there, "min_mass", with_sensitivities=True, with_cross_check=True)
+    assert asked.cross_check.cross_checked
+    by_motor = {row.parameter: row.per_percent for row in asked.sensitivities}
+    motor = DESIGN.airframe.propulsion.motor_efficiency
+    better, worse = (
+        size(
+            aircraft(DESIGN.name, f"airframe.propulsion.motor_efficiency={by * motor}"), there
+        ).total_mass_kg
+        for by in (1.05, 0.95)
+    )
+    # Either sizing is known to 0.03 %, a tenth of their difference.
+    expected = pytest.approx((better - worse) / 10.0, rel=0.1)
+    assert by_motor["airframe.propulsion.motor_efficiency"] == expected
+    heavy = size(DESIGN, there.model_copy(update={"payload": Payload(mass_kg=400.0)}))
+    assert {row.parameter for row in heavy.relaxations} == {"mission.payload.mass_kg"}
+
+
+@pytest.mark.slow
+def test_a_reliable_flight_has_its_probability_in_an_analysis():
+    there = shipped_mission(flight={"launch": "sunrise", "land": "sunset"})
+    plain, reliable = (size(DESIGN, there, reliability=share) for share in (None, 0.9))
+    assert reliable.total_mass_kg > 1.01 * plain.total_mass_kg
+    drawn = analyse_uncertainty(reliable.sized_aircraft(), there, samples=4096, seed=5)
+    assert drawn.probability_required.value == pytest.approx(0.9, abs=0.02)
+
+
+def test_where_the_sun_does_not_rise_no_flight_begins_at_sunrise():
+    there = shipped_mission(flight={"launch": "sunrise", "land": "sunset"})
+    places = Scenarios(np.array([40.0, 80.0]), np.array([355, 355]))
+    cells = size_cells(DESIGN, there, places, Objective.min_mass)
+    assert cells.status.tolist() == [SizingStatus.cross_checked, SizingStatus.infeasible]
+    assert cells.requirement[1] == "sun"
+
+
+def test_a_range_of_flights_has_a_design():
+    there = shipped_mission(flight={"launch": "sunrise", "land": "sunset"})
+    band = size(DESIGN, there, "widest_latitude_band").coverage
+    assert band.first < -60.0
+    assert band.last > 70.0
