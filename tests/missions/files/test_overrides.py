@@ -13,6 +13,7 @@ def test_aliases_give_independent_copies():
     # A value stands where it is written.
     assert document.places["c",] == ((2, 1), (1, 4), "")
     assert document.places["c", "b"].value == (1, 11)
+    assert parse_yaml("a: &x b\n*x : c", "a.yaml").data == {"a": "b", "b": "c"}
 
 
 def overridden(text, *overrides):
