@@ -61,7 +61,7 @@ def deliver(
     folder: Callable[[], Folder] | None = None,
     report: Callable[[], dict[str, Any]] | None = None,
     record: Callable[[], Any] | None = None,
-    remarks: Sequence[str] = (),
+    remarks: Callable[[], Sequence[str]] = tuple,
     next_step: str | None = None,
 ) -> None:
     """Write what the options name of a result, and print it, also where one cannot be written.
@@ -70,9 +70,9 @@ def deliver(
 
     ``table``: title and what makes it. ``files``: what others hold by their names, None where one
     was not asked for. ``plot``: what draws, and of what. ``folder``: makes what a folder of results
-    holds. ``report``: makes arguments of :func:`write_report`. ``record``: what
-    JSON has, by default that of the result. ``remarks``: lines below the summary. ``next_step``:
-    what to do next, for those at a terminal.
+    holds. ``report``: makes arguments of :func:`write_report`. ``record``: what JSON has, by
+    default that of the result. ``remarks``: makes lines below the summary. ``next_step``: what to
+    do next, for those at a terminal.
     """
     places = vars(options)
     record = record or result.to_dict
@@ -103,7 +103,7 @@ def deliver(
             print_json(case.named(record()))
         else:
             level = SUMMARY + places.get("verbose", False)
-            show(_headed(result.at_level(level), case) + Summary(tuple(remarks)))
+            show(_headed(result.at_level(level), case) + Summary(tuple(remarks())))
     if not places["as_json"]:
         name_written(written)
         suggest(next_step)

@@ -191,7 +191,7 @@ class Size(
             study,
             folder=folder if study.feasible else None,
             report=report if study.feasible else None,
-            remarks=self._remarks(study),
+            remarks=lambda: self._remarks(study),
             next_step=self._next_step(study),
         )
         if not study.feasible:
@@ -226,11 +226,11 @@ class Size(
             )
 
     def _remarks(self, study: SizingStudy) -> list[str]:
-        """Return what all solar power models say of the optimum, where that is printed."""
+        """Return what all solar power models say of the optimum."""
         from sizing.day.module_power import path_troubles
         from studies.models.solar_models import perpetual_by_model, perpetual_line
 
-        if self.as_json or not study.feasible or self.weather_file is not None:
+        if not study.feasible or self.weather_file is not None:
             return []
         aircraft, mission = study.sized_aircraft(), study.sized_mission()
         blown = path_troubles(aircraft, mission)[0] is not None

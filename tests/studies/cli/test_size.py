@@ -116,3 +116,13 @@ def test_a_result_is_printed_and_written_where_figures_and_report_fail(run, tmp_
     kept = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
     assert files(tmp_path / "d") == kept | {"scenarios.csv", "masses.csv"}
     assert not (tmp_path / "r.html").exists()
+
+
+def test_a_result_is_written_before_the_other_models_are_asked(run, tmp_path, monkeypatch):
+    def fail(*_, **__):
+        raise OSError("no memory")
+
+    monkeypatch.setattr("studies.models.solar_models.perpetual_by_model", fail)
+    outcome = run("size", DESIGN, "-m", "rafz-july", "--out", "d")
+    assert (outcome.code, outcome.err) == (1, "solar-uav: no memory\n")
+    assert (tmp_path / "d" / "results.json").exists()
