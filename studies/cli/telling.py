@@ -95,12 +95,14 @@ class _Pace:
 class _Lines:
     def __init__(self, unit: str) -> None:
         self._unit, self._pace = unit, _Pace()
-        self._next_s = time.monotonic() + _FIRST_LINE_S
+        self._next_s: float | None = None
         self._said = False
 
     def __call__(self, done: int, total: int) -> None:
         rate = self._pace.per_s(done)
         now = time.monotonic()
+        if self._next_s is None:  # what came before, such as the start of a cluster, is no work
+            self._next_s = now + _FIRST_LINE_S
         if done >= total and self._said:  # or the last line would look like an end half-way
             print(f"{done} of {total} {self._unit}", file=sys.stderr, flush=True)
         if now < self._next_s or done >= total:

@@ -51,6 +51,7 @@ def test_lines_are_rare_and_leave_standard_output_alone(monkeypatch, capsys):
     clock = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     with progress.progress_of("cells") as update:
+        clock[0] += 10.0  # a cluster starts
         update(10, 100)  # kept from an earlier run
         for done in range(11, 101):
             clock[0] += 0.5
