@@ -37,13 +37,13 @@ def combinations(
     and refuses them if named.
     """
     named = [*(models or ()), *(corrections or ())]
-    pairs = [
-        model
-        if isinstance(model, SolarModel)
-        else SolarModel(model, "report" if (model, by) == ("FM", "loiter") else by)
-        for model in (MODEL_NAMES if models is None else models)
-        for by in (CORRECTION_NAMES if corrections is None else corrections)
-    ]
+    pairs: list[SolarModel] = []
+    for model in MODEL_NAMES if models is None else models:
+        if isinstance(model, SolarModel):
+            pairs.append(model)
+            continue
+        for by in CORRECTION_NAMES if corrections is None else corrections:
+            pairs.append(SolarModel(model, "report" if (model, by) == ("FM", "loiter") else by))
     if not attitude:
         for pair in pairs:
             word = pair.model if pair.model in ATTITUDE_MODELS else pair.correction

@@ -82,6 +82,7 @@ def test_full_model_on_the_loiter_is_one_case_with_the_report():
     every = combinations()
     assert len(every) == 11
     assert combinations(("FM",), ("loiter",)) == [SolarModel("FM", "report")]
+    assert combinations((SolarModel("CAM"),), ()) == [SolarModel("CAM")]  # with its own
     assert combinations(("FM",), ("report", "loiter")) == [SolarModel("FM", "report")]
     fm_by_report, fm_by_loiter = (
         solar_day(AS2, LOITER, SolarModel("FM", c)).specific_power_w_per_m2
