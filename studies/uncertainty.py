@@ -38,7 +38,9 @@ def blocks(analysis: UncertaintyAnalysis, level: int) -> list[Any]:
     """Return probabilities, spread, and what the excess time depends on."""
     mission, inputs = analysis.mission, analysis.inputs
     perpetual, sufficient, nominal = q.of_part("uncertainty")
-    sufficient = replace(sufficient, label=f"probability of {required(analysis.required_h)}")
+    sufficient = replace(
+        sufficient, label=f"probability of {required(analysis.required_h, analysis.mission)}"
+    )
     probabilities = (perpetual, sufficient) if analysis.required_h > 0.0 else (perpetual,)
     rows = q.facts_of((*probabilities, nominal), analysis)
     if not analysis.lobes:

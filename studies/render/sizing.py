@@ -355,7 +355,8 @@ def _reliability(study: SizingStudy) -> list[str]:
     """Return how reliable the design is, and what the optimum without uncertainty is."""
     if (reliability := study.reliability) is None:
         return []
-    what, reached = required(study.result.required_excess_time_h), reliability.achieved.text()
+    what = required(study.result.required_excess_time_h, study.mission)
+    reached = reliability.achieved.text()
     of_nearest = "" if study.feasible else "of the nearest design "
     nominal = objective_text(study.objective, reliability.nominal_objective)
     return [

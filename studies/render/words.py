@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missions.dates import date_label
 from missions.files.data_rows import data_rows
+from missions.mission import Mission
 from sizing.design_space import DesignSpace
 from sizing.parameters import catalogue, label, unit_text
 from sizing.results.result import relative_change
@@ -68,10 +69,10 @@ def given(value: float, unit: str = "") -> str:
     return amount(value, unit, "g")
 
 
-def required(excess_time_h: float) -> str:
+def required(excess_time_h: float, mission: Mission) -> str:
     """Return what is required of every scenario."""
-    least = given(excess_time_h, "h")
-    return f"{least} of excess time" if excess_time_h > 0.0 else "perpetual flight"
+    least, plain = given(excess_time_h, "h"), "a landing" if mission.flight else "perpetual flight"
+    return f"{least} of excess time" if excess_time_h > 0.0 else plain
 
 
 def percent(share: float, form: str = ".1f") -> str:

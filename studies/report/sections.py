@@ -189,7 +189,7 @@ def sizing_blocks(subject: Subject) -> Iterator[Block]:
     value, required_h = (sizing["objective"][key] for key in ("value", "required_excess_time_h"))
     text = f"Sized for the {objective_caption(objective)}: {with_unit(value, objective)}"
     if required_h:
-        text += f", with {required(required_h)} required in every scenario"
+        text += f", with {required(required_h, subject.mission)} required in every scenario"
     yield f"{text} ({sizing['status'].replace('_', ' ')})."
     if (reliability := sizing.get("reliability")) is not None:
         achieved, least = percent(reliability["achieved"]), percent(reliability["required"], "g")
@@ -562,7 +562,9 @@ def margin_table(subject: Subject) -> Table | None:
         looks = {"label": "would have to become", "missing": "not enough alone"}
         what = "what is missing for"
     columns = (*columns[:3], replace(columns[3], **looks), *columns[4:])
-    return Table(f"{what} {required(required_h)}, one at a time", columns, tuple(rows))
+    return Table(
+        f"{what} {required(required_h, subject.mission)}, one at a time", columns, tuple(rows)
+    )
 
 
 def _quantities(
