@@ -41,3 +41,18 @@ def test_analysis_of_a_file_with_cells_tells_them(run):
     assert "solar cells: 88, each half of the wing 2 rows of 22" in text
     for fact in ("cells in series 6", "cells in parallel 10", "empty 18.0 V", "full 25.2 V"):
         assert fact in text
+
+
+def test_no_design_of_whole_cells_has_exit_code_1(run):
+    layout = (
+        "modules.layout={cell_span_m: 2.5, cell_chord_m: 0.125, cell_area_m2: 0.3125, "
+        "bays: [{cells: [1, 1]}]}"
+    )
+    outcome = run(
+        *SIZE,
+        *("--set", layout, "--set", "modules.area_m2=1.25", "--set", PACK),
+        *("--set", "design_space.module_area_m2.maximum=0.6"),
+        *("--set", "design_space.wingspan_m.maximum=6"),
+    )
+    assert outcome.code == 1
+    assert "no design of whole cells" in outcome.out
