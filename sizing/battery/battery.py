@@ -293,9 +293,21 @@ class Battery(CatalogueRecord):
         return fixed + at_1_kg * mass ** (2.0 / 3.0)
 
     def heater_parts_w(self, air_c: Value, altitude_m: Value) -> tuple[Value, Value]:
-        """Return the heater's power independent of the mass, and for an insulated pack of 1 kg [W].
+        """Return the heater's power independent of the mass, and for an insulated pack of 1 kg.
 
         The second scales with the mass to the power of 2/3.
+
+        Parameters
+        ----------
+        air_c : float or array
+            Temperature of the air [C].
+        altitude_m : float or array
+            Altitude, which broadcasts with it [m].
+
+        Returns
+        -------
+        fixed_w, at_1_kg_w : float or array
+            Both parts [W].
         """
         held, share = self.temperature_at(altitude_m)
         if held is None:

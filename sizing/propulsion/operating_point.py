@@ -100,6 +100,18 @@ class Propulsor:
 
         ``V = V_bus - R P(V) / V`` at the controller, solved for V at a known P; half of the bus
         voltage is left at the largest power that the wiring passes.
+
+        Parameters
+        ----------
+        shaft : Shaft
+            Rotation and power of the propeller's shaft.
+        bus_v : float or array
+            Voltage of the bus, which broadcasts with them [V].
+
+        Returns
+        -------
+        BehindShaft
+            Of the shape of both.
         """
         gear, controller, resistance = self.gear, self.controller, self.wiring_resistance_ohm
         rpm = 60.0 * shaft.rotation_per_s * gear.ratio
@@ -119,7 +131,26 @@ class Propulsor:
     def used_and_limits(
         self, shaft: Shaft, behind: BehindShaft, airspeed_m_per_s: Value, air: Air, bus_v: Value
     ) -> dict[str, tuple[Value, Value]]:
-        """Return what the parts use of every limit that they have, and the limit."""
+        """Return what the parts use of every limit that they have, and the limit.
+
+        Parameters
+        ----------
+        shaft : Shaft
+            Rotation and power of the propeller's shaft.
+        behind : BehindShaft
+            Motor, controller and wiring at this shaft.
+        airspeed_m_per_s : float or array
+            Airspeed [m/s].
+        air : Air
+            State of the air.
+        bus_v : float or array
+            Voltage of the bus [V].
+
+        Returns
+        -------
+        dict
+            By the name of the limit what is used, and the limit, in its unit.
+        """
         (current_a, voltage_v), motor = behind.motor, self.motor
         mach = tip_mach(airspeed_m_per_s, shaft.rotation_per_s, self.propeller.diameter_m, air)
         every = {

@@ -148,7 +148,19 @@ class PropellerTable:
         return advance, (self.curves[0].speed_rpm / 60.0, self.curves[-1].speed_rpm / 60.0)
 
     def at(self, indices: Indices, shape: tuple[int, ...] | None = None) -> PropellerTable:
-        """Return this propeller, the same at all points."""
+        """Return this propeller, the same at all points.
+
+        Parameters
+        ----------
+        indices : Indices
+            Points in line.
+        shape : tuple of int, optional
+            Shape of all points.
+
+        Returns
+        -------
+        PropellerTable
+        """
         return self
 
 
@@ -270,7 +282,19 @@ class BladeElementPropeller:
         return (0.0, _LARGEST_ADVANCE_OVER_PITCH * ratio + _ADVANCE_BEYOND_PITCH), (0.0, np.inf)
 
     def at(self, indices: Indices, shape: tuple[int, ...] | None = None) -> BladeElementPropeller:
-        """Return the propellers at indices of a shape's points in line; a single one unchanged."""
+        """Return the propellers at indices of a shape's points in line; a single one unchanged.
+
+        Parameters
+        ----------
+        indices : Indices
+            Points in line.
+        shape : tuple of int, optional
+            Shape of all points; that of the propellers by default.
+
+        Returns
+        -------
+        BladeElementPropeller
+        """
         sizes = np.broadcast_arrays(self.diameter_m, self.pitch_m)
         if not sizes[0].ndim:
             return self
