@@ -98,26 +98,25 @@ class Launches:
 
     def _hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """March flights from midnight to midnight until each is empty, or loses nothing."""
-        flights, full_wh = np.arange(len(cells)), self.store.battery_energy_wh[cells]
-        end_h, energy_wh = np.full(len(cells), np.inf), np.asarray(full_wh, float)
-        settled_wh = self.day.deficit_until_wh(launch_h, cells)
-        days, like = np.zeros(len(cells)), flights.copy()
-        lost_wh = np.full(len(cells), np.nan)
+        full_wh = np.asarray(self.store.battery_energy_wh[cells], float)
+        flights, end_h = np.arange(len(cells)), np.full(len(cells), np.inf)
+        like, settled_wh = flights.copy(), self.day.deficit_until_wh(launch_h, cells)
+        # Stored energy, loss of the day before, and days that are over.
+        state = np.stack([full_wh, np.full(len(cells), np.nan), np.zeros(len(cells))])
         for number in range(MAXIMUM_DAYS + 1):
             if not len(flights):
                 break
             if 0 < number < _DAYS_THAT_FILL:
-                keys = cells[flights] + 1j * energy_wh
+                keys = cells[flights] + 1j * state[0]
                 _, first, same = np.unique(keys, return_index=True, return_inverse=True)
                 like[flights] = flights[first[same]]
-                flights, energy_wh, days = flights[first], energy_wh[first], days[first]
-                lost_wh = lost_wh[first]
-            of, full = cells[flights], full_wh[flights]
-            begin = self.store.select(of), energy_wh, settled_wh[: len(of)]
-            level, midnight_wh, lowest_wh = self.day.select(of).flight(*begin)
-            empty = ~np.isnan(level)
-            hour = self.day.hour_of_deficit(level[empty], of[empty])
-            end_h[flights[empty]] = HOURS_PER_DAY * days[empty] + hour
+                flights, state = flights[first], state[:, first]
+            full, (energy_wh, lost_wh, days) = full_wh[flights], state
+            settled = np.zeros(len(flights)) if number else settled_wh
+            begin = self.store, energy_wh, settled
+            empty_h, midnight_wh, lowest_wh = self.day.flights(cells[flights], *begin)
+            empty = ~np.isnan(empty_h)
+            end_h[flights[empty]] = (HOURS_PER_DAY * days + empty_h)[empty]
             # A day that gives back what it takes is perpetual flight; that of the launch is none.
             loss_wh = energy_wh - midnight_wh
             goes_on = ~empty & ((number == 0) | (loss_wh > _PERPETUAL * full))
@@ -126,11 +125,9 @@ class Launches:
             alike &= np.abs(loss_wh - lost_wh) <= _ALIKE * full
             skipped = np.floor(lowest_wh / np.where(alike, loss_wh, 1.0)) - 1.0
             skipped = np.where(alike, np.clip(skipped, 0.0, MAXIMUM_DAYS), 0.0)
-            days, energy_wh = days + 1.0 + skipped, midnight_wh - skipped * loss_wh
-            lost_wh = loss_wh if number else lost_wh  # the day of the launch says nothing
-            flights, energy_wh, days = flights[goes_on], energy_wh[goes_on], days[goes_on]
-            lost_wh = lost_wh[goes_on]
-            settled_wh = np.zeros(len(cells))
+            known_wh = loss_wh if number else lost_wh  # the day of the launch says nothing
+            after = midnight_wh - skipped * loss_wh, known_wh, days + 1.0 + skipped
+            flights, state = flights[goes_on], np.stack(after)[:, goes_on]
         return np.asarray(end_h[like[like]] - launch_h)
 
     def course(self, i: int, launch_h: float, hours: float) -> Course:

@@ -186,6 +186,20 @@ class ChargingDay:
         lowest = np.maximum(np.minimum(lowest, midnight), 0.0)
         return level, np.maximum(midnight, 0.0), lowest
 
+    def flights(
+        self, cells: IntArray, store: Store, energy_wh: FloatArray, settled_deficit_wh: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """March batteries of some elements of the batch as :meth:`flight` does.
+
+        ``store``: those of all elements. Returns when each is empty for the first time, NaN where
+        it is not [h], and the energy at the end of the day and at the least [Wh].
+        """
+        part, few = self.select(cells), store.select(cells)
+        level, midnight_wh, lowest_wh = part.flight(few, energy_wh, settled_deficit_wh)
+        empty_h, ends = np.full(level.shape, np.nan), np.flatnonzero(~np.isnan(level))
+        empty_h[ends] = self.hour_of_deficit(level[ends], cells[ends])
+        return empty_h, midnight_wh, lowest_wh
+
     def hour_of_deficit(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Return when the deficit since midnight reaches levels, each of one element [h]."""
         level, cumulative = np.maximum(level_wh, 0.0), self.cumulative_deficit_wh

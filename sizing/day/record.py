@@ -207,23 +207,20 @@ def flight_hours(day: ChargingDay, store: Store, run: DayRun, launch_h: FloatArr
     ``launch_h``: hours after the start of each day. Infinite where the days end before the flight.
     """
     days, full_wh = np.arange(len(launch_h)), store.battery_energy_wh
-    level, _, _ = day.flight(store, run.start_wh, np.zeros(len(days)))
-    empty_h = day.hour_of_deficit(np.nan_to_num(level), days) + HOURS_PER_DAY * days
-    empty_h = np.where(np.isnan(level), np.inf, empty_h)
-    empty_h = np.minimum.accumulate(empty_h[::-1])[::-1]  # first on a day or later
+    # First on a day or later, of the run that is carried over.
+    known_h = day.flights(days, store, run.start_wh, np.zeros(len(days)))[0] + HOURS_PER_DAY * days
+    known_h = np.minimum.accumulate(np.nan_to_num(known_h, nan=np.inf)[::-1])[::-1]
     end_h, flights, today = np.full(len(days), np.inf), days, days
     energy_wh, settled_wh = np.array(full_wh), day.deficit_until_wh(launch_h, days)
     while len(flights):
-        begin = store.select(today), energy_wh, settled_wh
-        level, midnight_wh, _ = day.select(today).flight(*begin)
-        empty = ~np.isnan(level)
-        hour = day.hour_of_deficit(level[empty], today[empty])
-        end_h[flights[empty]] = HOURS_PER_DAY * today[empty] + hour
+        empty_h, midnight_wh, _ = day.flights(today, store, energy_wh, settled_wh)
+        empty = ~np.isnan(empty_h)
+        end_h[flights[empty]] = (HOURS_PER_DAY * today + empty_h)[empty]
         goes_on = ~empty & (today + 1 < len(days))
         flights, today = flights[goes_on], today[goes_on] + 1
         energy_wh = midnight_wh[goes_on] * (full_wh[today] / full_wh[today - 1])
-        known = energy_wh == run.start_wh[today]
-        end_h[flights[known]] = empty_h[today[known]]
-        flights, today, energy_wh = flights[~known], today[~known], energy_wh[~known]
+        joins = energy_wh == run.start_wh[today]
+        end_h[flights[joins]] = known_h[today[joins]]
+        flights, today, energy_wh = flights[~joins], today[~joins], energy_wh[~joins]
         settled_wh = np.zeros(len(flights))
     return np.asarray(end_h - HOURS_PER_DAY * days - launch_h)

@@ -23,7 +23,6 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
-from sizing.limits import meets_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, heights_along
@@ -320,9 +319,7 @@ class _Cells:
             self._simulated(designs, profiles, of_others=True).items()
         ):
             task = self.tasks[cell]
-            good = task.is_enough(perf.cycle.excess_time_h) & meets_requirements(
-                task.simulated_aircraft, perf.design
-            )
+            good = task.is_enough(perf.cycle.excess_time_h) & task.meets(perf)
             highest[place] = np.where(good, merit_of(first.objective, perf), -np.inf).max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0
         tolerance = np.maximum(RELATIVE_TOLERANCE * np.abs(merits), in_hours)

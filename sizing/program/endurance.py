@@ -93,7 +93,7 @@ def _longest_of(task: SizingTask, search: Search) -> _Longest | None:
     perf = performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
     at = int(perf.endurance_h.argmin())
     hours = float(perf.endurance_h[at]) - task.required_h
-    if hours <= 0.0 or not task.meets(perf):
+    if hours <= 0.0 or not task.meets(perf)[0]:
         return None
     perpetual = perf.cycle.perpetual[at]
     return _Longest(design, hours, 0.0 if perpetual else float(perf.endurances.launch_h[at]))

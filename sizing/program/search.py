@@ -288,7 +288,7 @@ class Search:
             perf=perf,
             excess_h=excess_h,
             merit=task.merit(perf, float(excess_h.min())),
-            accepted=bool(task.is_enough(excess_h)) and task.meets(perf),
+            accepted=bool(task.is_enough(excess_h) and task.meets(perf)[0]),
             solution=solution,
             profiles=self.profiles,
             best_climbs=best_climbs,

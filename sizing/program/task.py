@@ -218,8 +218,7 @@ class SizingTask:
         worst_h = excess_h.min(axis=-1)
         return np.asarray((worst_h > 0.0) & (worst_h >= self.required_h))
 
-    def meets(self, perf: Performance) -> bool:
-        """Return whether a design, the first of a batch, keeps every requirement on itself."""
+    def meets(self, perf: Performance) -> BoolArray:
+        """Return whether each design of a batch keeps every requirement on itself."""
         aircraft = self.aircraft if self.beyond_limits else self.simulated_aircraft
-        met = meets_requirements(aircraft, perf.design)
-        return bool(np.ravel(met)[0])
+        return np.ravel(meets_requirements(aircraft, perf.design))

@@ -140,7 +140,7 @@ def size(
         failed = result.status is SizingStatus.infeasible and reached is None
         relaxed = tuple(relaxations(subject, demanding, result, solar)) if failed else ()
         return study_of(subject, demanding, result, solar, relaxations=relaxed, reliability=reached)
-    cooled, result, aspects = _of_repeated_days(subject, mission, goal, solar, required_h)
+    cooled, result, aspects = _without_uncertainty(subject, mission, goal, solar, required_h)
     optimum = (cooled, mission, result, solar)
     if result.feasible and with_sensitivities:
         multipliers = sorted(constraint_multipliers(result), key=lambda row: -row.gain)
@@ -156,14 +156,14 @@ def size(
     return study_of(aircraft, mission, result, solar, cooled=cooled, **aspects)
 
 
-def _of_repeated_days(
+def _without_uncertainty(
     aircraft: Aircraft,
     mission: Mission,
     objective: Objective,
     solar: SolarModel,
     required_h: float | None,
 ) -> tuple[Aircraft, SizingResult, dict[str, Any]]:
-    """Return the sizing for perpetual flight, with what would help an infeasible one.
+    """Return the sizing for certain inputs, with what would help an infeasible one.
 
     A mission with climbs is sized for level flight as well. The aircraft has the cooling of the
     optimum's airflow.

@@ -30,7 +30,7 @@ from sizing.performance import performance
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.design_result import requirement_margins
-from sizing.results.result import relative_change
+from sizing.results.result import Result, relative_change
 from sizing.roots import bracketed_root
 from solar.names import MODELS
 from solar.types import FloatArray
@@ -359,13 +359,17 @@ def models_blocks(subject: Subject) -> Iterator[Block]:
 # ---- Scatter, weather, logs
 
 
+def _with_figure(result: Result, figure: Block) -> Iterator[Block]:
+    """Yield all blocks of a result, a figure behind the first one."""
+    first, *others = result.at_level(ALL).blocks
+    yield from (first, figure, *others)
+
+
 def uncertainty_blocks(subject: Subject) -> Iterator[Block]:
     """Yield how likely the flight is perpetual when inputs scatter, if any do."""
     if (uncertainty := subject.uncertainty) is None:
         return
-    first, *others = uncertainty.at_level(ALL).blocks
-    yield first
-    yield page_figure(
+    figure = page_figure(
         plot_uncertainty(uncertainty, figure=page_options(9.6)),
         f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
         "inputs, and what it depends on.",
@@ -373,27 +377,25 @@ def uncertainty_blocks(subject: Subject) -> Iterator[Block]:
         words=f"{uncertainty.headline()}. The shares are in the table below.",
         key="scatter",
     )
-    yield from others
+    yield from _with_figure(uncertainty, figure)
 
 
 def weather_blocks(subject: Subject) -> Iterator[Block]:
-    """Yield the flight through a weather record; None without one."""
+    """Yield the flight through a weather record, if there is one."""
     if (weather := subject.weather) is None:
         return
-    first, *others = weather.at_level(ALL).blocks
-    yield first
-    yield page_figure(
+    figure = page_figure(
         plot_weather(weather, figure=page_options(_WIDE_IN, 6.4)),
         "State of charge at every dawn, survival of launches, and the season in this weather.",
         title="Flight through the weather record",
         words=f"{weather.headline()}.",
         key="weather",
     )
-    yield from others
+    yield from _with_figure(weather, figure)
 
 
 def verification_blocks(subject: Subject) -> Iterator[Block]:
-    """Yield the models against a flight log; None without one."""
+    """Yield the models against a flight log, if there is one."""
     if (verification := subject.verification) is None:
         return
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas

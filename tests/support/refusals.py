@@ -7,6 +7,11 @@ text a name, which rows write as ``$NAME``; ``$HERE`` is the folder that tests r
 from pathlib import Path
 from string import Template
 
+import pytest
+import yaml
+
+from missions.files.errors import InputError
+
 
 def refusals(path):
     """Return the rows of a table: what it begins with, the rest, the message."""
@@ -21,3 +26,10 @@ def refusals(path):
         elif left.startswith("["):
             begin = left[1:-1]
     return rows
+
+
+def refusal_of(load, name, changes):
+    """Return the words in which changes of a shipped file are refused."""
+    with pytest.raises(InputError) as refused:
+        load(name, yaml.safe_load(changes))
+    return " | ".join(f"{one.key}: {one.message}" for one in refused.value.problems)
