@@ -92,15 +92,19 @@ class Streams:
         return float((universal_s - universal_s.index).median())
 
     def battery(
-        self, name: str, volts: str, amps: str, charge: str, unit: float
+        self, name: str, volts: str, amps: str, charge: str, unit: float, most: float = np.inf
     ) -> dict[str, pd.Series]:
-        """Return load [W] and state of charge by a battery monitor, as far as it knows them."""
+        """Return load [W] and state of charge by a battery monitor, as far as it knows them.
+
+        ``charge``: field of the state of charge in parts of ``unit``, unknown below 0 or beyond
+        ``most``.
+        """
         stream, made = self.streams.get(name, ()), {}
         if volts in stream and amps in stream:
             made["load_w"] = self.field(name, volts) * self.field(name, amps)
         if charge in stream:
             share = unit * self.field(name, charge)
-            made["state_of_charge"] = share.where(share.between(0.0, 1.0))
+            made["state_of_charge"] = share.where(share.between(0.0, most))
         return made
 
     def no_power(self, example: str) -> InputError:
@@ -347,7 +351,7 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
         angles = zip(ATTITUDE, ("Roll", "Pitch", "Yaw"), strict=True)
         series |= {name: every.field("ATT", field) for name, field in angles}
     battery = "BAT" if "BAT" in streams else "CURR"
-    series |= every.battery(battery, "Volt", "Curr", "RemPct", 0.01)
+    series |= every.battery(battery, "Volt", "Curr", "RemPct", 0.01, 1.0)
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")

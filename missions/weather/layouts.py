@@ -218,11 +218,14 @@ def _site(
 ) -> Site:
     """Return the site of a file's head; ``altitude``, ``zone``: names of these numbers in it."""
     values = []
-    for key in ("latitude", "longitude", altitude, zone):
+    for key, allowed in zip(("latitude", "longitude", altitude, zone), _SITE.values(), strict=True):
         try:
-            values.append(float(head[key]) if key else 0.0)
+            value = float(head[key]) if key else 0.0
         except (KeyError, TypeError, ValueError):
             raise refused(f"its head has no number for {key}") from None
+        if trouble := allowed.trouble("", value):
+            raise refused(trouble, line=1, key=key)
+        values.append(value)
     return Site(name, *values)
 
 

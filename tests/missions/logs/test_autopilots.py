@@ -194,7 +194,7 @@ def test_time_of_gps_is_ahead_by_the_leap_seconds(tmp_path, instant, leap_s):
 def test_an_empty_battery_is_known_and_a_charge_that_cannot_be_is_not():
     shares = pd.DataFrame({"RemPct": [-1.0, 0.0, 55.0, 100.0, 101.0]})
     every = Streams({"BAT": shares}, ColumnMap(), "flight.bin", "message")
-    known = every.battery("BAT", "Volt", "Curr", "RemPct", 0.01)
+    known = every.battery("BAT", "Volt", "Curr", "RemPct", 0.01, 1.0)
     nan = np.nan
     assert list(known) == ["state_of_charge"]
     assert known["state_of_charge"].values == pytest.approx([nan, 0.0, 0.55, 1.0, nan], nan_ok=True)

@@ -232,6 +232,7 @@ def test_what_is_no_weather_file_is_told_by_name(tmp_path, content, message):
     ("write", "old", "new", "message"),
     [
         (write_sam, "Day,Hour", "Day,Time", r"a.csv: has no column hour"),
+        (write_sam, "46.8", "146.8", r"a.csv:1: lat\w*: must be from -90 to 90"),
         (write_pvgis_hourly, "Slope: 0", "Slope: 30", "30 deg slope: ask PVGIS for a slope of 0"),
         (write_psm, "20,4,15", "20,4,15" + 20_000 * ",", r"line \d+ has more than 20000 char"),
         (write_plain, "T04", "T04" + 20_000 * ",", r"line \d+ has more than 20000 characters"),
